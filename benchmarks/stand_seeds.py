@@ -103,7 +103,9 @@ class Taken:
 
     @cached_property
     def signals(self) -> Signals:
-        """Return all signals on the robot's clock, the IMU placed by its own."""
+        """Return all signals on the robot's clock, an IMU placed by its own."""
+        if "imu" not in self.intake.sensors:
+            return Signals.from_table(self.intake.robot)
         time = self.intake.robot["time"].to_numpy()
         imu = resample(self.intake.sensors["imu"], self.clock, time)
         return Signals.from_table(pd.concat([self.intake.robot, imu], axis="columns"))

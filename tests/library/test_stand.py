@@ -279,7 +279,7 @@ def test_a_stuck_arm_hides_a_small_force_and_comes_back_from_a_large_one() -> No
     lever = np.abs(experiment(trajectory=STILL).motion["origin"][0, 1])
     assert shown[0] < 0.6 * 2.0 * lever
     # of the large one, the share by which it loads the gear besides
-    assert shown[1] > (0.8 - LOAD[0]) * 150.0 * lever
+    assert shown[1] > (0.8 - LOAD) * 150.0 * lever
     assert np.abs(large[-1] - large[0])[0] > 1
     assert np.abs(small[-1] - small[0])[0] < 0.2
 

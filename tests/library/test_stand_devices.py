@@ -507,7 +507,7 @@ def test_force_sensor_is_as_noisy_as_the_real_one(like_no8: Recorded, thesis_dat
             "trajectory": FOURIER,
             "contacts": [{"kind": "push", "start_s": 1, "force": [1, 2, np.nan]}],
         },
-        {"trajectory": FOURIER, "contacts": [WALL | {"link": 7}]},
+        {"trajectory": FOURIER, "contacts": [WALL | {"link": 0}]},
         {"trajectory": FOURIER, "contacts": [WALL | {"normal": [0, 0, 0]}]},
     ],
 )

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from ur5lib.doubles.live_arm import LiveArm
-from ur5lib.stand.arm import FLANGE
+from ur5lib.stand.arm import flange
 from ur5lib.stand.controller import (
     ForceEstimate,
     channels,
@@ -85,9 +85,9 @@ class Instruments:
     def _target_tool(self, targets: Targets) -> dict[str, Array]:
         """Return pose and speed of frame 6 at the targets."""
         rig = self._arm.rig
-        jacobian, flange = jacobians(rig, targets.q), rig.nominal_data.body(FLANGE)
+        jacobian, last = jacobians(rig, targets.q), rig.nominal_data.body(flange(rig.nominal))
         return {
-            "target_TCP_pose": poses(flange.xpos, flange.xmat),
+            "target_TCP_pose": poses(last.xpos, last.xmat),
             "target_TCP_speed": jacobian @ targets.qd,
         }
 

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.stand.plan import ForceSensor, Imu
-from ur5lib.stand.rig import STATE, STEP, States
+from ur5lib.stand.rig import STEP, States, state_of
 from ur5lib.stand.sensors import ImuReader, read_force
 from ur5lib.timeseries.arrays import Array
+
+STATE = state_of(6)
 
 
 class Truth:
@@ -58,7 +60,7 @@ class Truth:
         return np.frombuffer(os.pread(self._file.fileno(), count * STATE.itemsize, place), STATE)
 
     def part(self, name: str, when: Array | float) -> Array:
-        """Return a quantity of `rig.STATE` at times (...) [s, host]: (..., components).
+        """Return a quantity of STATE at times (...) [s, host]: (..., components).
 
         Interpolated between steps; times before the first or after the last one give that one.
         """

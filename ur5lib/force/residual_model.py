@@ -46,7 +46,8 @@ class ResidualModel:
     error; breakaway: (n,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
     bands of forces, beside the deviations, since few paths hardly show how paths differ; missed_to:
     size up to which most contacts are missed, in deviations of what hides them; constants_doubt:
-    (n,), relative standard deviations of the torque constants that the torques come from.
+    (n,), relative standard deviations of the torque constants that the torques come from; sensed:
+    whether the torques are those of sensors at the links, behind the gears.
     """
 
     spread: Array
@@ -58,6 +59,7 @@ class ResidualModel:
     doubt: float = 1.0
     missed_to: float = MISSED_TO
     constants_doubt: Array | float = 0.0
+    sensed: bool = False
 
     def covariance(self, of: Array, states: States) -> Array:
         """Return D C D at each sample, D from `spread` or `change`: (N, n, n) [Nm²]."""

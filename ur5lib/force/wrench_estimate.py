@@ -172,7 +172,8 @@ def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
     covariance = (noise.quick + gate.background.covariance + hidden) * np.eye(torque.shape[1])
     covariance = share[:, :, None] * covariance * share[:, None, :]
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
-    lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
+    between = prior.without_gears() if model.sensed else prior
+    lossy = replace(between, load_friction=np.hypot(between.load_friction, model.constants_doubt))
     chosen, plain = (Wrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
     for span in contacts:
         part = slice(*span)

@@ -74,7 +74,8 @@ def residual_models(
             if (torque := getattr(currents, field)) is not None
         ]
         try:
-            models[name] = _residual_model(inputs, fit, paths, cutoff)
+            model = _residual_model(inputs, fit, paths, cutoff)
+            models[name] = replace(model, sensed=friction.senses_torque())
         except RefusalError as refusal:  # too little without contact: then no force is estimated
             refused = refusal.remark
     remarks = () if refused else tuple(_remarks(paths, recordings))

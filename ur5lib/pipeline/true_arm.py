@@ -36,12 +36,12 @@ def true_robot(robot: Robot, truth: TrueParameters) -> Robot:
 
 
 def true_rotors(robot: Robot, truth: TrueParameters) -> Sequence[float]:
-    """Return the simulated rotor inertias (6,) [kg m²]."""
-    return robot.models[truth.model].rotor_inertias or (0.0,) * 6
+    """Return the simulated rotor inertias (n,) [kg m²]."""
+    return robot.models[truth.model].rotor_inertias or (0.0,) * len(robot.joints)
 
 
 def true_parameters(robot: Robot, truth: TrueParameters) -> Array:
-    """Return π (66,) of the simulated model, without a payload: the controller's is known."""
+    """Return π (11 n,) of the simulated model, without a payload: the controller's is known."""
     return LinkModel(robot, truth.model).parameters
 
 
@@ -54,7 +54,7 @@ def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butter
 
 
 def rigid_torques(robot: Robot, truth: TrueParameters, true: Truth) -> dict[str, Array]:
-    """Return models' torques (N, 6) [Nm] at the true motion, with the arm's payload."""
+    """Return models' torques (N, n) [Nm] at the true motion, with the arm's payload."""
     carrying = true_robot(robot, truth)
     return {
         name: LinkModel(carrying, name).inverse_dynamics(true.q, true.qd, true.qdd)

@@ -19,7 +19,7 @@ from ur5lib.pipeline.true_arm import (
     true_rotors,
 )
 from ur5lib.report import truth_table
-from ur5lib.report.truth_table import JOINTS, Row
+from ur5lib.report.truth_table import Row, joint_numbers
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
@@ -73,6 +73,7 @@ def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> 
 def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Row]:
     """Yield the RMSE of models' torques at the true motion, against those of the simulated arm."""
     rigid = true.motor_torque - true.friction_torque + true.contact_torque
+    joints = joint_numbers(rigid)
     for model, torque in rigid_torques(robot, truth, true).items():
-        for row in truth_table.errors("torque", JOINTS, ["Nm"] * 6, rigid, torque):
+        for row in truth_table.errors("torque", joints, ["Nm"] * len(joints), rigid, torque):
             yield row | {"method": f"Model {model}"}

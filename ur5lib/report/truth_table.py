@@ -23,7 +23,6 @@ Row = dict[str, object]
 
 COLUMNS = ["recording", "robot", "quantity", "method", "index", "unit"]
 COLUMNS += ["truth", "estimate", "std_error", "within95", "zero"]
-JOINTS = [1, 2, 3, 4, 5, 6]
 AXES = ["x", "y", "z"]
 MOTION_COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
 ACCELERATION_UNITS = ["m/s2"] * 3 + ["rad/s2"] * 3
@@ -102,10 +101,11 @@ def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iter
     for method, motion in motions.items():
         if len(motion.time):
             estimate, true = motion.qdd, truth.qdd
+            joints = joint_numbers(true)
             inside = coverage(estimate, motion.qdd_std, true, INSIDE2)
             rows = [
-                *errors("joint_acceleration", JOINTS, ["rad/s2"] * 6, true, estimate),
-                *shares("joint_acceleration_inside_2_std", JOINTS, INSIDE2, inside),
+                *errors("joint_acceleration", joints, ["rad/s2"] * len(joints), true, estimate),
+                *shares("joint_acceleration_inside_2_std", joints, INSIDE2, inside),
             ]
             yield from (row | {"method": method} for row in rows)
 
@@ -137,14 +137,14 @@ def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
 
 
 def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
-    """Yield rotor inertias; truth: (6,) [kg m²].
+    """Yield rotor inertias; truth: (n,) [kg m²].
 
     Their standard errors are a jackknife over recordings, or over parts of the only one.
     """
     if rotors.value is not None and rotors.std_error is not None:
         known = truth, rotors.value.inertia, rotors.std_error.inertia
         freedom = len(rotors.from_) - 1 or PARTS - 1
-        yield from values("rotor_inertia", JOINTS, "kg m2", *known, freedom)
+        yield from values("rotor_inertia", joint_numbers(truth), "kg m2", *known, freedom)
 
 
 def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
@@ -179,7 +179,7 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
     """
     truths = {
         "torque_constant": ("Nm/A", drive.torque_constant),
-        "offset": ("Nm", np.zeros(6)),
+        "offset": ("Nm", 0 * drive.torque_constant if drive.offset is None else drive.offset),
         "coulomb": ("Nm", true["coulomb"]),
         "viscous": ("Nm s/rad", true["viscous"]),
         "load": ("1", true["load"]),
@@ -196,6 +196,11 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
             numbers = [value], [row.value], [row.std_error]
             for compared in values(row.name, [row.joint], unit, *numbers):
                 yield compared | {"within95": inside}
+
+
+def joint_numbers(values: Any) -> list[int]:
+    """Return the numbers of the joints of values (..., n)."""
+    return [*range(1, np.shape(values)[-1] + 1)]
 
 
 def _rms(array: Array) -> Array:

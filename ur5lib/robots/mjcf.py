@@ -42,10 +42,10 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
 
 
 def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12) -> mujoco.MjsBody:
-    """Add the six links in series, and the tool, which carries the payload; return the tool.
+    """Add the links in series, and the tool, which carries the payload; return the tool.
 
-    The frame of body `link_k` is the Denavit-Hartenberg frame k; `tool` is fixed to link 6. share:
-    see `rigid_inertia`.
+    The frame of body `link_k` is the Denavit-Hartenberg frame k; `tool` is fixed to the last link.
+    share: see `rigid_inertia`.
     """
     bare = robot.models[model].model_copy(update={"payload": None})
     bodies = rigid_bodies(robot.model_copy(update={"models": {model: bare}}), model)

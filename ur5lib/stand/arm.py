@@ -4,10 +4,9 @@ import mujoco
 from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Mounting, Robot
-from ur5lib.robots.mjcf import add_arm
+from ur5lib.robots.mjcf import TOOL, add_arm
 from ur5lib.timeseries.arrays import Array
 
-FLANGE = "link_6"
 SENSORS = {  # name: MuJoCo type, site where it is mounted
     "force": (mujoco.mjtSensor.mjSENS_FORCE, "force_sensor"),
     "torque": (mujoco.mjtSensor.mjSENS_TORQUE, "force_sensor"),
@@ -20,7 +19,7 @@ AT_ORIGIN = Mounting(imu=(0.0, 0.0, 0.0), force_sensor=(0.0, 0.0, 0.0))
 def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.MjModel:
     """Return the MuJoCo model of an arm with one of its link models.
 
-    imu_turn: rotation vector from the axes of frame 6 to the IMU's [rad]; step: of the
+    imu_turn: rotation vector from the flange's axes to the IMU's [rad]; step: of the
     integration [s]. Sensor data (12,): force, torque, accelerometer, gyroscope, each in its own
     axes. Force and torque are those of the flange on the tool, at the sensor's origin.
     """
@@ -36,3 +35,8 @@ def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.
     for name, (kind, site) in SENSORS.items():
         spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site)
     return spec.compile()
+
+
+def flange(model: mujoco.MjModel) -> int:
+    """Return the number of the last link, which carries the tool."""
+    return int(model.body(TOOL).parentid[0])

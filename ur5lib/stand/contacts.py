@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from ur5lib.robots.mjcf import TOOL
-from ur5lib.stand.arm import FLANGE
+from ur5lib.stand.arm import flange
 from ur5lib.stand.plan import Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.timeseries.arrays import Array
 
@@ -111,22 +111,22 @@ class Contacts:
         self._bodies: list[int] = []
         for contact in contacts:
             self.add(model, contact)
-        self._flange = model.body(FLANGE).id
+        self._flange, self._tool = flange(model), model.body(TOOL).id
         self._jacobian = np.zeros((3, model.nv))
 
     def add(self, model: mujoco.MjModel, contact: Kind) -> None:
         """Add a contact."""
         self._touches.append(Touch(contact, model.opt.gravity.copy()))
-        name = TOOL if contact.link == 6 else f"link_{contact.link}"
-        self._bodies.append(model.body(name).id)
+        on_tool = contact.link in (None, model.nv)
+        self._bodies.append(model.body(TOOL if on_tool else f"link_{contact.link}").id)
 
     def apply(self, model: mujoco.MjModel, data: mujoco.MjData, step: float) -> tuple[Array, Array]:
         """Apply the forces of this instant to the bodies.
 
-        Returns the joint torques equivalent to all of them (6,) [Nm], and the wrench of those on
-        link 6 and beyond (6,) [N, Nm]: environment on arm, base axes, at the origin of frame 6.
+        Returns the joint torques equivalent to all of them (n,) [Nm], and the wrench of those on
+        the tool (6,) [N, Nm]: environment on arm, base axes, at the origin of the flange's frame.
         """
-        torque, wrench = np.zeros(6), np.zeros(6)
+        torque, wrench = np.zeros(model.nv), np.zeros(6)
         data.xfrc_applied[:] = 0
         for touch, body in zip(self._touches, self._bodies, strict=True):
             point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ touch.plan.point
@@ -138,7 +138,7 @@ class Contacts:
             moment = np.cross(point - data.xipos[body], force)
             data.xfrc_applied[body] += np.concatenate([force, moment])
             torque += force @ self._jacobian
-            if touch.plan.link == 6:
+            if body == self._tool:
                 wrench[:3] += force
                 wrench[3:] += np.cross(point - data.xpos[self._flange], force)
         return torque, wrench

@@ -8,9 +8,11 @@ import pandas as pd
 from scipy.signal import butter, lfilter
 
 from ur5lib.robots.description import Payload
-from ur5lib.stand.arm import FLANGE
+from ur5lib.stand.arm import flange
+from ur5lib.stand.chain import along_chain
 from ur5lib.stand.drive import Drive, current_noise, motion_share
 from ur5lib.stand.rig import STEP, Experiment, Rig, States, step_times
+from ur5lib.stand.torque_sensors import TorqueSensors
 from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
@@ -28,7 +30,7 @@ TEMPERATURE_STEP = 1 / 16  # °C
 
 @dataclass(frozen=True)
 class Measurement:
-    """The joints' measured angles [rad], speeds [rad/s] and motor currents [A], (..., 6) each."""
+    """The joints' measured angles [rad], speeds [rad/s] and motor currents [A], (..., n) each."""
 
     q: Array
     qd: Array
@@ -53,8 +55,10 @@ def frames(
     time, estimate = step_times(len(states))[sent], ForceEstimate(cycle)
     targets = experiment.targets.at(sent)
     values = channels(rig, states[sent], measured.at(sent), targets, estimate)
+    if rig.robot.senses_torque():
+        values = TorqueSensors.of(rig.robot).channels(values, states[sent], random)
     temperature = sensed(experiment.plan.temperature(time))
-    values["joint_temperatures"] = np.repeat(temperature[:, None], 6, axis=1)
+    values["joint_temperatures"] = np.repeat(temperature[:, None], states["q"].shape[1], axis=1)
     columns = {"time": np.round(time, DECIMALS)}
     for name, numbers in values.items():
         columns |= named(np.round(numbers, DECIMALS), name)
@@ -69,7 +73,7 @@ def measure(
 ) -> Measurement:
     """Return the measurements in true states (...), by encoders' counts and their differences.
 
-    before: angles WINDOW steps earlier (..., 6) [rad]; random: generator of the noise, None for the
+    before: angles WINDOW steps earlier (..., n) [rad]; random: generator of the noise, None for the
     true values.
     """
     q, qd = states["q"], states["qd"]
@@ -77,10 +81,11 @@ def measure(
     if random is None:
         return Measurement(q, qd, current)
     noise = motion_share(qd) * random.normal(size=(2, *q.shape))
+    of_q, of_qd = (along_chain(size, q.shape[-1]) for size in (POSITION_NOISE, VELOCITY_NOISE))
     count = 2 * np.pi / COUNTS
     return Measurement(
-        q=count * np.rint((q + POSITION_NOISE * noise[0]) / count),
-        qd=(q - before) / (WINDOW * STEP) + VELOCITY_NOISE * noise[1],
+        q=count * np.rint((q + of_q * noise[0]) / count),
+        qd=(q - before) / (WINDOW * STEP) + of_qd * noise[1],
         current=current + current_noise(q, qd, random),
     )
 
@@ -88,7 +93,7 @@ def measure(
 def channels(
     rig: Rig, states: States, measured: Measurement, targets: Targets, estimate: "ForceEstimate"
 ) -> dict[str, Array]:
-    """Return channels under RTDE names (..., 6), in base axes, for true states (...).
+    """Return channels under RTDE names, (..., n) or (..., 6), in base axes, for true states (...).
 
     The controller estimates a wrench from currents less the torques of model and known friction.
     `actual_TCP_force` is this wrench of the arm on its environment; for an arm with a wrist sensor,
@@ -137,7 +142,7 @@ def payload_channels(declared: Payload | None) -> dict[str, Array]:
 
 
 def model_torques(rig: Rig, motion: Targets) -> Array:
-    """Return the controller's inverse dynamics (..., 6) [Nm] of a motion, with rotors and the
+    """Return the controller's inverse dynamics (..., n) [Nm] of a motion, with rotors and the
     declared payload.
     """
     data, torques = rig.nominal_data, np.empty_like(motion.q)
@@ -151,16 +156,16 @@ def model_torques(rig: Rig, motion: Targets) -> Array:
 
 
 def jacobians(rig: Rig, q: Array) -> Array:
-    """Return the geometric Jacobian (..., 6, 6) at the origin of frame 6, base axes; q: (..., 6).
+    """Return the geometric Jacobian (..., 6, n) at the flange's origin, base axes; q: (..., n).
 
     Leaves `rig.nominal_data` in the last posture.
     """
-    data, result = rig.nominal_data, np.empty((*q.shape, 6))
-    flange = rig.nominal.body(FLANGE).id
-    for jacobian, data.qpos in zip(result.reshape(-1, 6, 6), np.atleast_2d(q), strict=True):
+    data, joints = rig.nominal_data, q.shape[-1]
+    result, last = np.empty((*q.shape[:-1], 6, joints)), flange(rig.nominal)
+    for jacobian, data.qpos in zip(result.reshape(-1, 6, joints), np.atleast_2d(q), strict=True):
         mujoco.mj_kinematics(rig.nominal, data)
         mujoco.mj_comPos(rig.nominal, data)
-        mujoco.mj_jacBody(rig.nominal, data, jacobian[:3], jacobian[3:], flange)
+        mujoco.mj_jacBody(rig.nominal, data, jacobian[:3], jacobian[3:], last)
     return result
 
 
@@ -175,7 +180,7 @@ def poses(origin: Array, rotation: Array) -> Array:
 
 
 class ForceEstimate:
-    """Low-pass filtered wrenches of external torques, at the origin of frame 6, base axes."""
+    """Low-pass filtered wrenches of external torques, at the flange's origin, base axes."""
 
     def __init__(self, cycle: float) -> None:
         """cycle: [s]."""
@@ -184,19 +189,19 @@ class ForceEstimate:
         self._memory = np.zeros((1, 6))
 
     def update(self, jacobian: Array, external: Array) -> Array:
-        """Return the next estimates (..., 6) [N, Nm]; jacobian: (..., 6, 6), external: torques
-        (..., 6) [Nm].
+        """Return the next estimates (..., 6) [N, Nm]; jacobian: (..., 6, n), external: torques
+        (..., n) [Nm].
         """
         wrench = np.atleast_2d(damped_wrench(external, jacobian))
         if self._first is None:
             self._first = wrench[0]
         slow, self._memory = lfilter(*self._filter, wrench - self._first, axis=0, zi=self._memory)
-        return np.reshape(slow + self._first, external.shape)
+        return np.reshape(slow + self._first, (*external.shape[:-1], 6))
 
 
 def damped_wrench(external: Array, jacobian: Array) -> Array:
-    """Return the wrenches (..., 6) [N, Nm] of external torques (..., 6) [Nm] by damped least
-    squares; jacobian: (..., 6, 6).
+    """Return the wrenches (..., 6) [N, Nm] of external torques (..., n) [Nm] by damped least
+    squares; jacobian: (..., 6, n).
     """
     square = jacobian @ jacobian.mT + DAMPING
     return np.asarray(np.linalg.solve(square, jacobian @ external[..., None])[..., 0])

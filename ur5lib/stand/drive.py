@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ur5lib.robots.description import Robot
+from ur5lib.stand.chain import along_chain
 from ur5lib.stand.friction import FrictionParameters
 from ur5lib.timeseries.arrays import Array
 
@@ -24,7 +25,7 @@ NOISE, NOISE_AT_REST = 0.05, 0.01  # A
 
 @dataclass(frozen=True)
 class Drive:
-    """PD control with feed-forward (Equations 2.69, 2.71); parameters of six joints, (6,) each.
+    """PD control with feed-forward (Equations 2.69, 2.71); parameters of each joint, (n,).
 
     position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: friction known to the controller
     [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. As in the target currents of a real
@@ -41,7 +42,7 @@ class Drive:
     def torques(
         self, model: mujoco.MjModel, data: mujoco.MjData, target: tuple[Array, Array, Array]
     ) -> Array:
-        """Return the motor torques (6,) [Nm].
+        """Return the motor torques (n,) [Nm].
 
         u = D(q) a + C q̇ + g (2.69), a = q̈ᵈ − K0 (q − qᵈ) − K1 (q̇ − q̇ᵈ) (2.71), plus friction.
         model: the controller's model of the arm; data: with positions and velocities computed;
@@ -49,32 +50,35 @@ class Drive:
         """
         q, qd, qdd = target
         feedback = self.position_gain * (q - data.qpos) + self.velocity_gain * (qd - data.qvel)
-        correction = np.empty(6)
+        correction = np.empty(model.nv)
         mujoco.mj_mulM(model, data, correction, feedback)
         motors = link_torques(model, data, qdd) + correction + self.viscous * qd
         return np.clip(motors, -self.torque_max, self.torque_max)
 
     def known_friction(self, qd: Array) -> Array:
-        """Return the friction torques (..., 6) [Nm] known to the controller; qd: [rad/s]."""
+        """Return the friction torques (..., n) [Nm] known to the controller; qd: [rad/s]."""
         return self.viscous * qd + self.coulomb * np.tanh(qd / MOVES)
 
 
 def link_torques(model: mujoco.MjModel, data: mujoco.MjData, qdd: Array) -> Array:
-    """Return D(q) q̈ + C q̇ + g (6,) [Nm]; data: with positions and velocities computed."""
-    torques = np.empty(6)
+    """Return D(q) q̈ + C q̇ + g (n,) [Nm]; data: with positions and velocities computed."""
+    torques = np.empty(model.nv)
     mujoco.mj_mulM(model, data, torques, qdd)
     return torques + data.qfrc_bias
 
 
 def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
     """Return the drives of an arm whose joints have this friction."""
+    joints = len(robot.joints)
+    frequency = along_chain(NATURAL_FREQUENCY, joints)
+    largest = along_chain(TORQUE_CONSTANT, joints)
     return Drive(
-        position_gain=NATURAL_FREQUENCY**2,  # (2.74)
-        velocity_gain=2 * NATURAL_FREQUENCY,
+        position_gain=frequency**2,  # (2.74)
+        velocity_gain=2 * frequency,
         viscous=KNOWN * friction.viscous,
         coulomb=KNOWN * friction.coulomb,
         torque_max=np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers]),
-        torque_constant=np.fmin(TORQUE_CONSTANT, robot.maker_torque_constants()),
+        torque_constant=np.fmin(largest, robot.maker_torque_constants()),
     )
 
 
@@ -84,7 +88,8 @@ def motion_share(qd: Array) -> Array:
 
 
 def current_noise(q: Array, qd: Array, random: np.random.Generator) -> Array:
-    """Return the ripple and noise of measured currents (N, 6) [A]."""
-    ripple = RIPPLE * np.sin(PERIODS * q)
+    """Return the ripple and noise of measured currents (N, n) [A]."""
+    size, periods = (along_chain(own, q.shape[-1]) for own in (RIPPLE, PERIODS))
+    ripple = size * np.sin(periods * q)
     noise = random.normal(size=q.shape) * (NOISE_AT_REST + NOISE * motion_share(qd))
     return ripple * motion_share(qd) + noise

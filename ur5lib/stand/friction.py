@@ -7,20 +7,22 @@ torque, so that they apply to any arm.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from ur5lib.robots.description import Robot
+from ur5lib.stand.chain import along_chain
 from ur5lib.timeseries.arrays import Array
 
 COULOMB = np.array(
     [0.054, 0.058, 0.054, 0.078, 0.083, 0.071]
 )  # share of the motor's largest torque
 VISCOUS = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # the same, per rad/s
-LOAD = np.full(6, 0.05)  # Nm/Nm
+LOAD = 0.05  # Nm/Nm
 PERIODIC = 0.05  # share of the Coulomb friction
+STICTION, STRIBECK_VELOCITY, PRESLIDING = 1.15, 0.03, 2e-4  # see FrictionParameters
 USUAL = 30.0  # °C, temperature of the values above
 # Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
 # is warm, and dry friction changes less.
@@ -29,7 +31,7 @@ COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
 
 @dataclass(frozen=True)
 class FrictionParameters:
-    """Friction of six joints, each parameter (6,).
+    """Friction of an arm's joints, each parameter (n,).
 
     coulomb: [Nm]; viscous: [Nm s/rad]; load: Nm of friction per Nm of load; stiction: ratio of
     breakaway to Coulomb torque; stribeck_velocity: [rad/s], at which stiction has vanished;
@@ -41,32 +43,49 @@ class FrictionParameters:
     viscous: Array
     load: Array
     periodic: Array
-    stiction: Array = field(default_factory=lambda: np.full(6, 1.15))
-    stribeck_velocity: Array = field(default_factory=lambda: np.full(6, 0.03))
-    phase: Array = field(default_factory=lambda: np.arange(6.0))
-    presliding: Array = field(default_factory=lambda: np.full(6, 2e-4))
-    coulomb_warming: Array = field(default_factory=lambda: np.full(6, COULOMB_WARMING))
-    viscous_warming: Array = field(default_factory=lambda: np.full(6, VISCOUS_WARMING))
+    stiction: Array
+    stribeck_velocity: Array
+    phase: Array
+    presliding: Array
+    coulomb_warming: Array
+    viscous_warming: Array
 
     def dry(self, qd: Array, load: Array, warmth: float = 0.0) -> Array:
-        """Return the dry friction of sliding joints (..., 6) [Nm].
+        """Return the dry friction of sliding joints (..., n) [Nm].
 
-        qd [rad/s], load [Nm]: (..., 6); warmth: [K], above the usual temperature.
+        qd [rad/s], load [Nm]: (..., n); warmth: [K], above the usual temperature.
         """
         stribeck = (self.stiction - 1) * np.exp(-((qd / self.stribeck_velocity) ** 2))
         coulomb = self.coulomb * (1 + self.coulomb_warming * warmth)
         return coulomb * (1 + stribeck) + self.load * np.abs(load)
 
-    def changed(self, coulomb: Sequence[float], viscous: Sequence[float]) -> Self:
-        """Return worn friction; coulomb, viscous: factors (6,)."""
-        return replace(self, coulomb=self.coulomb * coulomb, viscous=self.viscous * viscous)
+    def changed(self, coulomb: Sequence[float] | float, viscous: Sequence[float] | float) -> Self:
+        """Return worn friction; coulomb, viscous: factors (n,), or of all."""
+        return replace(
+            self,
+            coulomb=self.coulomb * np.asarray(coulomb),
+            viscous=self.viscous * np.asarray(viscous),
+        )
 
 
 def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
     """Return the friction of an arm's joints; friction: False for none."""
     size = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers]) * friction
+    coulomb, viscous, periodic = (
+        along_chain(share, len(size)) * size for share in (COULOMB, VISCOUS, PERIODIC * COULOMB)
+    )
+    each = np.ones(len(size))
     return FrictionParameters(
-        COULOMB * size, VISCOUS * size, LOAD * friction, PERIODIC * COULOMB * size
+        coulomb=coulomb,
+        viscous=viscous,
+        load=LOAD * friction * each,
+        periodic=periodic,
+        stiction=STICTION * each,
+        stribeck_velocity=STRIBECK_VELOCITY * each,
+        phase=np.arange(float(len(size))),
+        presliding=PRESLIDING * each,
+        coulomb_warming=COULOMB_WARMING * each,
+        viscous_warming=VISCOUS_WARMING * each,
     )
 
 
@@ -78,13 +97,13 @@ class Friction:
     """
 
     def __init__(self, parameters: FrictionParameters, start: Array) -> None:
-        """start (6,): initial dry friction, as a share of the breakaway torque."""
+        """start (n,): initial dry friction, as a share of the breakaway torque."""
         self._parameters = parameters
         self._stiffness = parameters.coulomb / parameters.presliding
         self._deflection = start * parameters.presliding
 
     def torque(self, q: Array, qd: Array, load: Array, step: float, warmth: float = 0.0) -> Array:
-        """Return the friction (6,) [Nm] against the motion after a step [s]; load: (6,) [Nm].
+        """Return the friction (n,) [Nm] against the motion after a step [s]; load: (n,) [Nm].
 
         warmth: [K], above the usual temperature.
         """

@@ -19,6 +19,7 @@ ROBOT_FILES = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
 COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}  # the sensors' time columns
 COLUMNS = {"force_sensor": ["time", "ft"], "imu": ["time", "imu_a", "imu_m", "imu_g"]}
 FORMATS = ["thesis-csv", *ROBOT_FILES]
+FORMATS_OF_UR = ["thesis-csv", "realtime-stream"]  # six joints, with currents
 FORMATS_WITH_PAYLOAD = ["rtde-csv"]  # formats that record the payload declared to the controller
 
 

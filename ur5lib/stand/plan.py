@@ -1,10 +1,12 @@
 """The plan of one recording of the virtual test stand, as a study requests it."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
+from ur5lib.channels import MOST_JOINTS
 from ur5lib.robots.description import Payload, Positive, Six, Vector3
 from ur5lib.stand.layout import COLUMNS
 from ur5lib.strict import Strict, existing_file
@@ -18,8 +20,9 @@ Share = Annotated[float, Field(ge=0, le=0.5)]
 NotNegative = Annotated[float, Field(ge=0)]
 Stiffness = Annotated[float, Field(gt=0, le=50_000)]  # stable at steps of 1 ms
 Damping = Annotated[float, Field(ge=0, le=500)]
+Joints = tuple[float, ...]  # a number for each joint
 Factor = Annotated[float, Field(ge=0.1, le=10)]
-Factors = tuple[Factor, Factor, Factor, Factor, Factor, Factor]
+Factors = tuple[Factor, ...]
 
 
 def _direction(vector: Vector3) -> Vector3:
@@ -47,7 +50,7 @@ class Movej(Planned):
 
     kind: Literal["movej"]
     way_points: Annotated[
-        Annotated[list[Six], Field(min_length=2), Tag("array")]
+        Annotated[list[Joints], Field(min_length=2), Tag("array")]
         | Annotated[str, AfterValidator(existing_file), Tag("string")],
         Discriminator(_list_or_file),
     ] = Field(
@@ -69,7 +72,7 @@ class Fourier(Planned):
     draw: int = Field(
         1, ge=0, description="seed of the random coefficients; noise has its own seed"
     )
-    posture: Six = Field(POSTURE, description="start of the motion [rad]")
+    posture: Joints = Field(POSTURE, description="start of the motion, joint angles [rad]")
     amplitude_rad: float = Field(
         0.7, gt=0, le=3.1, description="largest deviation from the posture"
     )
@@ -87,9 +90,9 @@ class Series(Planned):
     """
 
     kind: Literal["series"]
-    posture: Six = Field(description="start of the motion [rad]")
+    posture: Joints = Field(description="start of the motion, joint angles [rad]")
     period_s: float = Field(gt=0, le=600, description="period of the series")
-    coefficients: list[Six] = Field(
+    coefficients: list[Joints] = Field(
         min_length=8,
         max_length=400,
         description="of each joint [rad]: of the sines of all harmonics of 1/period_s, then of the "
@@ -100,6 +103,8 @@ class Series(Planned):
     def _begins_at_rest(self) -> Self:
         if len(self.coefficients) % 2:
             raise ValueError("`coefficients` needs as many lines for cosines as for sines")
+        if {*map(len, self.coefficients)} != {len(self.posture)}:
+            raise ValueError("in each line of `coefficients` as many numbers as in `posture`")
         conditions = rest_conditions(self.period_s, len(self.coefficients) // 2)
         if np.abs(conditions @ np.array(self.coefficients)).max() > RESTING:
             raise ValueError("`coefficients` of a series that begins at the posture, at rest")
@@ -110,7 +115,7 @@ class Standstill(Planned):
     """The arm holds a posture."""
 
     kind: Literal["standstill"]
-    posture: Six = Field(POSTURE, description="joint angles [rad]")
+    posture: Joints = Field(POSTURE, description="joint angles [rad]")
 
 
 Trajectory = Annotated[Movej | Fourier | Series | Standstill, Field(discriminator="kind")]
@@ -119,8 +124,12 @@ Trajectory = Annotated[Movej | Fourier | Series | Standstill, Field(discriminato
 class OnArm(Planned):
     """The place where something touches the arm."""
 
-    link: int = Field(
-        6, ge=1, le=6, description="link that is touched; 6: the tool, beyond the force sensor"
+    link: int | None = Field(
+        None,
+        ge=1,
+        le=MOST_JOINTS,
+        description="link that is touched; default: the tool, beyond the force sensor, which "
+        "belongs to the last link",
     )
     point: Vector3 = Field((0.0, 0.0, 0.08), description="place in the frame of that link [m]")
 
@@ -270,15 +279,15 @@ class SimulatedRecording(Planned):
         (30.0, 30.0), description="of the motors, at the start and at the end [°C]"
     )
     friction: bool = Field(True, description="whether the joints have friction")
-    coulomb_factor: Factors = Field(
-        (1.0,) * 6,
+    coulomb_factor: Factors | None = Field(
+        None,
         description="each joint's Coulomb friction, relative to the usual one, which the "
-        "controller expects",
+        "controller expects; default: 1",
     )
-    viscous_factor: Factors = Field(
-        (1.0,) * 6,
+    viscous_factor: Factors | None = Field(
+        None,
         description="each joint's viscous friction, relative to the usual one, which the "
-        "controller expects",
+        "controller expects; default: 1",
     )
     noise: bool = Field(True, description="whether measurements have noise")
     contacts: list[Contact] = Field(default=[], description="contacts with the arm")
@@ -297,3 +306,26 @@ class SimulatedRecording(Planned):
     def temperature(self, time: Array | float) -> Array:
         """Return the motors' temperature [°C] at times [s] since the start."""
         return np.asarray(np.interp(time, [0.0, self.seconds], self.temperature_c))
+
+    def misfits(self, arm: str, joints: int) -> Iterator[str]:
+        """Yield in sentences what of the plan does not fit an arm with so many joints."""
+        if joints != 6 and isinstance(getattr(self.trajectory, "way_points", None), str):
+            yield f"trajectory.way_points` names a file of six angles a line; {arm} has {joints}"
+        for key, numbers in self._by_joint():
+            if len(numbers) != joints:
+                yield f"{key}` has {len(numbers)} numbers; {arm} has {joints} joints"
+        for k, contact in enumerate(self.contacts):
+            if contact.link is not None and contact.link > joints:
+                yield f"contacts[{k}].link` is {contact.link}; {arm} has {joints} links"
+
+    def _by_joint(self) -> Iterator[tuple[str, Joints]]:
+        """Yield the keys with a number for each joint, and their numbers."""
+        motion = self.trajectory
+        if not isinstance(motion, Movej):
+            yield "trajectory.posture", motion.posture
+        elif not isinstance(motion.way_points, str):
+            for k, point in enumerate(motion.way_points):
+                yield f"trajectory.way_points[{k}]", point
+        for key in ("coulomb_factor", "viscous_factor"):
+            if (factors := getattr(self, key)) is not None:
+                yield key, factors

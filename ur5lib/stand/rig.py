@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.stand.arm import FLANGE, build_arm
+from ur5lib.stand.arm import build_arm, flange
 from ur5lib.stand.contacts import Contacts
 from ur5lib.stand.drive import Drive, drive_of, link_torques
 from ur5lib.stand.friction import USUAL, Friction, FrictionParameters, friction_of
@@ -19,26 +19,30 @@ from ur5lib.timeseries.arrays import Array
 STEP = 0.001  # s, of the integration
 SETTLE = 300  # steps simulated before anything is recorded
 START = 0.5  # largest initial dry friction, as a share of the breakaway torque
-JOINTS = float, 6
 WRENCH = float, 6
-STATE = np.dtype(  # of an arm in one step; D q̈ + C q̇ + g = motor − friction + contact
-    [
-        ("q", *JOINTS),  # rad
-        ("qd", *JOINTS),  # rad/s
-        ("qdd", *JOINTS),  # rad/s²
-        ("motor_torque", *JOINTS),  # Nm
-        ("friction_torque", *JOINTS),  # Nm, against the motion
-        ("contact_torque", *JOINTS),  # Nm
-        ("wrench", *WRENCH),  # environment on link 6 and beyond, base axes, origin of frame 6
-        ("force_sensor", *WRENCH),  # tool and environment on the flange, at the sensor, its axes
-        ("imu", float, 6),  # specific force [m/s²] and angular rate [rad/s], IMU axes
-        ("origin", float, 3),  # of frame 6 [m]
-        ("rotation", float, 9),  # of frame 6
-    ]
-)
 
-States = NDArray[np.void]  # (N,) of STATE, every millisecond
-Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each (6,)
+States = NDArray[np.void]  # (N,) of `state_of` the arm's joints, every millisecond
+Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each (n,)
+
+
+def state_of(joints: int) -> np.dtype[np.void]:
+    """Return the state of an arm in one step; D q̈ + C q̇ + g = motor − friction + contact."""
+    each = float, joints
+    return np.dtype(
+        [
+            ("q", *each),  # rad
+            ("qd", *each),  # rad/s
+            ("qdd", *each),  # rad/s²
+            ("motor_torque", *each),  # Nm
+            ("friction_torque", *each),  # Nm, against the motion
+            ("contact_torque", *each),  # Nm
+            ("wrench", *WRENCH),  # environment on the last link, base axes, origin of its frame
+            ("force_sensor", *WRENCH),  # tool and environment at the sensor, its axes
+            ("imu", float, 6),  # specific force [m/s²] and angular rate [rad/s], IMU axes
+            ("origin", float, 3),  # of the last link's frame [m]
+            ("rotation", float, 9),  # of that frame
+        ]
+    )
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,7 @@ class Rig:
     contacts: Contacts
 
     def step(self, target: Target, warmth: float, row: Array) -> None:
-        """Advance by one step; write the state before it into `row`, in the order of STATE.
+        """Advance by one step; write the state before it into `row`, in the order of `state_of`.
 
         warmth: [K], of the motors above the usual temperature.
         """
@@ -76,12 +80,12 @@ class Rig:
         friction = self.friction_state.torque(q, qd, load, STEP, warmth)
         self.data.qfrc_applied = motor - friction
         mujoco.mj_step2(self.plant, self.data)
-        flange, sensed = self.data.body(FLANGE), self.data.sensordata
+        last, sensed = self.data.body(flange(self.plant)), self.data.sensordata
         forces = (motor, friction, contact, wrench, -sensed[:6], sensed[6:])
-        np.concatenate((q, qd, self.data.qacc, *forces, flange.xpos, flange.xmat), out=row)
+        np.concatenate((q, qd, self.data.qacc, *forces, last.xpos, last.xmat), out=row)
 
     def _motor_torques(self, q: Array, qd: Array, target: Target) -> Array:
-        """Return the motor torques (6,) [Nm] in the state q [rad], qd [rad/s]."""
+        """Return the motor torques (n,) [Nm] in the state q [rad], qd [rad/s]."""
         self.nominal_data.qpos, self.nominal_data.qvel = q, qd
         mujoco.mj_fwdPosition(self.nominal, self.nominal_data)
         mujoco.mj_fwdVelocity(self.nominal, self.nominal_data)
@@ -94,7 +98,7 @@ def build_rig(
     """Return the arm of a plan; random: generator of the initial friction.
 
     declare: whether the controller is given the plan's `payload`; never its `undeclared_payload`.
-    Raises InputError when the arm has no such link model.
+    Raises InputError when the arm has no such link model or another number of joints.
     """
     model = plan.model or list(robot.models)[-1]
     if model not in robot.models:
@@ -102,13 +106,15 @@ def build_rig(
         raise InputError(
             f"{robot.name} has no link model {model!r} to simulate; give one of {names}"
         )
+    if misfits := [*plan.misfits(robot.name, len(robot.joints))]:
+        raise InputError("; ".join(f"`{misfit}" for misfit in misfits))
     declared = plan.payload if declare else None
     loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
     mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
     plant = build_arm(loaded, model, mounting, STEP)
     nominal = build_arm(robot.carrying(declared), model, mounting, STEP)
     usual = friction_of(robot, plan.friction)
-    friction = usual.changed(plan.coulomb_factor, plan.viscous_factor)
+    friction = usual.changed(plan.coulomb_factor or 1.0, plan.viscous_factor or 1.0)
     return Rig(
         robot=loaded,
         model=model,
@@ -118,7 +124,7 @@ def build_rig(
         nominal_data=mujoco.MjData(nominal),
         declared=declared,
         friction=friction,
-        friction_state=Friction(friction, random.uniform(-START, START, 6)),
+        friction_state=Friction(friction, random.uniform(-START, START, len(robot.joints))),
         drive=drive_of(robot, usual),
         contacts=Contacts(plant, plan.contacts),
     )
@@ -145,7 +151,7 @@ def perform(
     time = step_times(round(plan.seconds / STEP) + 1)
     targets = plan_targets(plan.trajectory, rig.robot, time)
     warmth = plan.temperature(time) - USUAL
-    states = np.empty(len(time), STATE)
+    states = np.empty(len(time), state_of(len(robot.joints)))
     rig.data.qpos, rig.data.time = targets.q[0], -SETTLE * STEP
     wanted, rows = [*zip(targets.q, targets.qd, targets.qdd, strict=True)], as_rows(states)
     for step in range(-SETTLE, len(time)):

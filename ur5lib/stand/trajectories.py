@@ -10,7 +10,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, Six
 from ur5lib.robots.urscript import parse, read_calls, six
-from ur5lib.stand.plan import Fourier, Movej, Series, Standstill
+from ur5lib.stand.plan import Fourier, Joints, Movej, Series, Standstill
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, fourier_terms, rest_conditions, trapezoid
 
@@ -21,7 +21,7 @@ ACCELERATION = 15.0  # rad/s², limit of motors without a published one
 
 @dataclass(frozen=True)
 class Targets:
-    """Targets of the drives, each (N, 6): q [rad], qd [rad/s], qdd [rad/s²]."""
+    """Targets of the drives, each (N, n): q [rad], qd [rad/s], qdd [rad/s²]."""
 
     q: Array
     qd: Array
@@ -76,7 +76,7 @@ def _way_point(line: str, place: str) -> Six:
 
 
 def _expect_within_limits(targets: Targets, robot: Robot) -> None:
-    for joint in range(6):
+    for joint in range(len(robot.joints)):
         motor = robot.motor(joint + 1)
         for values, limit, unit in (
             (targets.q, motor.position_max, "rad"),
@@ -91,7 +91,7 @@ def _expect_within_limits(targets: Targets, robot: Robot) -> None:
 
 
 def _standstill(plan: Standstill, time: Array) -> Targets:
-    still = np.zeros((len(time), 6))
+    still = np.zeros((len(time), len(plan.posture)))
     return Targets(still + plan.posture, still, still)
 
 
@@ -101,7 +101,7 @@ def _standstill(plan: Standstill, time: Array) -> Targets:
 def _movej(plan: Movej, time: Array) -> Targets:
     listed = plan.way_points
     points = np.array(read_way_points(listed) if isinstance(listed, str) else listed)
-    q, qd, qdd = np.zeros((3, len(time), 6))
+    q, qd, qdd = np.zeros((3, len(time), points.shape[1]))
     q[:] = points[0]
     for start, origin, goal in _legs(plan, points, float(time[-1])):
         move = leg(time - start, origin, goal, plan.speed_rad_s, plan.acceleration_rad_s2)
@@ -113,7 +113,7 @@ def _movej(plan: Movej, time: Array) -> Targets:
 
 
 def leg(time: Array, origin: Array, goal: Array, speed: float, acceleration: float) -> Targets:
-    """Return the targets of one movej between two different postures (6,) [rad].
+    """Return the targets of one movej between two different postures (n,) [rad].
 
     time: since its start (N,) [s]; speed [rad/s], acceleration [rad/s²]: of the joint with the
     longest way. All joints start and stop together.
@@ -125,7 +125,7 @@ def leg(time: Array, origin: Array, goal: Array, speed: float, acceleration: flo
 
 
 def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array, Array]]:
-    """Yield start [s], origin and goal (6,) [rad] of each move, until the end."""
+    """Yield start [s], origin and goal (n,) [rad] of each move, until the end."""
     start = 0.0
     for origin, goal in pairwise(cycle(points)):
         if start >= end:
@@ -148,7 +148,7 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     parts = [term @ coefficients for term in terms]
     motors = [robot.motor(joint) for joint in robot.joint_numbers]
     limits = [
-        np.full(6, plan.amplitude_rad),
+        np.full(len(motors), plan.amplitude_rad),
         plan.limit_share * np.array([motor.velocity_max for motor in motors]),
         plan.limit_share * np.array([motor.acceleration_max or ACCELERATION for motor in motors]),
     ]
@@ -158,9 +158,9 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
 
 
 def _drawn_coefficients(plan: Fourier) -> Array:
-    """Draw coefficients (2 H, 6) subject to q = posture, qd = qdd = 0 at the start."""
+    """Draw coefficients (2 H, n) subject to q = posture, qd = qdd = 0 at the start."""
     start = rest_conditions(plan.period_s, plan.harmonics)
-    drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, 6))
+    drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, len(plan.posture)))
     return drawn - np.linalg.pinv(start) @ (start @ drawn)
 
 
@@ -168,8 +168,8 @@ def _series(plan: Series, time: Array) -> Targets:
     return _targets(plan.posture, plan.period_s, np.array(plan.coefficients), time)
 
 
-def _targets(posture: Six, period: float, coefficients: Array, time: Array) -> Targets:
-    """Return the targets of a series about a posture (6,) [rad]; it rests before time zero."""
+def _targets(posture: Joints, period: float, coefficients: Array, time: Array) -> Targets:
+    """Return the targets of a series about a posture (n,) [rad]; it rests before time zero."""
     terms = fourier_terms(period, len(coefficients) // 2, time.clip(min=0))[:3]
     q, qd, qdd = (term @ coefficients for term in terms)
     return Targets(q + posture, qd, qdd)

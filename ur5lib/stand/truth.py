@@ -11,10 +11,11 @@ from ur5lib.stand import controller, sensors
 from ur5lib.stand import drive as drives
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import STEP, Rig, States, step_times
+from ur5lib.stand.torque_sensors import BEHIND, TorqueSensors
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 
-COLUMNS = {  # of the table: quantities of `rig.STATE`, their names and units there
+COLUMNS = {  # of the table: quantities of `rig.state_of`, their names and units there
     "q": ("q", "rad"),
     "qd": ("qd", "rad/s"),
     "qdd": ("qdd", "rad/s2"),
@@ -54,6 +55,7 @@ def write_truth(
         "drive": asdict(rig.drive),
         "friction": asdict(rig.friction),
         "noise": _noise() if plan.noise else None,
+        **_of_torque_sensors(rig),
         "contacts": _intervals(motion),
         "clocks": clocks,
     } | ({} if frames is None else {"frames": frames})
@@ -82,6 +84,26 @@ def truth_table(motion: States, cycle: float) -> tuple[pd.DataFrame, dict[str, s
         columns |= channels
         units |= dict.fromkeys(channels, unit)
     return pd.DataFrame(columns), units
+
+
+def _of_torque_sensors(rig: Rig) -> dict[str, object]:
+    """Return what takes the place of motors and gears where the joints sense torque.
+
+    With the reading y = gain τ + bias, K y = τ − offset; K is the `torque_constant` [1].
+    """
+    if not rig.robot.senses_torque():
+        return {}
+    sensors, friction = TorqueSensors.of(rig.robot), rig.friction
+    behind = {
+        name: BEHIND * getattr(friction, name)
+        for name in ("coulomb", "viscous", "load", "periodic")
+    }
+    map_ = {"torque_constant": 1 / sensors.gain, "offset": -sensors.bias / sensors.gain}
+    return {
+        "drive": asdict(rig.drive) | map_,
+        "friction": asdict(friction) | behind,
+        "torque_sensors": asdict(sensors),
+    }
 
 
 def _noise() -> dict[str, float | Array]:

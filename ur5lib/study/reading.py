@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
+from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand import layout
 from ur5lib.strict import expect_few_values, read_yaml
 from ur5lib.study.model import Study
@@ -88,7 +89,7 @@ def parse_study(raw: Raw, source: str) -> Study:
     try:
         study = Study.model_validate(_completed(raw))
         if all(recording.robot for recording in study.recordings):
-            problems += [*_different_arms(study), *_wrong_arms(study)]
+            problems += [*_different_arms(study), *_wrong_arms(study), *_misfits(study)]
     except ValidationError as error:
         schema = Study.model_json_schema()
         unknown = (
@@ -235,6 +236,24 @@ def _wrong_arms(study: Study) -> Iterator[str]:
                 arm.description()
             except InputError as error:
                 yield str(error)
+
+
+def _misfits(study: Study) -> Iterator[str]:
+    """Yield what of simulated recordings does not fit their arms."""
+    for recording in study.recordings:
+        if (plan := getattr(recording, "simulate", None)) is None:
+            continue
+        try:
+            robot = load_robot(robot_path(recording.arm.arm))
+        except InputError as error:
+            yield str(error)
+            continue
+        place = f"`recordings.{recording.name}"
+        misfits = plan.misfits(recording.arm.known_as, len(robot.joints))
+        yield from (f"{place}.simulate.{misfit}" for misfit in misfits)
+        of_ur = recording.format in layout.FORMATS_OF_UR
+        if of_ur and (len(robot.joints) != 6 or robot.senses_torque()):
+            yield f"{place}.format` is {recording.format}, of UR arms alone; give rtde-csv"
 
 
 def _repeated_names(raw: Raw) -> Iterator[str]:

@@ -55,6 +55,11 @@ class Friction:
     stopped: Remark | None = None
     refused: Remark | None = None
 
+    def senses_torque(self) -> bool:
+        """Return whether sensed torques take the currents' place, with a constant of 1 Nm/A."""
+        known = self.known_constants
+        return known is not None and bool((known.value == 1.0).all())
+
     def fit_for(self, recording: str) -> CurrentFit:
         """Return the fit without a recording's path, or the only one there is."""
         return next((own.fit for own in self.left_out if recording in own.recordings), self.fit)

@@ -15,7 +15,7 @@ from ur5lib.timeseries.sampling import interpolated
 @dataclass(frozen=True, kw_only=True)
 class Truth(Table):
     """True motion [rad, rad/s, rad/s²], joint torques [Nm] of motors, friction and contact, and the
-    wrench of the environment on the arm [N, Nm], base axes, frame 6's origin; (N, 6) each.
+    wrench of the environment on the arm [N, Nm], base axes, frame 6's origin; (N, n) each.
     """
 
     q: Array = channel("q", "rad", JOINTS)
@@ -48,16 +48,17 @@ class TruePlan:
 
 @dataclass(frozen=True)
 class TrueDrive:
-    """The simulated torque constants (6,) [Nm/A]."""
+    """The simulated torque constants [Nm/A]; where torques are sensed, their offset [Nm]; (n,)."""
 
     torque_constant: Array
+    offset: Array | None = None
 
 
 @dataclass(frozen=True)
 class TrueParameters:
     """What estimates are compared with of truth.json, which `ur5lib.stand.truth` writes.
 
-    model: simulated link model; friction: `ur5lib.stand.friction.FrictionParameters` (6,) by name;
+    model: simulated link model; friction: `ur5lib.stand.friction.FrictionParameters` (n,) by name;
     clocks: `offset_s` and `drift_ppm` by device.
     """
 
