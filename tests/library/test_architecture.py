@@ -36,7 +36,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "commands": BASE
     | ROOMS
     | {"datasets", "doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},
-    "importing": BASE | {"commands", "recordings", "study"},
+    "importing": BASE | {"commands", "dynamics", "recordings", "study"},
     "cli": BASE
     | {"commands", "comparing", "datasets", "dynamics", "exporting", "force", "importing", "lab"}
     | {"study"},

@@ -1,4 +1,4 @@
-"""Files of arms with other than six joints are refused with their number of joints."""
+"""Files of arms with seven joints are imported, those of more than an arm's are refused."""
 
 from pathlib import Path
 
@@ -9,8 +9,16 @@ import pytest
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from tests.library.test_from_urdf import made_up, saved
+from ur5lib.commands.described import describe_urdf
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import contents
+from ur5lib.importing.files import import_files
+from ur5lib.robots.description import load_robot
+from ur5lib.stand.controller import frames
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import perform
+from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
 TIME = np.arange(500) / 500
@@ -34,14 +42,18 @@ def table(path: Path, names: list[str], rows: Array) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
-    "pattern", ["q_{}", "q{}", "q[{}]", "joint_pos_{}", "Joint{}_Pos", "panda_joint{}_position"]
-)
+PATTERNS = ["q_{}", "q{}", "q[{}]", "joint_pos_{}", "Joint{}_Pos", "panda_joint{}_position"]
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
 @pytest.mark.parametrize("count", [7, 9])
 def test_positions_in_single_columns(pattern: str, count: int, tmp_path: Path) -> None:
     names = [pattern.format(k) for k in range(1, count + 1)]
     path = table(tmp_path / "run.csv", names, sines(count))
-    with pytest.raises(InputError, match=f"holds {count} joints"):
+    if count == 7:
+        assert [block.meaning() for block in contents(path).blocks] == ["actual_q"]
+        return
+    with pytest.raises(InputError, match="holds 9 joints"):
         contents(path)
 
 
@@ -51,27 +63,81 @@ def test_six_joints_beside_fingers_are_read(tmp_path: Path) -> None:
     assert 6 in {block.rows.shape[1] for block in contents(path).blocks}
 
 
-def test_arrays_of_a_franka(tmp_path: Path) -> None:
-    """Torques are named; a file without a clock is of seven joints all the same."""
-    path = tmp_path / "run.h5"
-    with h5py.File(path, "w") as file:
-        for name in ("q", "dq", "tau_J", "tau_ext_hat_filtered"):
-            file[f"state/{name}"] = sines(7)
-    with pytest.raises(InputError, match=r"7 joints: state/q .*state/tau_J"):
-        contents(path)
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Array]:
+    """Motion and torques of a described arm of seven joints, with a tool that nobody declared."""
+    monkeypatch.chdir(tmp_path)
+    describe_urdf(saved(made_up(7), tmp_path), None, None, "mine")
+    robot = load_robot("robots/mine.yaml")
+    moving = {"kind": "fourier", "posture": [0.3, -0.4, 0.5, -0.3, 0.4, 0.2, -0.5]}
+    tool = {"mass": 0.3}
+    plan = {"trajectory": moving, "seconds": 8.0, "undeclared_payload": tool}
+    done = perform(robot, SimulatedRecording.model_validate(plan), np.random.default_rng(0))
+    sent = frames(done, 0.002, np.random.default_rng(1))
+    names = {"q": "actual_q", "dq": "actual_qd", "tau_J": "actual_torque", "tau_J_d": "target_q"}
+    return {"t": sent["time"].to_numpy()} | {
+        n: np.ascontiguousarray(channel(sent, c, 7)) for n, c in names.items()
+    }
 
 
-def test_a_bag_of_franka_states(tmp_path: Path) -> None:
+def test_arrays_of_a_franka(log: dict[str, Array], tmp_path: Path) -> None:
+    with h5py.File("run.h5", "w") as file:
+        for name, values in log.items():
+            file[f"state/{name}"] = values
+        file["state/tau_ext_hat_filtered"] = np.random.default_rng(2).normal(size=log["q"].shape)
+    (found,) = import_files([Path("run.h5")], [])
+    assert found.arm == "mine"
+    names = {"actual_q": "q", "actual_qd": "dq", "actual_torque": "tau_J", "time": "t"}
+    assert found.entry["channels"] == {c: f"state/{name}" for c, name in names.items()}
+    assert any("velocity of state/q (7 joints move)" in line for line in found.comments)
+
+
+def test_columns_without_names(log: dict[str, Array]) -> None:
+    """Positions are what the velocities are the derivative of; gravity proves the torques."""
+    order = ("tau_J", "dq", "q")
+    rows = np.column_stack([log["t"], *(log[name] for name in order)])
+    np.savetxt("run.csv", rows, delimiter=",", fmt="%.8f")
+    (found,) = import_files([Path("run.csv")], [])
+    channels = ("actual_torque", "actual_qd", "actual_q")
+    assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
+
+
+def test_an_arm_that_is_not_described_is_asked_for(log: dict[str, Array]) -> None:
+    Path("robots/mine.yaml").unlink()
+    pd.DataFrame({f"q_{k}": log["q"][:, k] for k in range(7)}).assign(
+        time=log["t"], **{f"dq_{k}": log["dq"][:, k] for k in range(7)}
+    ).to_csv("run.csv", index=False)
+    with pytest.raises(InputError, match=r"holds 7 joints, which no described arm has; .*URDF"):
+        import_files([Path("run.csv")], [])
+
+
+def test_a_bag_of_franka_states(log: dict[str, Array], tmp_path: Path) -> None:
     path, store = tmp_path / "run.bag", get_typestore(Stores.ROS1_NOETIC)
     store.register(get_types_from_msg(FRANKA, "franka_msgs/msg/FrankaState"))
     types = store.types
     with Writer(path) as bag:
         kind = "franka_msgs/msg/FrankaState"
         topic = bag.add_connection("/franka_states", kind, typestore=store)
-        for k, (time, row) in enumerate(zip(TIME, sines(7), strict=True)):
-            stamp = types["builtin_interfaces/msg/Time"](0, int(1e9 * time))
+        rows = zip(*log.values(), strict=True)
+        for k, (time, q, dq, tau, _) in enumerate(rows):
+            stamp = types["builtin_interfaces/msg/Time"](*divmod(round(1e9 * time), 10**9))
             header = types["std_msgs/msg/Header"](k, stamp, "")
-            message = types[kind](header, row, row, row, row, row[:6], np.resize(row, 16))
-            bag.write(topic, int(1e9 * time), store.serialize_ros1(message, kind))
-    with pytest.raises(InputError, match=r"7 joints: /franka_states/q .*/franka_states/tau_J"):
-        contents(path)
+            message = types[kind](header, q, dq, tau, 0 * tau, q[:6], np.resize(q, 16))
+            bag.write(topic, round(1e9 * time), store.serialize_ros1(message, kind))
+    (found,) = import_files([path], [])
+    assert found.entry["channels"]["actual_torque"] == "/franka_states/tau_J"
+    assert found.entry["channels"]["actual_q"] == "/franka_states/q"
+
+
+def test_a_bag_of_joint_states(log: dict[str, Array], tmp_path: Path) -> None:
+    path, store = tmp_path / "run.bag", get_typestore(Stores.ROS1_NOETIC)
+    types, names = store.types, [f"axis_{k}" for k in range(1, 8)]
+    with Writer(path) as bag:
+        kind = "sensor_msgs/msg/JointState"
+        topic = bag.add_connection("/joint_states", kind, typestore=store)
+        for k, (time, q, dq, tau, _) in enumerate(zip(*log.values(), strict=True)):
+            stamp = types["builtin_interfaces/msg/Time"](*divmod(round(1e9 * time), 10**9))
+            message = types[kind](types["std_msgs/msg/Header"](k, stamp, ""), names, q, dq, tau)
+            bag.write(topic, round(1e9 * time), store.serialize_ros1(message, kind))
+    (found,) = import_files([path], [])
+    assert found.entry["channels"]["actual_torque"] == "/joint_states/effort"

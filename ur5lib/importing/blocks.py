@@ -38,13 +38,15 @@ class Block:
     """Columns of a file that belong together.
 
     names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
-    time stamps; factors: by which the file's numbers were multiplied, none if they are as read.
+    time stamps; factors: by which the file's numbers were multiplied, none if they are as read;
+    joints: of the file's arm.
     """
 
     names: tuple[str, ...]
     rows: Array
     clock: str
     factors: tuple[float, ...] = ()
+    joints: int = 6
 
     def scaled(self, factors: Array) -> "Block":
         """Return the block with each column multiplied by a factor."""
@@ -78,8 +80,10 @@ class Block:
         if last in SUFFIXES and len(SUFFIXES[last]) == width:
             return last
         words = {*re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", last).lower())}
-        if width == 6 and not words & TOOL:
-            return "wrench" if words & {"wrench", "ft"} else _of_joints(words)
+        if width == 6 and words & {"wrench", "ft"} and not words & TOOL:
+            return "wrench"
+        if width == self.joints and not words & TOOL:
+            return _of_joints(words)
         spatial = _meaning(words, IN_SPACE) if width == 3 and not words & OF_IMU else None
         if spatial in ("force", "torque"):
             return spatial
@@ -102,8 +106,8 @@ def _of_joints(words: set[str]) -> str | None:
     return {"qdd": None, "torque": "actual_current_as_torque"}.get(kind, f"actual_{kind}")
 
 
-def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield the names of single columns that belong together (six joints; x, y, z), others alone.
+def grouped(names: Sequence[str], joints: int = 6) -> Iterator[tuple[str, ...]]:
+    """Yield the names of single columns that belong together (joints; pose; x, y, z), others alone.
 
     In the order of the joints' names, or else of their numbers.
     """
@@ -113,7 +117,7 @@ def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
         stems.setdefault(stem, {})[place] = name
     for places in stems.values():
         ordered = tuple(places[place] for place in sorted(places))
-        yield from [ordered] if len(ordered) in (3, 6) else ((name,) for name in ordered)
+        yield from [ordered] if len(ordered) in (3, 6, joints) else ((name,) for name in ordered)
 
 
 def names_joints(name: str) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import NAMELESS, Block, grouped
-from ur5lib.importing.joints import expect_six_joints
+from ur5lib.importing.joints import JOINTS, joints_of, joints_of_nameless
 from ur5lib.recordings.array_files import ENDINGS
 from ur5lib.recordings.arrays import load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
@@ -49,7 +49,7 @@ class Contents:
     """A file's blocks, and its clocks: time stamps (N,) [s] by name.
 
     silent: blocks that are zero throughout; units: of the clocks that are not in seconds;
-    findings: of the reader.
+    findings: of the reader; joints: of the arm.
     """
 
     path: Path
@@ -60,6 +60,7 @@ class Contents:
     clocks: dict[str, Array]
     units: dict[str, str]
     findings: list[Finding]
+    joints: int = JOINTS
 
     def time_base(self, clock: str) -> str:
         """Return the time base of a clock, as a study has it."""
@@ -80,17 +81,18 @@ def contents(path: Path) -> Contents:
         arrays = _table(path, header, findings)
     else:
         arrays = load_arrays(format, path, None, findings)
-    expect_six_joints(path, arrays)
+    unnamed = header.columns[:1] == nameless(1)
+    joints = joints_of_nameless(len(arrays) - 1) if unnamed else joints_of(path, arrays)
     clocks, units = _clocks(arrays)
     if not clocks:
         raise InputError(
             f"{path}: none of {_listed(arrays)} increases like a clock; record the time, or write "
             "the entry by hand (raw/README.md)"
         )
-    every = [*_blocks(arrays, clocks, header.columns[:1] == nameless(1))]
+    every = [*_blocks(arrays, clocks, joints, unnamed)]
     silent = [block for block in every if not np.nan_to_num(block.rows).any()]
     blocks = [block for block in every if not any(block is other for other in silent)]
-    return Contents(path, format, header, blocks, silent, clocks, units, findings)
+    return Contents(path, format, header, blocks, silent, clocks, units, findings, joints)
 
 
 def read_header(path: Path) -> Header:
@@ -161,7 +163,7 @@ def _unit(stamps: Array) -> str | None:
 
 
 def _blocks(
-    arrays: dict[str, np.ndarray], clocks: dict[str, Array], nameless: bool
+    arrays: dict[str, np.ndarray], clocks: dict[str, Array], joints: int, nameless: bool
 ) -> Iterator[Block]:
     """Yield the arrays of several columns, and the groups of single columns."""
     single = []
@@ -171,16 +173,17 @@ def _blocks(
             continue
         if values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks[clock]) else values.T
-            yield Block((name,), _possible(tall), clock)
+            yield Block((name,), _possible(tall), clock, joints=joints)
         else:
             single.append(name)
-    sixes = [tuple(single[k : k + 6]) for k in range(0, len(single) - 5, 6)]
-    groups = sixes if nameless else [*grouped(single)]
+    last = len(single) - joints + 1
+    each = [tuple(single[k : k + joints]) for k in range(0, last, joints)]
+    groups = each if nameless else [*grouped(single, joints)]
     for names in groups:
         clock = _clock_of(names[0], arrays[names[0]].size, clocks)
         columns = [_possible(arrays[name].ravel()) for name in names]
         if clock and len({len(column) for column in columns}) == 1:
-            yield Block(names, np.stack(columns, axis=1), clock)
+            yield Block(names, np.stack(columns, axis=1), clock, joints=joints)
 
 
 def _possible(values: np.ndarray) -> Array:

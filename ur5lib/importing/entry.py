@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
+from ur5lib.channels import JOINT_CHANNELS, SUFFIXES, suffixes
 from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.proposal import Proposal
@@ -49,12 +49,14 @@ def _of_table(proposal: Proposal) -> Entry:
         order = proposal.order if channel in JOINT_CHANNELS else range(len(names))
         named |= {
             names[column]: channel + suffix
-            for column, suffix in zip(order, SUFFIXES[channel], strict=True)
+            for column, suffix in zip(order, suffixes(channel, len(proposal.order)), strict=True)
         }
     unchanged = all(name in (column, "time") for column, name in named.items())
     if proposal.clock == "timestamp" and unchanged and not (header.repeated or proposal.units):
         return {"format": "rtde-csv"}
-    columns = _shortened([named.get(column, SKIPPED) for column in header.columns])
+    columns = [named.get(column, SKIPPED) for column in header.columns]
+    if len(proposal.order) == len(IN_ORDER):
+        columns = _shortened(columns)
     units = _units(proposal)
     if sensor and proposal.opposite:
         units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE)}
@@ -81,7 +83,7 @@ def _of_arrays(proposal: Proposal) -> Entry:
     """Return `channels`, `joints`, `units`, `time` and the force sensor."""
     channels: Entry = {"time": proposal.clock}
     channels |= {name: _named(blocks) for name, blocks in proposal.channels.items()}
-    joints = [proposal.order.index(column) + 1 for column in range(6)]
+    joints = [proposal.order.index(column) + 1 for column in range(len(proposal.order))]
     sensor = {}
     if proposal.sensor:
         named = (_named([block]) for block in proposal.sensor)
@@ -89,7 +91,7 @@ def _of_arrays(proposal: Proposal) -> Entry:
         sign = {"units": dict.fromkeys(parts, OPPOSITE)} if proposal.opposite else {}
         clock = {"time": proposal.sensor[0].clock}
         sensor = {"force_sensor": {"channels": clock | parts} | sign | _time(proposal)}
-    order = {"joints": joints} if proposal.order != IN_ORDER else {}
+    order = {"joints": joints} if joints != sorted(joints) else {}
     return {"channels": channels} | order | _units(proposal) | _time(proposal) | sensor
 
 

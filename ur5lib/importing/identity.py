@@ -91,7 +91,8 @@ def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Readi
     even where gravity contradicts them. Raises InputError with the alternatives and a remedy where
     they are ambiguous.
     """
-    arms = [described(name) for name in names or robot_names()]
+    known = map(described, names or robot_names())
+    arms = [arm for arm in known if len(arm.joints) == case.file.joints]
     by_name = names_order(case.moving.position, case.file)
     orders = [IN_ORDER] if by_name else readings.all_orders()
     by_pose = _by_pose(case, arms, orders)

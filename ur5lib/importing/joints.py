@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import MEANINGS, TOOL, place_of
 
-JOINTS = 6  # of the arms whose columns are proven
+JOINTS = 6  # of the maker's arms
 MORE = (7, 8, 9)  # joints, a gripper's fingers among them
 
 
@@ -23,21 +24,32 @@ class OfJoints(NamedTuple):
     joints: int
 
 
-def expect_six_joints(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
-    """Raise InputError where a file holds the positions of more joints, and not of six."""
+def joints_of(path: Path, arrays: Mapping[str, np.ndarray]) -> int:
+    """Return of how many joints a file holds the positions: six, or more by their names.
+
+    Raises InputError where they are more than an arm's.
+    """
     found = [*_of_joints(arrays)]
     counts = {block.joints for block in found if block.kind == "q"}
     more = max(counts & {*MORE}, default=None)
     if more is None or JOINTS in counts:
-        return
+        return JOINTS
+    if more <= MOST_JOINTS:
+        return more
     position = next(block for block in found if block.kind == "q" and block.joints == more)
     others = ", ".join(b.title for b in found if b.joints == more and b is not position)
     raise InputError(
         f"{path} holds {more} joints: {position.title} are positions"
         + (f", and beside them are {others}" if others else "")
-        + f"; import proves the columns of {JOINTS} joints alone. Describe the arm by its URDF "
-        "(`ur5 describe`), and write the entry by hand, without a gripper's joints (docs/robots.md)"
+        + f"; arms have up to {MOST_JOINTS}. Describe the arm by its URDF (`ur5 describe`), and "
+        "write the entry by hand, without a gripper's joints (docs/robots.md)"
     )
+
+
+def joints_of_nameless(columns: int) -> int:
+    """Return of how many joints a table without names has blocks, beside its first column."""
+    fitting = (count for count in (JOINTS, *MORE[:2]) if columns % count == 0)
+    return next(fitting, JOINTS)
 
 
 def _of_joints(arrays: Mapping[str, np.ndarray]) -> Iterator[OfJoints]:

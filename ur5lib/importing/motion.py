@@ -19,8 +19,9 @@ DEGREES = 180 / np.pi
 LONGEST = 0.1  # s; across longer steps, a slope is no velocity
 SMOOTHED = 0.05  # s
 TURN = 4 * np.pi  # rad; no joint turns further
+COUNTS = {6: "six", 7: "seven", 8: "eight"}
 NO_PAIR = (
-    "no block of six columns is the derivative of another; import it together with a recording of "
+    "no block of {} columns is the derivative of another; import it together with a recording of "
     "the same columns in which the arm moves, or name the columns"
 )
 
@@ -41,7 +42,7 @@ class ImportedMotion:
         return {name: [block] for name, block in every.items() if block is not None}
 
     def in_si(self) -> dict[str, Array]:
-        """Return the measured positions and velocities (N, 6) [rad, rad/s]."""
+        """Return the measured positions and velocities (N, n) [rad, rad/s]."""
         measured = {"actual_q": self.position, "actual_qd": self.velocity}
         return {
             name: block.rows / (DEGREES if name in self.units else 1.0)
@@ -125,15 +126,19 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
         several = " and ".join(f"{p.title} with {v.title}" for p, v in pairs[:2])
         raise InputError(
             f"{file.path}: the columns of the positions are ambiguous: "
-            + (f"{several} may be; name the columns" if pairs else NO_PAIR)
+            + (
+                f"{several} may be; name the columns"
+                if pairs
+                else NO_PAIR.format(COUNTS[file.joints])
+            )
         )
     return pairs[0]
 
 
 def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
-    """Yield blocks of six columns, their derivatives, and the share that the slopes miss."""
-    six = [block for block in file.blocks if block.rows.shape[1] == 6]
-    for position, velocity in itertools.permutations(six, 2):
+    """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
+    whole = [block for block in file.blocks if block.rows.shape[1] == file.joints]
+    for position, velocity in itertools.permutations(whole, 2):
         if position.clock == velocity.clock:
             share, ratio, count = agreement(position, velocity, file.clocks[position.clock])
             if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:

@@ -19,12 +19,13 @@ from ur5lib.importing.efforts import (
 )
 from ur5lib.importing.identity import Case, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
+from ur5lib.importing.serial import arm_and_torque, arms_of
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.readings import Order, Reading
-from ur5lib.robots.description import Robot, robot_names
+from ur5lib.recordings.readings import IN_ORDER, Order, Reading
+from ur5lib.robots.description import Robot
 
 Units = dict[str, str | list[float]]  # by channel, as a study has them
 FEWEST = 8  # blocks of 0.1 s
@@ -69,13 +70,16 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
     """
     evidence = Evidence()
     moving = find_motion(file, evidence)
+    possible = arms_of(file, arms)
+    if file.joints != len(IN_ORDER):
+        return _of_serial_arm(file, possible, moving, evidence)
     clock = moving.position.clock
     efforts = {
         f"effort{k}": as_amperes(block, evidence) for k, block in enumerate(_efforts(file, moving))
     }
     wrench = _wrench(file, clock)
     means = _means(file, moving, efforts, wrench)
-    _turn(efforts, means, [described(name) for name in arms or robot_names()], evidence)
+    _turn(efforts, means, [described(name) for name in possible], evidence)
     reading = identified(Case(file, moving, means, [*efforts], evidence), arms, trusted)
     channels = moving.channels()
     named = name_efforts(efforts, means, described(reading.arm), reading.order, evidence)
@@ -100,6 +104,22 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
         units["actual_TCP_force"] = OPPOSITE
     parts = file, clock, reading.arm, reading.order, channels, units, evidence
     return Proposal(*parts, sensor, opposite, pushed)
+
+
+def _of_serial_arm(
+    file: Contents, arms: Sequence[str], moving: ImportedMotion, evidence: Evidence
+) -> Proposal:
+    """Return the proposal for a file of more joints than a UR arm has, in the file's order."""
+    arm, torque = arm_and_torque(file, arms, moving, evidence)
+    channels = moving.channels()
+    if torque is not None:
+        channels["actual_torque"] = [torque]
+    evidence.assumed.append(f"the joints' order, as in {moving.position.title}: base to wrist")
+    _pushed([], evidence)
+    _report_columns(file, evidence)
+    order = tuple(range(file.joints))
+    units: Units = {**moving.units}
+    return Proposal(file, moving.position.clock, arm, order, channels, units, evidence)
 
 
 def _efforts(file: Contents, moving: ImportedMotion) -> list[Block]:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from ur5lib.channels import is_unused, joint_count, meant
+from ur5lib.channels import columns, is_unused, joint_count, meant
 from ur5lib.errors import InputError
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
-from ur5lib.recordings.derived import with_currents, with_wrist_sensor
+from ur5lib.recordings.derived import CURRENT, with_currents, with_wrist_sensor
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
@@ -55,7 +55,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
     del raw  # whose channels are freed while they are repaired
-    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, _endless_positions(arm))
+    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, _unbounded(arm))
     findings += repairs + remarks
     robot, wrist = with_wrist_sensor(robot, arm, other="force" in placed)
     findings += wrist
@@ -105,10 +105,13 @@ def _check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Findi
     return check_imu(table, arm.mounting.imu_full_scale)
 
 
-def _endless_positions(arm: Robot) -> list[str]:
-    """Return the position channels of the joints that turn without limit."""
+def _unbounded(arm: Robot) -> list[str]:
+    """Return the position channels of the joints that turn without limit, and the currents where
+    torques take their place, which have a bound of their own.
+    """
     joints = [joint - 1 for joint in arm.endless_joints or []]
-    return [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
+    endless = [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
+    return endless + (columns(CURRENT, len(arm.joints)) if arm.senses_torque() else [])
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:
