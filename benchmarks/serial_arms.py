@@ -38,16 +38,8 @@ from ur5lib.tables import read_record
 
 FIRST, SEEDS, SECONDS, QUICK = 2, 20, 20.0, 10.0  # on seeds 0 and 1, `BLUR` was chosen
 MOTION = {"kind": "fourier", "period_s": 20, "harmonics": 10, "amplitude_rad": 0.5}
-SHARES = (
-    0.5,
-    0.3,
-    0.1,
-    0.5,
-    0.3,
-    0.1,
-    0.3,
-    0.3,
-)  # of the limits of speed: six to fit, a free one, a touched one
+# of the limits of speed: six to fit, a free one, a touched one
+SHARES = (0.5, 0.3, 0.1, 0.5, 0.3, 0.1, 0.3, 0.3)
 FITTED = len(SHARES) - 2
 BEND, SWAY = 0.5, 0.3  # rad, of each joint to one side or the other, and by which postures differ
 FORCES = 10.0, 60.0  # N, range of pushes

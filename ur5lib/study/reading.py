@@ -240,20 +240,21 @@ def _wrong_arms(study: Study) -> Iterator[str]:
 
 def _misfits(study: Study) -> Iterator[str]:
     """Yield what of simulated recordings does not fit their arms."""
-    for recording in study.recordings:
-        if (plan := getattr(recording, "simulate", None)) is None:
-            continue
+    plans = [(own, getattr(own, "simulate", None)) for own in study.recordings]
+    simulated = [(own, plan) for own, plan in plans if plan is not None]
+    for name in dict.fromkeys(own.arm.arm for own, _ in simulated):
         try:
-            robot = load_robot(robot_path(recording.arm.arm))
+            robot = load_robot(robot_path(name))
         except InputError as error:
             yield str(error)
             continue
-        place = f"`recordings.{recording.name}"
-        misfits = plan.misfits(recording.arm.known_as, len(robot.joints))
-        yield from (f"{place}.simulate.{misfit}" for misfit in misfits)
-        of_ur = recording.format in layout.FORMATS_OF_UR
-        if of_ur and (len(robot.joints) != 6 or robot.senses_torque()):
-            yield f"{place}.format` is {recording.format}, of UR arms alone; give rtde-csv"
+        for recording, plan in ((own, plan) for own, plan in simulated if own.arm.arm == name):
+            place = f"`recordings.{recording.name}"
+            misfits = plan.misfits(recording.arm.known_as, len(robot.joints))
+            yield from (f"{place}.simulate.{misfit}" for misfit in misfits)
+            of_ur = recording.format in layout.FORMATS_OF_UR
+            if of_ur and (len(robot.joints) != 6 or robot.senses_torque()):
+                yield f"{place}.format` is {recording.format}, of UR arms alone; give rtde-csv"
 
 
 def _repeated_names(raw: Raw) -> Iterator[str]:
