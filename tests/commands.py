@@ -1,6 +1,9 @@
 """Commands run as a user runs them, and the words of what they answer."""
 
 import re
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -34,6 +37,21 @@ class Command:
         with pytest.raises(SystemExit) as stop, time_limit(SECONDS):
             cli.main()
         return Answer(int(stop.value.code or 0), *self.captured.readouterr())
+
+
+def printed(command: Sequence[str | Path], folder: Path, variables: Mapping[str, str]) -> str:
+    """What a program prints that ends well, in a folder and with these variables alone."""
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=dict(variables),
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
 
 
 def words(text: str) -> set[str]:

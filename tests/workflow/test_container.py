@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import printed
 from tests.conftest import PROJECT
 from tests.workflow.test_simulated import POINTS, STUDY
 
@@ -34,27 +35,21 @@ def instructions() -> Iterator[tuple[str, str]]:
 
 def enter(root: Path, command: str, **variables: str) -> str:
     """Run a shell command inside; what it printed."""
-    done = subprocess.run(
-        [shutil.which("chroot"), root, "/bin/sh", "-c", command],
-        env={"HOME": "/root", "LC_ALL": "C.UTF-8", "PATH": PATH} | variables,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout
-    return done.stdout
+    inside = [shutil.which("chroot") or "", str(root), "/bin/sh", "-c", command]
+    return printed(inside, root, {"HOME": "/root", "LC_ALL": "C.UTF-8", "PATH": PATH} | variables)
 
 
 @pytest.fixture(scope="module")
 def container(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, dict[str, str]]]:
     """The root made by the Dockerfile's steps, with packages from beside it, and its variables."""
     root, variables = tmp_path_factory.mktemp("root"), {}
-    sources = subprocess.check_output(["apt-get", "indextargets", "--format", "$(REPO_URI)"])
+    targets = ["apt-get", "indextargets", "--format", "$(CODENAME) $(REPO_URI)"]
+    mirrors = dict(map(str.split, subprocess.check_output(targets, text=True).splitlines()))
     [(_, image), *steps] = instructions()
     release = image.removeprefix("debian:").removesuffix("-slim")
-    mirror = sources.decode().split()[0]
-    subprocess.run(["debootstrap", "--variant=minbase", release, root, mirror], check=True)
+    subprocess.run(
+        ["debootstrap", "--variant=minbase", release, root, mirrors[release]], check=True
+    )
     lock = PROJECT / "requirements.lock"
     download = [sys.executable, "-m", "pip", "download", "--quiet", "--dest", root / "packages"]
     subprocess.run([*download, "--requirement", lock, "pip"], check=True)

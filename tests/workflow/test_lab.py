@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import printed
 from tests.conftest import PROJECT
 from tests.workflow.test_simulated import POINTS, STUDY
 
@@ -37,17 +38,7 @@ class Installed:
         """What a program of the environment prints, without the clone on any path."""
         program = self.environment / "bin" / command[0]
         variables = {"PATH": "/usr/bin:/bin", "HOME": str(self.labs), "LC_ALL": "C.UTF-8"}
-        done = subprocess.run(
-            [program, *command[1:]],
-            cwd=folder,
-            env=variables,
-            text=True,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            check=False,
-        )
-        assert done.returncode == 0, done.stdout
-        return done.stdout
+        return printed([program, *command[1:]], folder, variables)
 
     def snakemake(self, folder: Path, *arguments: str) -> str:
         return self.run("python", "-m", "snakemake", *arguments, folder=folder)
