@@ -22,7 +22,8 @@ from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
 
 MARKDOWN = MarkdownIt("commonmark").enable("table")
-COMMANDS = ("make", "snakemake", "ur5", "python", "git", "pip", "cp", "rm", "sbatch", "cd", ".")
+COMMANDS = ("make", "snakemake", "ur5", "python", "git", "pip", "docker")
+COMMANDS += ("cp", "rm", "sbatch", "cd", ".")
 INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 FIRST = {  # what the first line of a block begins with
     "python": re.compile(r"(?:import|from|def|class|>>>) "),
