@@ -8,9 +8,11 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.compose import MENTION, SENTENCE_END, body_of, compose, view
+from ur5lib.report.compose import MENTION, SENTENCE_END, _filled, body_of, compose, view
 from ur5lib.report.document import (
     Block,
+    Cell,
+    Code,
     Contents,
     DeclaredTable,
     Document,
@@ -19,11 +21,14 @@ from ur5lib.report.document import (
     Picture,
     Reference,
     Repeated,
+    Section,
     Table,
     contents,
 )
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import Stated, sentence
 from ur5lib.report.tables.making import declarations
+from ur5lib.report.torques import in_torques
 
 TABLES_MADE = declarations().tables()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
@@ -145,3 +150,27 @@ def test_a_table_named_alone_is_shown_as_it_is() -> None:
     body = body_of(declared, Results(study={}, tables={"noise": table}, figures=Path()))
     assert body.header == ["recording", "noise a"]
     assert [cell.text for cell in body.rows[0]] == ["one", "0.01235"]
+
+
+def test_arms_that_sense_torque_have_no_currents() -> None:
+    """Texts, cells and units say torque and Nm; labels, files and code stay."""
+    said = sentence("Joint 2: 1.01 Nm/A, off by 0.3 A", [Stated(1.01, unit="Nm/A")])
+    cells = [[Cell("RMSE [A]")]]
+    table = Table("Predicted currents [A]", ["current"], cells, "currents", "tables/currents.csv")
+    code = Code(text="current: 3 A")
+    blocks: list[Block] = [Paragraph([said]), table, code]
+    text, changed, kept = in_torques(Document("t", "", [Section("s", blocks)])).blocks()
+    assert isinstance(text, Paragraph)
+    assert text.spans == ["Joint 2: 1.01 Nm/Nm, off by 0.3 Nm"]
+    assert text.spans[0].numbers[0].unit == "Nm/Nm"  # type: ignore[union-attr]
+    torques = [[Cell("RMSE [Nm]")]]
+    caption = "Predicted torques [Nm]"
+    assert changed == Table(caption, ["torque"], torques, "currents", "tables/currents.csv")
+    assert kept == code
+
+
+@pytest.mark.parametrize(("other", "said"), [(False, "of ur5, upright"), (True, "of ur5, at zero")])
+def test_captions_know_the_arm(other: bool, said: str) -> None:
+    arms = frozenset({"ur5"} if other else ())
+    results = Results({"recordings": []}, {}, Path(), other_arms=arms)
+    assert _filled("of {of}, {ur|upright}{other|at zero}", results, "ur5") == said

@@ -29,6 +29,7 @@ from ur5lib.report.document import (
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tabulated import Body, tabulate
+from ur5lib.report.torques import in_torques
 from ur5lib.report.views import (
     arm_state,
     audit,
@@ -50,7 +51,7 @@ VIEWS: dict[str, ModuleType] = {
     )
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
-THESIS = re.compile(r"\{thesis\|(.*?)\}")  # a remark of the thesis's study alone
+REMARK = re.compile(r"\{(thesis|ur|other)\|(.*?)\}")  # of that study, or of such arms, alone
 SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
@@ -78,12 +79,13 @@ def compose(contents: Contents, results: Results) -> Document:
     opening = Section(first.title, _blocks(first, replace(results, left_out=left_out)))
     study = results.study
     notice = _notice(study["recordings"])
-    return Document(
+    document = Document(
         title=f"{study['title']} (simulated)" if notice else study["title"],
         subtitle=_analysed(results),
         sections=[opening, *kept],
         notice=notice,
     ).numbered()
+    return in_torques(document) if results.sensed else document
 
 
 def view(name: str) -> Callable[..., Any]:
@@ -192,9 +194,11 @@ def _draft(wanted: Paragraph, results: Results, name: str) -> Draft:
 
 
 def _filled(text: str, results: Results, name: str) -> str:
-    """Return a text with the name of its recording or arm; in the thesis's study, with remarks."""
-    remarked = results.of_thesis
-    return THESIS.sub(lambda remark: remark[1] if remarked else "", text).replace("{of}", name)
+    """Return a text with the name of its recording or arm, and the remarks that concern it."""
+    other = name in results.other_arms
+    said = {"thesis": results.of_thesis, "other": other, "ur": not other}
+    text = REMARK.sub(lambda remark: remark[2] if said[remark[1]] else "", text)
+    return text.replace("{of}", name)
 
 
 def shown_table(table: str, results: Results, name: str = "") -> Body:

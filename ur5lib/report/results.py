@@ -20,6 +20,7 @@ from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.report.sentences import Sentence
 from ur5lib.report.truth_table import COLUMNS as TRUTH
+from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv
 
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
@@ -45,7 +46,8 @@ class Results:
     """A study's results.
 
     study: the configuration; tables: by name; figures: the folder of figures; drawn: recordings
-    with figures; left_out: for each omitted section, a sentence with the reason.
+    with figures; left_out: for each omitted section, a sentence with the reason; other_arms: those
+    that are no UR arms; sensed: whether torques that all arms sense take the currents' place.
     """
 
     study: Mapping[str, Any]
@@ -56,15 +58,22 @@ class Results:
     commit: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
     left_out: Sequence[Sentence] = ()
+    other_arms: frozenset[str] = frozenset()
+    sensed: bool = False
 
     @classmethod
     def read(
-        cls, study: str, tables: Sequence[str], figures: Sequence[str], reference: str | None
+        cls,
+        study: str,
+        tables: Sequence[str],
+        figures: Sequence[str],
+        reference: str | None,
+        arms: Sequence[Robot] = (),
     ) -> "Results":
         """Read a study's results.
 
         study: the configuration as YAML; tables, figures: paths; reference: path of the published
-        values, if any.
+        values, if any; arms: of the study.
         """
         return cls(
             study=yaml.safe_load(study),
@@ -74,6 +83,8 @@ class Results:
             errata=read_reference(reference).errata,
             commit=commit(),
             versions=versions(),
+            other_arms=frozenset(arm.name for arm in arms if not arm.denavit_hartenberg),
+            sensed=bool(arms) and all(arm.senses_torque() for arm in arms),
         )
 
     def roles(self) -> dict[str, str]:

@@ -25,6 +25,7 @@ for drawing in [step for step in workflow.rules if step.name.startswith("draw_")
 rule write_paper:
     input:
         **REFERENCE,
+        described=[described(robot) for robot in ROBOTS],
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
         columns=[

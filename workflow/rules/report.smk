@@ -313,6 +313,7 @@ rule time_steps:
 rule write_report:
     input:
         **REFERENCE,
+        described=[described(robot) for robot in ROBOTS],
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
     output:

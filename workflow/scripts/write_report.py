@@ -7,12 +7,14 @@ from ur5lib.report.document import contents
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.report.summary import summary, summary_schema
+from ur5lib.robots.description import load_robot
 from ur5lib.tables import write_json, write_text
 
 
 def write_report(input: Any, output: Any, params: Any) -> None:
     reference = input.get("reference")
-    results = Results.read(params.study, input.tables, input.figures, reference)
+    arms = [load_robot(path) for path in input.described]
+    results = Results.read(params.study, input.tables, input.figures, reference, arms)
     document = compose(contents(), results)
     write_html(document, output.html)
     write_pdf(document, output.pdf)
