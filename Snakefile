@@ -20,15 +20,18 @@ include: "workflow/rules/identification.smk"
 include: "workflow/rules/force.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/paper.smk"
+include: "workflow/rules/batches.smk"
 include: "workflow/rules/cluster.smk"
 
 
 onsuccess:
+    list_left_out()
     if Path(f"{RESULTS}/report.html").exists():
         print(f"report: {RESULTS}/report.html, {RESULTS}/report.pdf")
 
 
 onerror:
+    list_left_out()
     if FAILED:
         print(f"\n{len(FAILED)} failed:", *FAILED, sep="\n")
 

@@ -12,7 +12,7 @@ from tests.commands import Command, words
 from tests.conftest import said
 from tests.made_tables import table
 from tests.synthetic import write_recording
-from ur5lib.commands.check import concerned, print_tables, text_console, unfiltered
+from ur5lib.commands.check import WORST, by_month, concerned, print_tables, text_console, unfiltered
 from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.findings import by_finding, group_findings
@@ -40,6 +40,18 @@ def test_findings_and_clocks_are_printed(study: Path, run_ur5: Command) -> None:
     assert "no sensor (note)" in result.out
     assert "0.0050 ± 0.0058" in result.out
     assert not (study.parent / "results").exists()
+
+
+def test_each_month_counts_its_recordings_by_the_worst_finding() -> None:
+    def found(*severities: str) -> Quality:
+        return Quality(findings=[Finding("robot", "lost", one, 1, {}) for one in severities])
+
+    months = {"a": "2026-02", "b": "2026-01", "c": "2026-02"}
+    qualities = {"a": found("note", "error"), "b": found(), "c": found("note"), "d": found("stop")}
+    table = by_month(months, qualities)
+    rows = [*zip(*(column.cells for column in table.columns), strict=True)]
+    assert [column.header for column in table.columns][2:] == [*WORST, "nothing"]
+    assert rows == [("2026-01", "1", *"00001"), ("2026-02", "2", *"01010")]
 
 
 def test_a_recording_is_shown_in_detail(study: Path, run_ur5: Command) -> None:

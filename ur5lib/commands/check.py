@@ -1,5 +1,6 @@
 """A study's recordings looked through, without the workflow."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -28,6 +29,7 @@ from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 
 SEVERE = ("stop", "error")
+WORST = (*SEVERE, "warning", "note")
 FEW = 3  # recordings of a finding that are named
 COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
@@ -71,7 +73,11 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
     if named:
         qualities = {name: qualities[name] for name in qualities if name in named}
         found = {name: found[name] for name in found if name in named}
-    return print_tables(console, qualities, found, detailed=bool(named))
+    severe_ones = print_tables(console, qualities, found, detailed=bool(named))
+    months = {recording.name: f"{recording.date:%Y-%m}" for recording in there if recording.date}
+    if not named and len({*months.values()}) > 1:
+        console.print(by_month(months, qualities))
+    return severe_ones
 
 
 def text_console(**settings: Any) -> Console:
@@ -199,6 +205,25 @@ def _print_by_finding(console: Console, quality: pd.DataFrame, names: list[str])
     if sound:
         console.print(f"nothing found in {concerned(sound, names)}")
     console.print("`ur5 check <study> <recording>` shows a recording's findings in detail")
+
+
+def by_month(months: Mapping[str, str], qualities: Mapping[str, Quality]) -> Table:
+    """Return a table of the recordings of each month, by the worst that was found in them.
+
+    months: of recordings, as 2026-03.
+    """
+    table = Table("month", "recordings", *WORST, "nothing", title="The worst finding, by month")
+    for month in sorted({*months.values()}):
+        worst = Counter(worst_of(qualities[name]) for name in months if months[name] == month)
+        counts = [worst[severity] for severity in (*WORST, "nothing")]
+        table.add_row(month, *map(str, (worst.total(), *counts)))
+    return table
+
+
+def worst_of(quality: Quality) -> str:
+    """Return the worst severity among the findings of a recording, or "nothing"."""
+    found = {finding.severity for finding in quality.findings}
+    return next((severity for severity in WORST if severity in found), "nothing")
 
 
 def concerned(some: Sequence[str], names: Sequence[str]) -> str:

@@ -31,6 +31,10 @@ class Names(dict[str, Any]):
             raise AttributeError(name) from None
 
 
+class BadInput(str):
+    """The error of a step that a user can correct, in one sentence."""
+
+
 @dataclass
 class Job:
     """A step, the files that it reads and writes, and its settings.
@@ -72,7 +76,7 @@ class Job:
         try:
             load_step(self.step)(self.input, self.output, self.params)
         except InputError as error:
-            return printable(f"{self.step}: {error}")
+            return BadInput(printable(f"{self.step}: {error}"))
         except Exception as error:
             traceback.print_exc()
             kind = type(error).__name__

@@ -41,7 +41,8 @@ def run_in_fork(job: Job, start_up: float) -> str:
     child.start()
     child.join()
     if receiver.poll():
-        return str(receiver.recv())
+        error: str = receiver.recv()
+        return error
     return f"{job.step}: its process ended with status {child.exitcode} (see {job.log})"
 
 

@@ -1,19 +1,27 @@
 """The warm processes of a run: one for each simultaneous job."""
 
 import atexit
+import hashlib
 import os
 import queue
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from multiprocessing import Pipe
+from pathlib import Path
 from typing import Any
 
-from ur5lib.steps.job import Job, Names, Setting
+from ur5lib.steps.absent import delete_results, left_out, reason_to_skip, without, write_stamp
+from ur5lib.steps.job import BadInput, Job, Names, Setting
+from ur5lib.steps.upkeep import paths, run_if_changed, run_or_restore, written_by
 
 
 class StepError(Exception):
     """A step failed; the message has its name and the reason."""
+
+
+class BadFileError(StepError):
+    """A step failed by what it was given: the message says what to correct."""
 
 
 class Worker:
@@ -34,7 +42,8 @@ class Worker:
     def run(self, job: Job) -> str:
         """Run a job; return its error as one sentence, empty on success."""
         self.connection.send(job)
-        return str(self.connection.recv())
+        error: str = self.connection.recv()
+        return error
 
 
 FOR_PAPER = "_for_paper"  # suffix of a rule that runs another rule's script, with other outputs
@@ -51,10 +60,43 @@ def run_step(
 ) -> None:
     """Run a step's script in a warm process; `<step>_for_paper` runs that of `<step>`.
 
+    In a study of batches, `files` of the settings are the inputs, for whose stamps Snakemake waits:
+    what was left out is left out of them, too, and what is fitted to an arm is restored if nothing
+    that it depends on has changed.
     Raises StepError with one sentence if it fails. Threads may call it at the same time.
     """
-    script = step.removesuffix(FOR_PAPER)
-    job = Job(script, names(input), names(output), names(params), log["log"], log["benchmark"])
+    script, settings = step.removesuffix(FOR_PAPER), names(params)
+    read, is_kept = settings.pop("files", None), settings.pop("is_kept", False)
+    job = Job(script, names(input), names(output), settings, log["log"], log["benchmark"])
+    try:
+        if read is None:
+            run_job(job)
+        else:
+            job.input = Names(read)
+            run_without(left_out(plain(input)), job, is_kept)
+    except StepError as error:
+        FAILED.append(str(error))
+        raise
+
+
+def run_without(absent: Mapping[str, str], job: Job, is_kept: bool) -> None:
+    """Run a job that waited for batches, without recordings that were left out."""
+    needed = job.params.get("recordings")
+    if needed and all(name in absent for name in needed):
+        reason = absent[needed[0]]
+        raise StepError(f"{job.step}: none of {len(needed)} recordings can be read; {reason}")
+    if reason := reason_to_skip(job, absent):
+        Path(job.log).write_text(f"{reason}\n", encoding="utf-8")
+        for path in paths(job.output):
+            Path(path).touch()
+    elif is_kept:
+        run_or_restore(without(job, absent), run_job)
+    else:
+        run_job(without(job, absent))
+
+
+def run_job(job: Job) -> None:
+    """Run a job in a warm process. Raises StepError with one sentence if it fails."""
     try:
         worker = IDLE.get_nowait()
     except queue.Empty:
@@ -63,10 +105,46 @@ def run_step(
         error = worker.run(job)
         IDLE.put(worker)
     except (EOFError, OSError):
-        error = f"{step}: its process was killed; see {job.log}"
+        error = f"{job.step}: its process was killed; see {job.log}"
     if error:
-        FAILED.append(error)
-        raise StepError(error)
+        raise BadFileError(error) if isinstance(error, BadInput) else StepError(error)
+
+
+def run_batch(
+    chains: Iterable[tuple[str, list[Job]]],
+    stamps: Iterable[str],
+    stamp: str,
+    log: str,
+    may_be_left_out: Container[str],
+) -> None:
+    """Run the steps of a batch of recordings whose code, settings or files changed.
+
+    chains: the jobs of each recording, in turn. stamps: of the batches that it waited for; stamp:
+    written when all are done, with a checksum of their results and what was left out; log: which
+    steps ran. may_be_left_out: recordings that are left out if they cannot be read. Raises
+    StepError if a step of another failed, after all others.
+    """
+    absent = left_out(stamps)
+    ran, failed, written = [], [], hashlib.sha256()
+    for recording, chain in chains:
+        if recording in absent:
+            continue
+        try:
+            for job in (without(job, absent) for job in chain):
+                if run_if_changed(job, run_job):
+                    ran.append(f"{job.step} {recording}")
+                written.update("".join(written_by(job)).encode())
+        except StepError as error:
+            if isinstance(error, BadFileError) and recording in may_be_left_out:
+                absent[recording] = str(error)
+                delete_results(chain)
+            else:
+                failed.append(str(error))
+    FAILED.extend(failed)
+    Path(log).write_text("".join(f"{line}\n" for line in ran + failed), encoding="utf-8")
+    if failed:
+        raise StepError(f"{len(failed)} recordings failed; see {log}")
+    write_stamp(stamp, written.hexdigest(), absent)
 
 
 @atexit.register

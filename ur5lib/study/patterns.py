@@ -1,7 +1,7 @@
 """Entries of many files: a pattern in `file` stands for an entry of each file that it matches."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from glob import glob
 from pathlib import Path
 from typing import Any
@@ -34,3 +34,9 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         day = DAY.search(str(file))
         date = {"date": "-".join(day.groups())} if day else {}
         yield date | {**entry, "file": str(file), "name": f"{entry.get('name')}_{own}"}
+
+
+def names_by_pattern(entries: Iterable[Any]) -> frozenset[str]:
+    """Return the names of the recordings that a study takes by patterns."""
+    patterns = (entry for entry in entries if is_pattern(entry))
+    return frozenset(str(one["name"]) for entry in patterns for one in of_each_file(entry))

@@ -1,6 +1,7 @@
 """Reading of a study: all of its errors are reported at once."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -258,8 +259,8 @@ def _misfits(study: Study) -> Iterator[str]:
 
 
 def _repeated_names(raw: Raw) -> Iterator[str]:
-    names = [entry["name"] for _, entry in _entries(raw) if "name" in entry]
-    for name in sorted({str(name) for name in names if names.count(name) > 1}):
+    names = Counter(str(entry["name"]) for _, entry in _entries(raw) if "name" in entry)
+    for name in sorted(name for name, count in names.items() if count > 1):
         yield f"recordings: {name!r} is used twice as a name; give each recording its own"
 
 

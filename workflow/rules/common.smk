@@ -14,9 +14,11 @@ from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import JOINT_SIZES, robot_path
 from ur5lib.robots.population import population_files
+from ur5lib.steps.batches import Batches, Step
 from ur5lib.steps.progress import show_progress
-from ur5lib.steps.workers import FAILED, run_step
+from ur5lib.steps.workers import FAILED, run_batch, run_step
 from ur5lib.strict import read_yaml
+from ur5lib.study.patterns import names_by_pattern
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.turn import take_turn
 
@@ -51,6 +53,9 @@ TRUTHS = {name: f"{RESULTS}/truth/{name}" for name in SIMULATED} | {  # without 
     for name, recording in RECORDINGS.items()
     if getattr(recording, "truth", None)
 }
+BY_PATTERN = names_by_pattern(config["recordings"])
+MOST_ALONE = 100  # recordings whose steps are jobs of their own
+BATCHES = None  # of more recordings than that
 SETTINGS = STUDY.settings
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "contact"]
@@ -80,8 +85,8 @@ onstart:
 
 
 wildcard_constraints:
-    recording="|".join(map(re.escape, RECORDINGS)),
-    robot="|".join(map(re.escape, ROBOTS)),
+    recording="[^/]+",
+    robot="[^/]+",
 
 
 def result(name):
@@ -392,11 +397,12 @@ def tables(names):
     }
 
 
-def of_every_job(kind):
-    """Return the outputs or logs (`output`, `log`) that a run makes by the rules above.
+CONSTRAINT = re.compile(r"\{(\w+),[^}]*\}")  # of a wildcard, as Snakemake adds it
 
-    What is for a paper is made on demand alone.
-    """
+
+@cache
+def recordings_of(step):
+    """Return the recordings that a step of each recording runs for by itself."""
     only = {
         "ablate_forces": TOUCHED,
         "audit_sensor": WITH_WRIST_SENSOR,
@@ -407,9 +413,18 @@ def of_every_job(kind):
         "draw_current_torque": PRINTED_CURRENTS,
         "draw_published_forces": PRINTED,
     }
+    return only.get(step, RECORDINGS)
+
+
+def of_every_job(kind):
+    """Return the outputs or logs (`output`, `log`) that a run makes by the rules above.
+
+    What is for a paper is made on demand alone.
+    """
+    batches = BATCHES.batches if BATCHES else []
     files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
     patterns = {
-        re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file)): only.get(name, RECORDINGS)
+        CONSTRAINT.sub(r"{\1}", str(file)): recordings_of(name)
         for name, found in files.items()
         for file in ([found] if isinstance(found, str) else found)
         if not str(file).startswith(f"{RESULTS}/paper")
@@ -417,5 +432,5 @@ def of_every_job(kind):
     return [
         path
         for pattern, names in patterns.items()
-        for path in expand(pattern, recording=names, robot=ROBOTS)
+        for path in expand(pattern, recording=names, robot=ROBOTS, batch=batches)
     ]

@@ -1,0 +1,71 @@
+"""Runs taken by a pattern: those that cannot be read are named and left out, the others go on."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.conftest import Workflow, copy_project
+from tests.synthetic import write_recording
+from tests.workflow.test_workflow import results
+
+RUNS = 20
+DAMAGED = {"2026-01-01": "This is a letter, not a recording.\n", "2026-03-13": ""}
+STUDY = """\
+study: small
+title: Runs of one arm
+recordings:
+  - {name: run, robot: ur5, format: rtde-csv, folder: logs, file: "*/*.csv", role: validate}
+"""
+RTDE = {
+    "q_actual": "actual_q",
+    "q_target": "target_q",
+    "qd_actual": "actual_qd",
+    "qd_target": "target_qd",
+    "qdd_target": "target_qdd",
+    "i_actual": "actual_current",
+    "i_target": "target_current",
+    "m_target": "target_moment",
+}
+
+
+def write_runs(folder: Path) -> None:
+    """A run of 2 s of each of some days, in a folder of each month; their currents differ."""
+    frames = write_recording(folder / "raw", seconds=2, seed=3)
+    tables = [np.loadtxt(frames / f"log_{name}.csv", delimiter=",") for name in RTDE]
+    names = ["timestamp", *(f"{channel}_{k}" for channel in RTDE.values() for k in range(6))]
+    whole = np.column_stack([tables[0][:, 0], *(table[:, 1:] for table in tables)])
+    noisy = names.index("actual_current_1")
+    for k in range(RUNS):
+        run = whole.copy()
+        run[:, noisy] += 0.01 * np.random.default_rng(k).normal(size=len(run))
+        day = f"2026-{1 + k % 4:02d}-{1 + k:02d}"
+        file = folder / "logs" / day[:7] / f"{day}.csv"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        np.savetxt(file, run, fmt="%.6f", header=" ".join(names), comments="")
+
+
+@pytest.mark.slow
+def test_damaged_files_change_no_result_of_the_others(tmp_path: Path) -> None:
+    workflow = Workflow(copy_project(tmp_path / "project"))
+    (workflow.folder / "config.yaml").write_text(STUDY)
+    write_runs(workflow.folder)
+    workflow.build()
+    before = results(workflow)
+    tables = workflow.folder / "results" / "small" / "tables"
+    assert not (tables / "left_out.csv").exists()
+
+    for day, text in DAMAGED.items():
+        (workflow.folder / "logs" / day[:7] / f"{day}.extra.csv").write_text(text)
+    done = workflow.run()
+    assert done.returncode == 0, done.stdout
+    absent = [f"run_{day[:7]}-{day}.extra" for day in DAMAGED]
+    assert f"{len(absent)} of {RUNS + len(absent)} recordings were left out:" in done.stdout
+    rows = [*csv.DictReader((tables / "left_out.csv").open())]
+    assert [row["recording"] for row in rows] == absent
+    assert all(f"{day}.extra.csv" in row["reason"] for day, row in zip(DAMAGED, rows, strict=True))
+    after = results(workflow)
+    kept = [name for name in before if name.startswith(("recordings", "parameters", "tables"))]
+    assert [name for name in kept if after[name] != before[name]] == []
+    assert workflow.plan() == {}

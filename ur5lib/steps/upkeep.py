@@ -1,0 +1,105 @@
+"""Whether a step must run again: by its code, its settings and the contents of its files.
+
+Snakemake decides this for its jobs. Where one of its jobs is many steps, this decides for each.
+"""
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ur5lib.steps.job import Job
+
+Seen = tuple[int, int, str]  # when a file was changed [ns], its size [B] and its checksum
+
+
+def run_if_changed(job: Job, run: Callable[[Job], None]) -> bool:
+    """Run a step unless its files are those of its last run; return whether it ran."""
+    if is_current(job):
+        return False
+    record(job).unlink(missing_ok=True)
+    read = {path: seen(path) for path in paths(job.input)}
+    run(job)
+    written = {path: seen(path) for path in paths(job.output)}
+    part = record(job).with_suffix(".part")
+    part.write_text(json.dumps([declaration(job), read, written]), encoding="utf-8")
+    part.replace(record(job))
+    return True
+
+
+def run_or_restore(job: Job, run: Callable[[Job], None]) -> None:
+    """Run a step unless nothing that it depends on has changed; restore then what it wrote.
+
+    Snakemake deletes the files of a step before it runs, and empties its log and benchmark. Copies
+    are kept beside its record.
+    """
+    folder = record(job).with_suffix(".kept")
+    files = [*paths(job.output), job.log, job.benchmark]
+    kept = {path: folder / Path(path).name for path in files}
+    for path, copy in kept.items():
+        if copy.exists():
+            shutil.copyfile(copy, path)
+    if run_if_changed(job, run):
+        folder.mkdir(exist_ok=True)
+        for path, copy in kept.items():
+            shutil.copyfile(path, copy)
+
+
+def is_current(job: Job) -> bool:
+    """Return whether a step's files are those of its last run, by the present code and settings."""
+    if not record(job).exists():
+        return False
+    declared, read, written = json.loads(record(job).read_text(encoding="utf-8"))
+    return declared == declaration(job) and all(
+        is_same(path, *then) for path, then in (read | written).items()
+    )
+
+
+def record(job: Job) -> Path:
+    """Return the file that holds what a step's last run read and wrote."""
+    return Path(job.log).with_suffix(".json")
+
+
+def written_by(job: Job) -> list[str]:
+    """Return the checksums of what a step's last run wrote."""
+    _, _, written = json.loads(record(job).read_text(encoding="utf-8"))
+    return [checksum for _, _, checksum in written.values()]
+
+
+def declaration(job: Job) -> str:
+    """Return a checksum of a job's settings, among them that of its code, and of its file names."""
+    declared = json.dumps([job.step, job.input, job.output, job.params], sort_keys=True)
+    return hashlib.sha256(declared.encode()).hexdigest()
+
+
+def paths(files: Mapping[str, Any]) -> list[str]:
+    """Return files that are declared one by one or in lists."""
+    return [path for one in files.values() for path in ([one] if isinstance(one, str) else one)]
+
+
+def is_same(path: str, changed_ns: int, size: int, checksum: str) -> bool:
+    """Return whether a file is as it was seen; its contents count, not when they were written."""
+    try:
+        now = os.stat(path)
+    except OSError:
+        return False
+    if (now.st_mtime_ns, now.st_size) == (changed_ns, size):
+        return True
+    return now.st_size == size and seen(path)[2] == checksum
+
+
+def seen(path: str) -> Seen:
+    """Return when a file was changed, its size and its checksum."""
+    now = os.stat(path)
+    return now.st_mtime_ns, now.st_size, checksum_of(path, now.st_mtime_ns)
+
+
+@cache
+def checksum_of(path: str, changed_ns: int) -> str:
+    """Return the checksum of a file that was changed at a time [ns]."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
