@@ -16,11 +16,12 @@ from tests.conftest import PROJECT
 from tests.examples import Example, check_command, examples, kind_of, words_of, yaml_faults
 from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
+from tests.library.test_seven_joints import arm as seven_joints
 from ur5lib.cli import app
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recorder.move_program import plan, read_program
 from ur5lib.robots import friction
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_table
 
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
@@ -60,10 +61,11 @@ def test_commands_run_that_need_no_files(line: str) -> None:
 def test_studies_are_valid(
     example: Example, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With an arm of one's own, `my-arm`."""
+    """With arms of one's own, `my-arm` and one of seven joints."""
     monkeypatch.chdir(tmp_path)
     Path("robots").mkdir()
     Path("robots/my-arm.yaml").write_bytes(robot_path("ur5").read_bytes())
+    Path("robots/seven.yaml").write_text(robot_yaml(seven_joints()))
     assert yaml_faults(example.text, tmp_path) == []
 
 
