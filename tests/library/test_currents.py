@@ -26,6 +26,7 @@ from ur5lib.identification.currents import (
     CurrentFit,
     JointFit,
     band,
+    band_of_recordings,
     breakaway_torque,
     fit_currents,
     fit_without_each_path,
@@ -67,6 +68,7 @@ from ur5lib.robots import friction
 from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import DEAD_ZONE
 
 RUNS = 200
@@ -550,6 +552,7 @@ def test_a_band_covers_another_day(fitted: CurrentFit) -> None:
     warm = replace(other, current=predict(fit, other) + 0.1 * friction)
     half = band(fit, warm, smooth)
     assert score(warm, predict(fit, warm), smooth, half).coverage.min() == 1.0
+    assert (band(replace(fit, days=2), warm, smooth) < half).all()  # which then show it
     within = np.full_like(friction, 0.01)
     assert score(warm, predict(fit, warm), smooth, within).coverage.max() < 0.5
 
@@ -576,6 +579,17 @@ def test_a_band_of_short_recordings_is_of_all_together() -> None:
     other = with_noise(make_record(99), 99)
     unknown = np.full_like(other.current, np.nan)
     assert np.isnan(score(other, predict(fit, other), smooth, unknown).coverage).all()
+
+
+def test_a_band_of_few_recordings_is_wider() -> None:
+    """Of none, it is the usual one; of many, it is that of their errors."""
+    random, usual = np.random.default_rng(0), 0.15 * FRICTION[0][0] / CONSTANT[0]
+    widths = []
+    for count in (0, 2, 8, 200):
+        errors = usual * random.standard_normal(100 * count)
+        widths.append(band_of_recordings(errors, np.repeat(np.arange(count), 100), usual))
+    assert widths == sorted(widths, reverse=True)
+    assert widths[-1] == pytest.approx(NORMAL95 * usual, rel=0.05)
 
 
 def test_fitted_on_tested_on_has_its_own_recording_on_the_diagonal(study: list[Record]) -> None:

@@ -24,6 +24,8 @@ from ur5lib.identification import (
     closed_loop,
     currents,
     payload,
+    prior,
+    regression,
     samples,
     selection,
 )
@@ -70,8 +72,11 @@ def statements() -> Iterator[str]:
     yield f"with fewer than {COUNTED[samples.FEW]} paths"
     yield f"over stretches of {samples.STRETCH * segments.BLOCK:g} s"
     yield f"over blocks of {segments.BLOCK:g} s alone"
-    yield f"contains {percent(currents.COVERED)} of the samples"
-    yield f"motion for less than {selection.FEWEST * samples.STEP:g} s, they are taken together"
+    yield f"s₀ = −{-selection.HELD:g} c"
+    yield f"σ₀ = {percent(prior.NOISE)} of the largest torque"
+    yield f"counts as n₀ = {regression.USUAL:g} recordings"
+    yield f"u = {currents.MOVING:g} in motion, {currents.RESTING:g} at rest"
+    yield f"of less than {selection.FEWEST * samples.STEP:g} s are taken together"
     yield f"with more than {'ten' if currents.FOLDS == 10 else currents.FOLDS} paths"
     yield f"{percent(payload.GEARS)} of the mass for the gears"
     yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"

@@ -15,6 +15,7 @@ from tests.library.current_study import (
     with_noise,
 )
 from ur5lib.identification.currents import CurrentFit, fit_currents
+from ur5lib.identification.population import Typical
 from ur5lib.identification.prior import JointPrior
 from ur5lib.identification.samples import (
     Record,
@@ -26,6 +27,7 @@ from ur5lib.identification.samples import (
     smoothed_moving,
 )
 from ur5lib.identification.selection import (
+    HELD,
     choose_terms,
     held_current,
     left_out_errors,
@@ -105,9 +107,9 @@ def test_a_unit_counts_from_twenty_samples_on(count: int, units: int) -> None:
     np.testing.assert_allclose(errors[0], np.sqrt(np.mean(residual[part.unit == 0] ** 2)))
 
 
-def test_friction_at_rest_beyond_that_in_motion_comes_back() -> None:
-    """Though a fifth of the samples is off by an ampere."""
-    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05})
+def test_friction_at_rest_beyond_that_in_motion_comes_back_from_many_stops() -> None:
+    """Though a fifth of the samples is off by an ampere; from none, it is the usual share."""
+    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05}, records=30)
     coefficients = regress_samples(samples, BASE, known(1)).coefficients
     for held in (0.3, -0.2):
         current = samples.design(BASE) @ coefficients + held * samples.held
@@ -115,7 +117,35 @@ def test_friction_at_rest_beyond_that_in_motion_comes_back() -> None:
         stopped = replace(samples, current=current)
         assert held_current(stopped, BASE, coefficients) == pytest.approx(held, abs=0.05)
     never = samples.where(samples.moving)
-    assert held_current(never, BASE, coefficients) == 0.0
+    assert held_current(never, BASE, coefficients) == pytest.approx(HELD * coefficients[2])
+
+
+def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> None:
+    """However long it lasts: dry friction held the joint there, as it will not elsewhere."""
+    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05}, records=1)
+    coefficients = regress_samples(samples, BASE, known(1)).coefficients
+    pose = np.flatnonzero(~samples.moving)[:1].repeat(100)
+    one = replace(samples.where(pose), held=np.ones(100))
+    for drawn in (-2.0, 0.0):  # times Coulomb friction, beyond that in motion
+        current = one.design(BASE) @ coefficients + drawn * coefficients[2]
+        found = held_current(replace(one, current=current), BASE, coefficients)
+        assert found / coefficients[2] == pytest.approx((HELD + drawn) / 2)
+
+
+def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
+    """Two blocks leave no residual of five coefficients, which makes none of them sure."""
+    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05}, records=1)
+    few = samples.where(np.flatnonzero(samples.moving)[:15])
+    bent = replace(few, current=few.current + 0.01 * np.linspace(-1, 1, 15) ** 2)
+    typical = {
+        name: Typical(np.array([mean]), np.array([[(0.2 * mean) ** 2]]))
+        for name, mean in (("coulomb", 6.0), ("viscous", 4.0), ("load", 0.05))
+    }
+    prior = replace(known(1), typical=typical)
+    normal = prior.over(BASE)
+    moved = regress_samples(bent, BASE, prior).coefficients - normal.mean
+    std = np.sqrt(np.diag(np.linalg.inv(normal.precision)))
+    assert (np.abs(moved[2:]) < 0.5 * std[2:]).all()
 
 
 def steady(seconds: float, off: float) -> Record:

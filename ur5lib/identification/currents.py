@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import stdtrit
 
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.estimation import (
@@ -18,7 +19,7 @@ from ur5lib.identification.estimation import (
     physical,
 )
 from ur5lib.identification.prior import JointPrior, Prior
-from ur5lib.identification.regression import DRAWS, half_width, spread
+from ur5lib.identification.regression import DRAWS, USUAL, half_width, spread
 from ur5lib.identification.samples import (
     FEW,
     Record,
@@ -33,6 +34,7 @@ from ur5lib.identification.samples import (
 )
 from ur5lib.identification.selection import (
     FEWEST,
+    HELD,
     choose_reversal,
     choose_terms,
     held_current,
@@ -40,7 +42,7 @@ from ur5lib.identification.selection import (
 )
 from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.metrics import COVERED, NORMAL95
+from ur5lib.timeseries.metrics import NORMAL95
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations
@@ -48,12 +50,16 @@ VAGUE = 1e3  # relative error that lets a value count for nothing
 # A torque constant contradicts the known one beyond both. In right recordings of two arms, it is
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
 DEVIATIONS, RATIO = 5.0, 1.75
-# Standard deviation of a joint's friction from day to day, relative. On the seven dates of a UR10e,
-# it is 0.06 on the most different date and 0.035 on all.
+# Standard deviation of a joint's friction from day to day, relative, where recordings of one day do
+# not show it. On seven dates of a UR10e, it is 0.06 on the most different date and 0.035 on all.
 BETWEEN_DAYS = 0.07
 FOLDS = 10  # of cross-fitting, at most
 LEAST_FRICTION = 0.1  # Nm
-HELD = -0.45  # of Coulomb friction: `held`, the median of 24 joints of four arms
+NONE = np.empty(0), np.empty(0, np.int64)  # residuals of no recording, and their labels
+# Usual root mean square error of a recording that was left out, in motion and at rest, in units of
+# Coulomb friction: its medians are 0.15 and 0.42 on a UR5, 0.08 and 0.27 on a UR10e, whose worst
+# recordings have 0.9 and 2.0, 0.24 and 0.63.
+MOVING, RESTING = 0.15, 0.45
 
 
 @dataclass(frozen=True)
@@ -65,7 +71,7 @@ class JointFit:
     path; held: [A], friction at rest beyond that in motion, may be negative; band_moving,
     band_rest: half of the 95 % band [A] around the low-passed current of a recording that was left
     out; remarks: doubts about the fit; doubt: (P, P), covariance of the coefficients where no
-    recording that was left out shows their errors;
+    motion that was left out shows their errors;
     contradicted: torque constant [Nm/A] that the currents alone would give, None unless it
     contradicts the known one, which the fit then keeps.
     """
@@ -88,10 +94,13 @@ class JointFit:
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The maps of the joints; units: number of paths, or of stretches if paths are few."""
+    """The maps of the joints; units: number of paths, or of stretches if paths are few; days: of
+    the recordings, without a fit 0.
+    """
 
     joints: tuple[JointFit, ...]
     units: int
+    days: int = 0
 
 
 @dataclass(frozen=True)
@@ -153,8 +162,8 @@ def _expected_joint(mean: Array, covariance: Array, drawn: Array) -> JointFit:
         presliding=PRESLIDING[0],
         reversal_errors=(),
         held=HELD * float(mean[2]),
-        band_moving=0.0,
-        band_rest=COVERED * float(mean[2]),
+        band_moving=band_of_recordings(*NONE, MOVING * float(mean[2])),
+        band_rest=band_of_recordings(*NONE, RESTING * float(mean[2])),
         remarks=(),
         doubt=covariance,
     )
@@ -215,7 +224,7 @@ def _fit_with(
     joints = [_joint_fit(*joint) for joint in each]
     for joint, found in unlike_others(joints, prior):
         joints[joint] = replace(joints[joint], remarks=(*joints[joint].remarks, found))
-    return CurrentFit(tuple(joints), units)
+    return CurrentFit(tuple(joints), units, len(np.unique(record_days(records))))
 
 
 def unlike_others(joints: Sequence[JointFit], prior: Prior) -> Iterator[tuple[int, Remark]]:
@@ -343,13 +352,14 @@ def load_loss(fit: CurrentFit, record: Record) -> Array:
 def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
     """Return half the 95 % band (N, n) [A] of low-passed predictions on a day of its own.
 
-    Beside what recordings that were left out show, friction differs from day to day.
+    Friction differs from day to day, which recordings of one day do not show.
     """
     friction = smooth(friction_current(fit, record), record)
     moving, at_rest = np.array([(joint.band_moving, joint.band_rest) for joint in fit.joints]).T
     within = np.where(smoothed_moving(record, smooth), moving, at_rest)
-    between = np.hypot(BETWEEN_DAYS * friction, smooth(_coefficients_doubt(fit, record), record))
-    return np.hypot(within, NORMAL95 * between)
+    between = BETWEEN_DAYS * friction if fit.days < 2 else 0.0
+    doubt = smooth(_coefficients_doubt(fit, record), record)
+    return np.hypot(within, NORMAL95 * np.hypot(between, doubt))
 
 
 def _coefficients_doubt(fit: CurrentFit, record: Record) -> Array:
@@ -386,33 +396,36 @@ def _joint_fit(
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
     residual, doubt = left_out_residuals(samples, terms, prior), None
+    if not np.isfinite(residual[samples.moving]).any():  # no motion is left out
+        doubt = np.cov(estimate.replicates.T)
     if not np.isfinite(residual).any():  # a single path: residuals of the fit itself
         residual = samples.current - samples.design(terms) @ coefficients
-        doubt = np.cov(estimate.replicates.T)
-    # at rest, dry friction may be anything up to breakaway, which a few poses do not show
-    sticking = COVERED * max(0.0, float(coefficients[2]))
+    moving, coulomb = samples.moving, max(0.0, float(coefficients[2]))
     return JointFit(
         terms,
         estimate,
         samples.presliding,
         reversal_errors,
         held_current(samples, terms, coefficients),
-        _band(residual[samples.moving], samples.record[samples.moving]),
-        np.fmax(_band(residual[~samples.moving], samples.record[~samples.moving]), sticking),
+        band_of_recordings(residual[moving], samples.record[moving], MOVING * coulomb),
+        band_of_recordings(residual[~moving], samples.record[~moving], RESTING * coulomb),
         _remarks(samples, estimate, prior),
         doubt,
     )
 
 
-def _band(residual: Array, record: Labels) -> float:
-    """Return half of a band that covers COVERED of the worst recording; NaN without any.
+def band_of_recordings(residual: Array, record: Labels, usual: float) -> float:
+    """Return half of the 95 % band of one more recording; usual: its root mean square error [A].
 
-    Friction changes with temperature, so the next recording may be as bad as the worst.
-    If all recordings are too short, they are taken together.
+    Recordings have errors of different size: their variance is s² ν / χ²(ν), and the usual one
+    counts as USUAL recordings. If all are too short, they are taken together.
     """
-    each = [np.abs(residual[record == one]) for one in np.unique(record)]
-    long = [errors for errors in each if len(errors) >= FEWEST] or [np.abs(residual)]
-    return max((float(np.quantile(e, COVERED)) for e in long if len(e) >= FEWEST), default=np.nan)
+    each = [residual[record == one] for one in np.unique(record)]
+    long = [errors for errors in each if len(errors) >= FEWEST] or [residual]
+    squares = [float(np.mean(errors**2)) for errors in long if len(errors) >= FEWEST]
+    count = USUAL + len(squares)
+    variance = (USUAL * usual**2 + sum(squares)) / count
+    return float(stdtrit(count, 0.975) * np.sqrt(variance))
 
 
 def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[Remark, ...]:

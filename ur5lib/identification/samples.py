@@ -115,6 +115,12 @@ class Samples:
         """Return the columns (n, P) of the torque, an offset, and these terms."""
         return self.columns[:, [0, 1, *(place for term in terms for place in self._places[term])]]
 
+    @cached_property
+    def stop(self) -> Labels:
+        """Return labels (n,), the same from each motion of the joint, or start, to the next."""
+        new = self.moving | (np.diff(self.record, prepend=0) != 0)
+        return np.cumsum(new)
+
     def where(self, rows: Mask) -> "Samples":
         """Return the samples in a mask."""
         names = ("columns", "held", "current", "moving", "block", "record", "path", "day", "unit")

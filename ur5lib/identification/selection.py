@@ -10,7 +10,6 @@ from ur5lib.identification.regression import (
     ROUNDS,
     Regression,
     huber_weight,
-    noise_of_one,
     regress,
 )
 from ur5lib.identification.samples import Samples, apart_from
@@ -22,6 +21,7 @@ from ur5lib.timeseries.arrays import Array
 STANDARD_ERRORS = 3.0
 GAIN = 0.05
 LOOSE = 10.0  # factor on the prior's width, so that no term compensates a wrong torque constant
+HELD = -0.45  # of Coulomb friction: `held_current`, the median of 24 joints of four arms
 FEWEST = 20  # samples (2 s) of a unit that counts
 
 
@@ -107,24 +107,24 @@ def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrio
 def regress_samples(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Regression:
     """Fit torque, offset and these terms to the samples in motion."""
     moving = samples.where(samples.moving)
-    return regress(moving.design(terms), moving.current, moving.block, prior.over(terms))
+    known = prior.over(terms), prior.noise
+    return regress(moving.design(terms), moving.current, moving.block, *known)
 
 
 def held_current(samples: Samples, terms: Sequence[Term], coefficients: Array) -> float:
     """Return the current [A] of friction at rest beyond that in motion, may be negative.
 
-    Huber's estimate of s in residual = s held, over the samples at rest. Before them, s is 0 ±
-    Coulomb friction: where a joint hardly came to rest from motion, `held` hardly shows it.
+    Huber's estimate of s in residual = s held, over the samples at rest. Friction differs from stop
+    to stop, and one hardly shows s: HELD of Coulomb friction counts as one more, of mean length.
     """
-    rest = samples.where(~samples.moving)
+    rest, stop = samples.where(~samples.moving), samples.stop[~samples.moving]
     residual = rest.current - rest.design(terms) @ coefficients
-    slope, weight = 0.0, np.ones(len(residual))
+    known = len(stop) / max(1, len(np.unique(stop)))
+    usual = slope = HELD * max(0.0, float(coefficients[2]))
     for _ in range(ROUNDS if rest.held.any() else 0):
-        # s = Σ w h r / (Σ w h² + σ² / c²)
-        noise = noise_of_one(weight * (residual - slope * rest.held), rest.block)
-        known = noise / max(coefficients[2] ** 2, 1e-12)
-        slope = float((weight * rest.held) @ residual / (weight @ rest.held**2 + known))
-        weight = huber_weight(residual - slope * rest.held)
+        # s = (Σ w h r + n s₀) / (Σ w h² + n)
+        weight = huber_weight(residual - slope * rest.held) * rest.held
+        slope = float((weight @ residual + known * usual) / (weight @ rest.held + known))
     return slope
 
 
