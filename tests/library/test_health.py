@@ -250,6 +250,11 @@ def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     assert {*drawing.data["quantity"]} == {*UNITS, "temperature"}
 
 
+def test_dates_on_which_no_joint_could_be_judged_draw_nothing(results: Results) -> None:
+    dates, changes = results.tables.values()
+    assert health_figure(dates[dates["joint"].isna()], changes[:0]).data.empty
+
+
 @pytest.mark.parametrize(
     ("first", "last", "told"),
     [

@@ -54,9 +54,9 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame) -> Drawing:
 
 def _with_temperatures(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of joints, with those of their temperatures, where recorded."""
-    if rows.empty:
-        return rows
     joints = rows.dropna(subset="joint").astype({"joint": int})
+    if joints.empty:
+        return joints
     warmth = joints.drop_duplicates(["date", "joint"]).dropna(subset="temperature_c")
     warmth = warmth.assign(value=warmth["temperature_c"], std_error=np.nan, quantity="temperature")
     columns = ["date", "joint", "quantity", "value", "std_error"]
