@@ -149,7 +149,9 @@ def test_predicted_standard_errors_are_those_observed() -> None:
     information = problem.prior + problem.information(Y, qd, 2 * STEP)
     predicted = problem.standard_errors(information)
     determined = predicted < 0.1 * problem.standard_errors(problem.prior)
-    ratio = fitted.std(axis=0, ddof=1)[determined] / predicted[determined]
+    # half of the central 68 %: single draws leave the range in which the problem is linear
+    low, high = np.percentile(fitted, [15.9, 84.1], axis=0)
+    ratio = ((high - low) / 2 / predicted)[determined]
     assert determined.sum() > 50
     assert np.abs(ratio - 1).max() < 0.2
 
