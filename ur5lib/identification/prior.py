@@ -12,8 +12,8 @@ from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
-# current: 0.001 to 0.02 in single recordings of a UR5 and a UR10e, of which this is the middle. With
-# 0.01, a constant that is known 2.5 times too small was no longer contradicted by 24 s of motion.
+# current: the middle of 0.001 to 0.02 in single recordings of a UR5 and a UR10e. With 0.01, a
+# constant that is known 2.5 times too small was no longer contradicted by 24 s of motion.
 NOISE = 0.005
 PINNED = 1e-3  # of its standard deviation: what is left of it where a constant is pinned
 
