@@ -13,7 +13,7 @@ from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.lab import Lab
 from ur5lib.study.arms import Arm, Name, NamedArm
-from ur5lib.study.reading import parse_study, read_plain
+from ur5lib.study.reading import Raw, parse_study, read_plain
 from ur5lib.study.schema import explain
 from ur5lib.tables import write_text
 
@@ -25,7 +25,7 @@ class StudyFile:
     """The file of a study, to which a recording may be added, and what stands there."""
 
     path: Path
-    plain: dict[str, Any]
+    plain: Raw
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -81,7 +81,7 @@ class StudyFile:
                 read = yaml.safe_load(candidate)
             except yaml.YAMLError:
                 continue
-            if read == self.plain | {"recordings": whole}:
+            if read == {**self.plain, "recordings": whole}:
                 write_text(candidate, self.path)
                 return True
         return False

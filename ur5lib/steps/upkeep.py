@@ -10,7 +10,6 @@ import shutil
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from ur5lib.steps.job import Job
 
@@ -76,7 +75,7 @@ def declaration(job: Job) -> str:
     return hashlib.sha256(declared.encode()).hexdigest()
 
 
-def paths(files: Mapping[str, Any]) -> list[str]:
+def paths(files: Mapping[str, str | list[str]]) -> list[str]:
     """Return files that are declared one by one or in lists."""
     return [path for one in files.values() for path in ([one] if isinstance(one, str) else one)]
 

@@ -52,7 +52,7 @@ def read_study(path: Path) -> Study:
     return parse_study(read_plain(path), str(path))
 
 
-def read_plain(path: Path) -> dict[str, Any]:
+def read_plain(path: Path) -> Raw:
     """Return a study as plain data. Raises InputError where the file has no YAML mapping."""
     try:
         raw = read_yaml(path)
