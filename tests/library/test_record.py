@@ -25,6 +25,7 @@ from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
+from ur5lib.recorder.device import Identity
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -355,6 +356,7 @@ SOUND = {"status": 0.0, "safety_mode": 1.0}
     ],
 )
 def test_a_device_s_trouble_is_warned_of(status: Status, sentence: str) -> None:
-    warnings = [*live.warnings({"device": status}, {"device": {"rate_hz": 100}})]
+    identity = Identity(model="made up", address="here", units="SI", rate_hz=100.0)
+    warnings = [*live.warnings({"device": status}, {"device": identity})]
     assert len(warnings) == bool(sentence)
     assert all(sentence in warning for warning in warnings)
