@@ -146,16 +146,16 @@ use rule * from ur5
     assert "write_report" in installed.snakemake(folder, "--cores", "1", "--dry-run")
 
 
-@pytest.mark.slow  # installs all that the package depends on
-def test_pipx_installs_the_package_with_what_it_needs(wheel: Path, tmp_path: Path) -> None:
+@pytest.mark.slow  # installs all that the package depends on, and builds the demonstration
+def test_from_the_wheel_to_the_first_report_by_pipx(wheel: Path, tmp_path: Path) -> None:
     lock = PROJECT / "requirements.lock"
     pipx = [sys.executable, "-m", "pipx", "install", "--quiet", "--include-deps", wheel]
     places = {"PIPX_HOME": str(tmp_path / "home"), "PIPX_BIN_DIR": str(tmp_path / "bin")}
     subprocess.run(pipx, env=os.environ | places | {"PIP_CONSTRAINT": str(lock)}, check=True)
     here = Installed(tmp_path, tmp_path)
     lab = here.lab("mylab")
-    small_study(lab)
-    assert "report: results/made/report.html" in here.run("snakemake", folder=lab)
+    assert "report: results/demo/report.html" in here.run("snakemake", folder=lab)
+    assert (lab / "results" / "demo" / "report.pdf").stat().st_size > 10_000
 
 
 @pytest.mark.slow  # two whole studies
