@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.excitation_loop import PRECISION
 from tests.conftest import Workflow, copy_project
 from tests.library.test_benchmarks import run_benchmark
 from ur5lib.commands.excite import ExciteOptions, known_load, task_of
@@ -18,12 +19,12 @@ ERRORS = re.compile(r"^ *load friction of joint \d +(\S+) -> (\S+) +(\S+) -> (\S
 
 
 @pytest.mark.slow
-def test_the_second_recording_of_the_loop_halves_the_largest_errors(tmp_path: Path) -> None:
-    """On the virtual stand, those predicted and those that the study states."""
+def test_the_second_recording_of_the_loop_is_enough(tmp_path: Path) -> None:
+    """On the virtual stand: it halves the largest error, as predicted and as the study states."""
     workflow = Workflow(copy_project(tmp_path / "project"))
     printed = run_benchmark("excitation_loop", workflow.folder)
     first, second = map(int, LARGEST.findall(printed))
-    assert second <= first / 2, printed
+    assert first > 100 * PRECISION >= second, printed
     worst = ERRORS.search(printed.partition("recording 2:")[2])
     assert worst is not None, printed
     before, after, stated_before, stated_after = map(float, worst.groups())
