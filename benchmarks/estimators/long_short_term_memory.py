@@ -41,6 +41,7 @@ PAST, STEP = 20, 0.05  # states that the network sees, and the time between them
 APART = 0.04  # s between samples that are learnt from
 HIDDEN, RATE = 64, 3e-3  # units; step size of Adam
 ROUNDS, BATCH, CHECK = 600, 128, 25  # steps, samples of each, steps between looks at the path left
+PATIENCE = 200  # steps without a smaller error on the path left, after which training ends
 
 
 class Tensors(NamedTuple):
@@ -74,13 +75,15 @@ def train(learnt: Samples, left_out: Samples) -> Predict:
     layers = Memory(learnt.inputs.shape[1] // PAST)
     optimiser = torch.optim.Adam(layers.parameters(), lr=RATE)
     drawn = torch.Generator().manual_seed(0)
-    best, kept = float("inf"), layers.state_dict()
+    best, since, kept = float("inf"), 0, layers.state_dict()
     for k in range(ROUNDS):
         if k % CHECK == 0:
             with torch.no_grad():
                 error = mse_loss(layers(unseen.inputs), unseen.torque).item()
             if error < best:
-                best, kept = error, deepcopy(layers.state_dict())
+                best, since, kept = error, k, deepcopy(layers.state_dict())
+            elif k - since >= PATIENCE:
+                break
         batch = torch.randint(len(seen.inputs), (BATCH,), generator=drawn)
         optimiser.zero_grad()
         mse_loss(layers(seen.inputs[batch]), seen.torque[batch]).backward()
