@@ -102,6 +102,15 @@ def test_columns_without_names(log: dict[str, Array]) -> None:
     assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
 
 
+def test_degrees_and_torques_of_the_opposite_sign(log: dict[str, Array]) -> None:
+    columns = {"q": np.degrees(log["q"]), "dq": np.degrees(log["dq"]), "tau": -log["tau_J"]}
+    table = {f"{n}_{k}": rows[:, k] for n, rows in columns.items() for k in range(7)}
+    pd.DataFrame({"time": log["t"]} | table).to_csv("run.csv", index=False)
+    (found,) = import_files([Path("run.csv")], [])
+    units = {"actual_q": "deg", "actual_qd": "deg/s", "actual_torque": "opposite"}
+    assert found.entry["units"] == units
+
+
 def test_an_arm_that_is_not_described_is_asked_for(log: dict[str, Array]) -> None:
     Path("robots/mine.yaml").unlink()
     pd.DataFrame({f"q_{k}": log["q"][:, k] for k in range(7)}).assign(

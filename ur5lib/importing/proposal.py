@@ -111,14 +111,14 @@ def _of_serial_arm(
 ) -> Proposal:
     """Return the proposal for a file of more joints than a UR arm has, in the file's order."""
     arm, torque = arm_and_torque(file, arms, moving, evidence)
-    channels = moving.channels()
+    channels, units = moving.channels(), Units(moving.units)
     if torque is not None:
         channels["actual_torque"] = [torque]
+        units |= {"actual_torque": unit} if (unit := torque.unit()) else {}
     evidence.assumed.append(f"the joints' order, as in {moving.position.title}: base to wrist")
     _pushed([], evidence)
     _report_columns(file, evidence)
     order = tuple(range(file.joints))
-    units: Units = {**moving.units}
     return Proposal(file, moving.position.clock, arm, order, channels, units, evidence)
 
 

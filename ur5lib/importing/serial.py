@@ -11,6 +11,7 @@ from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.motion import SMOOTHED, ImportedMotion
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import SLOW, TINY
+from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.robots.description import Robot, robot_names
 from ur5lib.timeseries.arrays import Array
 
@@ -59,17 +60,19 @@ def arm_and_torque(
         and not any(block is other for other in motion)
     ]
     tried = [
-        Explained(name, block, left(described(name), *_means(file, moving, block)))
+        Explained(name, signed, left(described(name), *_means(file, moving, signed)))
         for name in arms
         for block in torques
+        for signed in (block, block.scaled(np.full(file.joints, -1.0)))
     ]
     ranked = sorted(tried, key=lambda one: one.left)
     best = ranked[0] if ranked else None
     if best is not None and best.left < LEFT:
         _expect_no_rival(file, ranked)
+        sign = ", with the opposite sign" if best.torque.unit() == OPPOSITE else ""
         evidence.proven.append(
-            f"{best.torque.title} is the torque of {best.arm}'s joints, gravity included: the "
-            f"described arm explains {1 - best.left:.1%} of its changes"
+            f"{best.torque.title} is the torque of {best.arm}'s joints{sign}, gravity included: "
+            f"the described arm explains {1 - best.left:.1%} of its changes"
         )
         return best.arm, best.torque
     if len(arms) > 1:
@@ -80,7 +83,7 @@ def arm_and_torque(
     evidence.assumed.append(f"robot {arms[0]}: no other with {file.joints} joints is described")
     if best is not None:
         evidence.ambiguous.append(
-            f"{best.torque.title}: as torques of {arms[0]}, it leaves {best.left:.0%} of their "
+            f"{best.torque.title}: as torques of {arms[0]}, it leaves {min(best.left, 1):.0%} of their "
             "changes to neither gravity, inertia nor friction; left out: check the description, "
             "`mounting` and the tool, or the order of the joints"
         )

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
+from ur5lib.channels import SIX, joint_count, meant
 from ur5lib.channels import columns as columns_of
-from ur5lib.channels import meant
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import SENSORS, Device
 from ur5lib.robots.description import Vector3
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 SKIPPED = "-"
 RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # of frame repair
-OPPOSITE = "opposite"  # SI, with the opposite sign: a wrench of the arm on its surroundings
+OPPOSITE = "opposite"  # SI, with the opposite sign, as a wrench of the arm on its surroundings
 FACTORS = {  # from these units to SI
     "deg": math.pi / 180,
     "deg/s": math.pi / 180,
@@ -66,8 +66,9 @@ class Clocked(Strict):
         """
         table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
         units = self.units | ({"time": "ms"} if self.time == "day_ms" else {})
+        joints = joint_count(table.columns) or len(SIX)
         for channel, unit in units.items():
-            names = columns_of(channel)
+            names = columns_of(channel, joints)
             factor = FACTORS.get(unit) if isinstance(unit, str) else unit
             fits = not isinstance(factor, list) or len(factor) == len(names)
             if factor is None or not fits or not set(names) <= set(table):
