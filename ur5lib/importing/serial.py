@@ -82,8 +82,9 @@ def arm_and_torque(
         )
     evidence.assumed.append(f"robot {arms[0]}: no other with {file.joints} joints is described")
     if best is not None:
+        unexplained = min(best.left, 1.0)
         evidence.ambiguous.append(
-            f"{best.torque.title}: as torques of {arms[0]}, it leaves {min(best.left, 1):.0%} of their "
+            f"{best.torque.title}: as torques of {arms[0]}, it leaves {unexplained:.0%} of their "
             "changes to neither gravity, inertia nor friction; left out: check the description, "
             "`mounting` and the tool, or the order of the joints"
         )
