@@ -20,7 +20,7 @@ from benchmarks.stand_seeds import CURRENTS, MOTION, Taken, fitted_map, taken
 from ur5lib.pipeline.current_samples import smoother
 from ur5lib.pipeline.health import checkup
 from ur5lib.pipeline.health import health_of as tracked
-from ur5lib.pipeline.records.health import JointChange
+from ur5lib.pipeline.records.arm_state import JointChange
 
 SEEDS, DATES, SECONDS = 20, 20, 20.0
 PATHS, APART = 3, 3  # days between dates

@@ -30,15 +30,14 @@ from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.friction_fit import fitted_friction
-from ur5lib.pipeline.imu_samples import imu_samples
+from ur5lib.pipeline.imu import imu_samples
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.models import Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.pipeline.records.truth import TrueParameters, Truth
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.smoothed_motion import measured, motion_record

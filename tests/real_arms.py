@@ -26,21 +26,20 @@ from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.pipeline.residual_fit import residual_models, with_trials
 from ur5lib.pipeline.sensor_comparison import sensor_wrenches
 from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
-from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.intake import Intake
 from ur5lib.robots.description import Robot, load_robot, robot_path

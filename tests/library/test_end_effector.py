@@ -11,9 +11,13 @@ from ur5lib.dynamics.kinematics import acceleration, velocity
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
-from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration
+from ur5lib.signals.end_effector import (
+    euler_acceleration,
+    felt_acceleration,
+    point_acceleration,
+    point_velocity,
+)
 from ur5lib.signals.imu_record import imu_record
-from ur5lib.signals.point_motion import point_acceleration, point_velocity
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.timeseries.sampling import interpolated

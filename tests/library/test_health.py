@@ -24,7 +24,7 @@ from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import Record, design
 from ur5lib.identification.validation import Scores
 from ur5lib.pipeline.health import Checkup, checkup, dated, health_of, together
-from ur5lib.pipeline.records.health import Condition, Health, JointChange
+from ur5lib.pipeline.records.arm_state import Condition, Health, JointChange
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.arm_state_figures import health_figure

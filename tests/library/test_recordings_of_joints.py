@@ -16,7 +16,7 @@ from ur5lib.commands.described import describe_urdf
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.pipeline.current_samples import prior_of
-from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured, motion_record

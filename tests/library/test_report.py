@@ -15,8 +15,8 @@ import yaml
 from tests.made_tables import empty, table
 from ur5lib.errors import InputError, remark
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.cells import extremes, joints, significant
 from ur5lib.report.compose import shown_table
 from ur5lib.report.document import (

@@ -17,7 +17,7 @@ def test_the_site_is_built_without_a_warning() -> None:
     assert done.stdout.splitlines() == ["site: .site/html/index.html"]
     assert "WARNING" not in done.stderr
     reference = (PAGES / "docs" / "api.html").read_text()
-    for name in ("load", "FinishedStudy", "load_robot", "build_arm", "inverse_dynamics", "fmap"):
+    for name in ("load", "FinishedStudy", "load_robot", "build_arm", "inverse_dynamics", "solved"):
         assert f">{name}</span>" in reference, name
     assert (PAGES / "search" / "search_index.json").stat().st_size > 100_000
 

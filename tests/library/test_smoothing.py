@@ -24,6 +24,7 @@ from ur5lib.dynamics.kinematics import (
     velocity_product_acceleration,
 )
 from ur5lib.robots.description import Robot
+from ur5lib.signals.end_effector import jacobian_derivative, point_jacobian
 from ur5lib.signals.imu_fusion import (
     LinearImu,
     add_imu,
@@ -38,7 +39,6 @@ from ur5lib.signals.noise import (
     moving_mean,
     quantum,
 )
-from ur5lib.signals.point_motion import jacobian_derivative, point_jacobian
 from ur5lib.signals.smoothing import (
     SmoothedJoints,
     SmoothedMotion,

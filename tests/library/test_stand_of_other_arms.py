@@ -17,8 +17,8 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import Experiment, perform
+from ur5lib.stand.sensors import BEHIND, TorqueSensors
 from ur5lib.stand.simulate import simulate
-from ur5lib.stand.torque_sensors import BEHIND, TorqueSensors
 from ur5lib.study.reading import parse_study
 
 PUSH = {"kind": "push", "start_s": 0.5, "seconds": 1.0, "force": [10, -5, 8]}

@@ -10,8 +10,8 @@ from tests.conftest import PROJECT
 from tests.made_tables import table
 from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.pipeline.published_constants import current_torque, published_constants
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.friction_figures import with_friction, without_friction
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import Robot

@@ -26,13 +26,12 @@ from ur5lib.pipeline.force_estimates import is_fitted, repeated_runs
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.contacts import Alarm, Detected
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
+from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import FreeRun, Prediction
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path
 from ur5lib.tables import read_json, read_record, read_table, write_json

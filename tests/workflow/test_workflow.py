@@ -173,7 +173,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
         # Side branches: no force estimate runs again.
         ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
-        ("ur5lib/signals/point_motion.py",  # a wrist sensor's tool moves by its Jacobian
+        ("ur5lib/signals/end_effector.py",  # a wrist sensor's tool moves by its Jacobian
          jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
         ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),
         ("ur5lib/identification/closed_loop.py",

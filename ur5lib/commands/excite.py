@@ -18,13 +18,7 @@ from ur5lib.errors import InputError
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import summary_of, write_files
 from ur5lib.excitation.objective import Task, Worth
-from ur5lib.excitation.problem import (
-    Maps,
-    Noise,
-    Problem,
-    build_problem,
-    nominal_maps,
-)
+from ur5lib.excitation.problem import Maps, Noise, Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy

@@ -13,18 +13,12 @@ from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.findings import in_words
-from ur5lib.robots.description import (
-    Robot,
-    load_robot,
-    no_description,
-    robot_names,
-    robot_path,
-)
+from ur5lib.robots.description import Robot, load_robot, no_description, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.mjcf import mjcf

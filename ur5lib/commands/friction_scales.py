@@ -20,10 +20,10 @@ from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.identification.regression import spread
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.current_samples import current_record
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.timeseries.arrays import Array
 
 KINDS = ("viscous_scale", "coulomb_scale")

@@ -13,13 +13,7 @@ from ur5lib.identification import condition
 from ur5lib.identification.population import KINDS, Population, fit_population, typical_arm
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.robots.description import POPULATION, joint_sizes
-from ur5lib.robots.population import (
-    Measured,
-    MeasuredArm,
-    MeasuredJoint,
-    Trait,
-    read_measured,
-)
+from ur5lib.robots.population import Measured, MeasuredArm, MeasuredJoint, Trait, read_measured
 from ur5lib.tables import write_text
 
 CLEAR = 2.0  # standard errors, from which on a value's logarithm is nearly normal

@@ -9,14 +9,7 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gate import (
-    LEAST,
-    Chain,
-    Observations,
-    log_density,
-    log_odds,
-    measurement_noise,
-)
+from ur5lib.force.gate import LEAST, Chain, Observations, log_density, log_odds, measurement_noise
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import thinning, used_rows
 from ur5lib.timeseries.arrays import Array, Mask

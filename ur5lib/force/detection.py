@@ -44,14 +44,18 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
     contact_free: log-odds (N,) of each recording, at its period [s]. The result is at least 0,
     even odds.
     """
-    pairs = zip(contact_free, periods, strict=True)
-    minutes = sum(len(odds) * period for odds, period in pairs) / 60
-    allowed = int(per_minute * minutes)
+    allowed = _allowed(contact_free, periods, per_minute)
     peaks = sorted(
         float(odds[slice(*alarm)].max()) for odds in contact_free for alarm in alarms(odds, 0.0)
     )
     above = peaks[-allowed - 1] if allowed < len(peaks) else -np.inf
     return max(0.0, float(np.nextafter(above, np.inf)))
+
+
+def _allowed(contact_free: list[Array], periods: list[float], per_minute: float) -> int:
+    """Return how many alarms recordings (N,), each at its period [s], may raise together."""
+    pairs = zip(contact_free, periods, strict=True)
+    return int(per_minute * sum(len(values) * period for values, period in pairs) / 60)
 
 
 @dataclass(frozen=True)
@@ -235,8 +239,7 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
     From the largest force downwards, so that an alarm that never ends does not count as few. At
     least what counts as touched at the sensor, 3 N.
     """
-    pairs = zip(contact_free, periods, strict=True)
-    allowed = int(per_minute * sum(len(force) * period for force, period in pairs) / 60)
+    allowed = _allowed(contact_free, periods, per_minute)
     largest = max(float(np.nan_to_num(force).max()) for force in contact_free)
     lowest = max(TOUCH, np.ceil(largest / STEP) * STEP + STEP)
     for threshold in np.arange(lowest, TOUCH - STEP / 2, -STEP):

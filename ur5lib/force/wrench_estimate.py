@@ -43,60 +43,42 @@ class StretchEstimate(NamedTuple):
     least_squares_std: Array
 
 
+class AtAllSamples:
+    """A quantity of the thinned estimates of stretches, interpolated linearly at all samples."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, whole: "WrenchEstimate", owner: type) -> Array:
+        parts = []
+        for rows, own in whole.stretches:
+            thinned: Array = getattr(own, self._name)
+            at, known = np.arange(rows.stop - rows.start), whole.every * np.arange(len(thinned))
+            columns = interpolated(at, known, thinned.reshape(len(thinned), -1))
+            parts.append(columns.reshape(len(at), *thinned.shape[1:]))
+        return np.concatenate(parts)
+
+
 @dataclass(frozen=True)
 class WrenchEstimate:
     """The wrench of the environment on the arm, base axes, at the origin of the last frame.
 
-    Each quantity is interpolated between the samples used when it is asked for: those of a long
-    recording take a gigabyte together. NaN where the arm's pose is unknown. stretches: each with
-    its rows, of which every so many-th was used.
+    wrench, std: (N, 6) [N, Nm]; wrench ± 1.96 std is the 95 % band; log_odds: (N,), of contact,
+    given all samples; background: (N, n) [Nm], slow part of the external torque; least_squares,
+    least_squares_std: (N, 6) [N, Nm], the wrench of the same contacts without a prior: NaN in them
+    where the torque is unknown, zero elsewhere. NaN where the arm's pose is unknown. Each quantity
+    is interpolated when it is asked for: those of a long recording take a gigabyte together.
+    stretches: each with its rows, of which every so many-th was used.
     """
 
     stretches: list[tuple[slice, StretchEstimate]]
     every: int
-
-    @property
-    def wrench(self) -> Array:
-        """Return the wrench (N, 6) [N, Nm]; wrench ± 1.96 std is the 95 % band."""
-        return self._at_all("wrench")
-
-    @property
-    def std(self) -> Array:
-        """Return the standard deviation (N, 6) [N, Nm] of the wrench."""
-        return self._at_all("std")
-
-    @property
-    def log_odds(self) -> Array:
-        """Return the log-odds (N,) of contact, given all samples."""
-        return self._at_all("log_odds")
-
-    @property
-    def background(self) -> Array:
-        """Return the slow part (N, n) [Nm] of the external torque."""
-        return self._at_all("background")
-
-    @property
-    def least_squares(self) -> Array:
-        """Return the wrench (N, 6) [N, Nm] of the same contacts without a prior.
-
-        NaN in them where the torque is unknown, zero elsewhere.
-        """
-        return self._at_all("least_squares")
-
-    @property
-    def least_squares_std(self) -> Array:
-        """Return the standard deviation (N, 6) [N, Nm] of `least_squares`."""
-        return self._at_all("least_squares_std")
-
-    def _at_all(self, name: str) -> Array:
-        """Interpolate a quantity of the thinned estimate linearly at all samples."""
-        parts = []
-        for rows, own in self.stretches:
-            thinned: Array = getattr(own, name)
-            at, known = np.arange(rows.stop - rows.start), self.every * np.arange(len(thinned))
-            columns = interpolated(at, known, thinned.reshape(len(thinned), -1))
-            parts.append(columns.reshape(len(at), *thinned.shape[1:]))
-        return np.concatenate(parts)
+    wrench = AtAllSamples()
+    std = AtAllSamples()
+    log_odds = AtAllSamples()
+    background = AtAllSamples()
+    least_squares = AtAllSamples()
+    least_squares_std = AtAllSamples()
 
 
 @dataclass(frozen=True)

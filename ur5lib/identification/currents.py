@@ -12,12 +12,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ur5lib.errors import Remark, remark
-from ur5lib.identification.estimation import (
-    Estimate,
-    beside_fuller,
-    estimate_together,
-    physical,
-)
+from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
 from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.regression import DRAWS, USUAL, half_width, spread
 from ur5lib.identification.samples import (

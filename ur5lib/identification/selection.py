@@ -6,12 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.identification.prior import JointPrior
-from ur5lib.identification.regression import (
-    ROUNDS,
-    Regression,
-    huber_weight,
-    regress,
-)
+from ur5lib.identification.regression import ROUNDS, Regression, huber_weight, regress
 from ur5lib.identification.samples import Samples, apart_from
 from ur5lib.robots.friction import BASE, Term, is_dissipative
 from ur5lib.timeseries.arrays import Array

@@ -1,10 +1,16 @@
-"""Blocks: columns of a file that belong together, and their meaning by name."""
+"""Blocks: columns of a file that belong together, their meaning by name, and their joints."""
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
 
-from ur5lib.channels import SUFFIXES
+import numpy as np
+
+from ur5lib.channels import MOST_JOINTS, SUFFIXES
+from ur5lib.errors import InputError
 from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.rosbag import JOINTS
 from ur5lib.timeseries.arrays import Array
@@ -75,15 +81,14 @@ class Block:
     def meaning(self) -> str | None:
         """Return the meaning of the name: RTDE channel, kind of joint or spatial quantity."""
         stem = place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
-        last = stem.rstrip("/").rsplit("/", 1)[-1]
-        width = self.rows.shape[1]
+        last, width = _last(stem), self.rows.shape[1]
         if last in SUFFIXES and len(SUFFIXES[last]) == width:
             return last
-        words = {*re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", last).lower())}
+        words = _words(last)
         if width == 6 and words & {"wrench", "ft"} and not words & TOOL:
             return "wrench"
         if width == self.joints and not words & TOOL:
-            return _of_joints(words)
+            return _joint_meaning(words)
         spatial = _meaning(words, IN_SPACE) if width == 3 and not words & OF_IMU else None
         if spatial in ("force", "torque"):
             return spatial
@@ -92,12 +97,22 @@ class Block:
         return spatial
 
 
+def _last(name: str) -> str:
+    """Return the last part of a path in a file."""
+    return name.rstrip("/").rsplit("/", 1)[-1]
+
+
+def _words(name: str) -> set[str]:
+    """Return the words of a name in lower case."""
+    return {*re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower())}
+
+
 def _meaning(words: set[str], meanings: Mapping[str, set[str]]) -> str | None:
     """Return the first meaning that has one of the words."""
     return next((meaning for meaning, known in meanings.items() if words & known), None)
 
 
-def _of_joints(words: set[str]) -> str | None:
+def _joint_meaning(words: set[str]) -> str | None:
     kind = _meaning(words, MEANINGS)
     if kind is None or kind == "effort":
         return kind
@@ -140,3 +155,66 @@ def place_of(name: str) -> tuple[str, int]:
     if axis := re.fullmatch(r"(.*?)_?([xyz])", name):
         return axis[1], "xyz".index(axis[2])
     return name, -1
+
+
+OF_UR = 6  # joints of the maker's arms
+MORE = (7, 8, 9)  # joints, a gripper's fingers among them
+
+
+class OfJoints(NamedTuple):
+    """Columns with one value for each joint: their title, their kind of quantity, their number."""
+
+    title: str
+    kind: str
+    joints: int
+
+
+def joints_of(path: Path, arrays: Mapping[str, np.ndarray]) -> int:
+    """Return of how many joints a file holds the positions: six, or more by their names.
+
+    Raises InputError where they are more than an arm's.
+    """
+    found = [*_of_joints(arrays)]
+    counts = {block.joints for block in found if block.kind == "q"}
+    more = max(counts & {*MORE}, default=None)
+    if more is None or OF_UR in counts:
+        return OF_UR
+    if more <= MOST_JOINTS:
+        return more
+    position = next(block for block in found if block.kind == "q" and block.joints == more)
+    others = ", ".join(b.title for b in found if b.joints == more and b is not position)
+    raise InputError(
+        f"{path} holds {more} joints: {position.title} are positions"
+        + (f", and beside them are {others}" if others else "")
+        + f"; arms have up to {MOST_JOINTS}. Describe the arm by its URDF (`ur5 describe`), and "
+        "write the entry by hand, without a gripper's joints (docs/robots.md)"
+    )
+
+
+def joints_of_nameless(columns: int) -> int:
+    """Return of how many joints a table without names has blocks, beside its first column."""
+    fitting = (count for count in (OF_UR, *MORE[:2]) if columns % count == 0)
+    return next(fitting, OF_UR)
+
+
+def _of_joints(arrays: Mapping[str, np.ndarray]) -> Iterator[OfJoints]:
+    """Yield arrays with a column for each joint, and single columns that are numbered."""
+    numbered = defaultdict[str, dict[int, str]](dict)
+    for name, values in arrays.items():
+        if values.ndim == 2 and 1 not in values.shape:
+            if kind := _kind(name):
+                yield OfJoints(name, kind, min(values.shape))
+        else:
+            stem, place = place_of(name)
+            numbered[stem][place] = name
+    for stem, places in numbered.items():
+        order = sorted(places)
+        whole = order == list(range(order[0], order[0] + len(order))) and order[0] in (0, 1)
+        if whole and (kind := _kind(stem)):
+            yield OfJoints(f"{places[order[0]]} … {places[order[-1]]}", kind, len(order))
+
+
+def _kind(name: str) -> str | None:
+    """Return the kind of a quantity of joints by its name."""
+    words = _words(_last(name))
+    return None if words & TOOL else _meaning(words, MEANINGS)

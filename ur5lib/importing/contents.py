@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.importing.blocks import NAMELESS, Block, grouped
-from ur5lib.importing.joints import JOINTS, joints_of, joints_of_nameless
+from ur5lib.importing.blocks import NAMELESS, OF_UR, Block, grouped, joints_of, joints_of_nameless
 from ur5lib.recordings.array_files import ENDINGS
 from ur5lib.recordings.arrays import load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
@@ -60,7 +59,7 @@ class Contents:
     clocks: dict[str, Array]
     units: dict[str, str]
     findings: list[Finding]
-    joints: int = JOINTS
+    joints: int = OF_UR
 
     def time_base(self, clock: str) -> str:
         """Return the time base of a clock, as a study has it."""

@@ -1,4 +1,4 @@
-"""Clocks of a recording's devices from their start stamps and from motion."""
+"""Clocks of a recording's devices from their start stamps and from motion, or from stamps alone."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -9,6 +9,7 @@ from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.recordings.quality import Device, StartOffset
 from ur5lib.signals.clock import OwnClock, clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
+from ur5lib.signals.resampling import resample
 from ur5lib.timeseries.arrays import Array
 
 GYROSCOPE = SENSOR_COLUMNS["imu"][3:]
@@ -39,3 +40,12 @@ def own_clocks(
         )
         clocks[name] = OwnClock(**asdict(clock), warning=warning, stamps=start.seconds)
     return clocks
+
+
+def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
+    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], NaN where it has no column.
+
+    device: on its own clock; start: of its stamp; sensor: "force" or "imu".
+    """
+    clock = clock_from_stamps(start.seconds, start.std)
+    return resample(device, clock, time).reindex(columns=SENSOR_COLUMNS[sensor]).to_numpy()

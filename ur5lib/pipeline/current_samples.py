@@ -13,9 +13,9 @@ from ur5lib.identification.prior import (
     torque_constant_prior,
 )
 from ur5lib.identification.samples import Record, Smooth
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot, joint_sizes
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass

@@ -7,21 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.pipeline.imu_samples import imu_samples
+from ur5lib.pipeline.imu import imu_samples
 from ur5lib.pipeline.records.accelerations import (
     AccelerationErrors,
     Accelerations,
     ByRange,
     Difference,
 )
-from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration
+from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
 from ur5lib.signals.imu_calibration import AS_DRAWN, ImuCalibration, accelerometer_bias
 from ur5lib.signals.plain_filter import FilteredMotion
-from ur5lib.signals.point_motion import point_acceleration
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import (
     THESIS_ACCELERATION,

@@ -72,9 +72,9 @@ class Estimator:
     article: str = ""
 
 
-def fmap(run: Run) -> Stated | None:
-    """Return the most probable wrench by the external torque."""
-    return run.solved.get("Fmap")
+def solved(name: str) -> Callable[[Run], Stated | None]:
+    """Return an estimator: the most probable wrench by the torque of a name in `Run.solved`."""
+    return lambda run: run.solved.get(name)
 
 
 class WithoutPrior(NamedTuple):
@@ -99,26 +99,11 @@ def least_squares(run: Run) -> Stated | None:
     return WithoutPrior(run.solved["Fmap"]) if "Fmap" in run.solved else None
 
 
-def observer(run: Run) -> Stated | None:
-    """Return the most probable wrench by the torque of the momentum observer."""
-    return run.solved.get("observer")
-
-
-def repeat(run: Run) -> Stated | None:
-    """Return F̂ᵐᵃᵖ, less the external torque of the same trajectory without contact."""
-    return run.solved.get("repeat")
-
-
-def static(run: Run) -> Stated | None:
-    """Return the estimate of a resting arm without any fit, where there is none."""
-    return run.static
-
-
-class WithoutBand(NamedTuple):
-    """A wrench (N, 6) [N, Nm] that comes without a standard deviation."""
+class Ungated(NamedTuple):
+    """A wrench (N, 6) [N, Nm] without odds of contact, and its standard deviation, if stated."""
 
     wrench: Array
-    std: None = None
+    std: Array | None = None
     log_odds: None = None
 
 
@@ -131,21 +116,17 @@ def controller(run: Run) -> Stated | None:
     the arm, at the flange, which is the origin of frame 6, in base axes
     (Universal_Robots_ROS2_Driver, pull request 1615).
     """
-    return None if run.controller is None else WithoutBand(run.controller)
+    return None if run.controller is None else Ungated(run.controller)
 
 
 ESTIMATORS = (
-    Estimator("Fmap", "F̂ᵐᵃᵖ", fmap),
+    Estimator("Fmap", "F̂ᵐᵃᵖ", solved("Fmap")),
     Estimator("least_squares", "least squares", least_squares, gated=False),
-    Estimator("observer", "observer", observer),
-    Estimator("repeat", "repeat-aware", repeat),
-    Estimator("static", "uncalibrated static estimate", static, gated=False, article="the "),
+    Estimator("observer", "observer", solved("observer")),
+    Estimator("repeat", "repeat-aware", solved("repeat")),
+    Estimator("static", "uncalibrated static estimate", lambda run: run.static, False, "the "),
     Estimator(
-        "controller_currents",
-        "controller, from currents",
-        controller,
-        gated=False,
-        article="the force by the ",
+        "controller_currents", "controller, from currents", controller, False, "the force by the "
     ),
 )
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's

@@ -11,7 +11,7 @@ import numpy as np
 from ur5lib.identification.condition import UNITS, Estimates, joint_conditions
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import Record, Smooth, passed
-from ur5lib.pipeline.records.health import Condition, Health, JointChange
+from ur5lib.pipeline.records.arm_state import Condition, Health, JointChange
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Quality
 from ur5lib.timeseries.arrays import Array

@@ -14,8 +14,8 @@ from ur5lib.force.sensor_audit import (
     shifts_after_contacts,
 )
 from ur5lib.identification.payload import JudgedLoad
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.force_errors import Audit, AuditRow
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH

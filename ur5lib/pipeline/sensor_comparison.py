@@ -16,9 +16,9 @@ from ur5lib.force.sensor import (
     sensed,
     wrench_of_environment,
 )
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.force_errors import Compared, OffsetAccount
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH
 from ur5lib.robots.description import Robot

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ur5lib.force.sensor import fit_offset
-from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_comparison import SensorReading

@@ -1,7 +1,5 @@
 """The static estimate of a recording, where no friction was fitted to its arm."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ur5lib.force.contact_wrench import LEAST_ERROR, at_rest, static_wrench, torque_std
@@ -9,19 +7,12 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.current_prediction import smoothed_external_torque
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
+from ur5lib.pipeline.estimators import Ungated
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
-
-
-class Static(NamedTuple):
-    """The wrench of a resting arm, and its standard deviation, (N, 6) [N, Nm]; NaN in motion."""
-
-    wrench: Array
-    std: Array
-    log_odds: None = None
 
 
 def static_forces(
@@ -32,8 +23,8 @@ def static_forces(
     jacobian: Array,
     order: int,
     cutoff: float,
-) -> Static | None:
-    """Return the static estimate; None without currents or known torque constants.
+) -> Ungated | None:
+    """Return the wrench of a resting arm, NaN in motion; None without currents or known constants.
 
     jacobian: (N, 6, 6); order, cutoff: of the low-pass of currents, [Hz].
     """
@@ -45,7 +36,7 @@ def static_forces(
     except ValueError:  # neither the maker nor the controller tells the constants
         return None
     torque, std = torque_at_rest(record, prior, smoother(order, cutoff), cutoff)
-    return Static(*static_wrench(torque, std, jacobian))
+    return Ungated(*static_wrench(torque, std, jacobian))
 
 
 def torque_at_rest(

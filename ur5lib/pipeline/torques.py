@@ -4,9 +4,9 @@ import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.carried import Carried
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot
 
 

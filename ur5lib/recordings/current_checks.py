@@ -13,13 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from ur5lib.recordings.block_means import (
-    INDEPENDENT,
-    BlockMeans,
-    combination,
-    fitted_load,
-    size,
-)
+from ur5lib.recordings.block_means import INDEPENDENT, BlockMeans, combination, fitted_load, size
 from ur5lib.recordings.checks import MOVES
 from ur5lib.recordings.innovations import CURRENT, innovation_likelihoods
 from ur5lib.recordings.quality import Finding, contradiction

@@ -12,9 +12,9 @@ from ur5lib.pipeline.estimators import NEW
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing, nothing_to_draw
 from ur5lib.report.traces import (
     ACCELERATION,

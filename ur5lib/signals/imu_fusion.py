@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
+from ur5lib.signals.end_effector import jacobian_derivative, point_jacobian
 from ur5lib.signals.noise import moving_mean
-from ur5lib.signals.point_motion import jacobian_derivative, point_jacobian
 from ur5lib.signals.smoothing import (
     LINK,
     STATES,

@@ -4,8 +4,8 @@ from functools import partial
 
 import numpy as np
 
+from ur5lib.signals.end_effector import point_velocity
 from ur5lib.signals.imu_calibration import ImuRecord
-from ur5lib.signals.point_motion import point_velocity
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
 from ur5lib.timeseries.sampling import differentiate

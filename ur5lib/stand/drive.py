@@ -6,8 +6,7 @@ import mujoco
 import numpy as np
 
 from ur5lib.robots.description import Robot
-from ur5lib.stand.chain import along_chain
-from ur5lib.stand.friction import FrictionParameters
+from ur5lib.stand.friction import FrictionParameters, along_chain
 from ur5lib.timeseries.arrays import Array
 
 # rad/s; with these, joints deviate from their targets as much as the real ones do.

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import THESIS_FILES
 from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import is_moving, split_late, tear
-from ur5lib.stand.layout import ROBOT_FILES, THESIS_FILES
+from ur5lib.stand.layout import ROBOT_FILES
 from ur5lib.stand.plan import Clock, SimulatedRecording
 from ur5lib.tables import channel, write_text
 

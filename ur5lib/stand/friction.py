@@ -13,8 +13,14 @@ from typing import Self
 import numpy as np
 
 from ur5lib.robots.description import Robot
-from ur5lib.stand.chain import along_chain
 from ur5lib.timeseries.arrays import Array
+
+
+def along_chain(values: Array, joints: int) -> Array:
+    """Return values of the UR5's joints, from base to wrist (6,), for an arm's joints (joints,)."""
+    places = np.linspace(0, len(values) - 1, joints)
+    return np.asarray(np.interp(places, np.arange(len(values)), values))
+
 
 COULOMB = np.array(
     [0.054, 0.058, 0.054, 0.078, 0.083, 0.071]

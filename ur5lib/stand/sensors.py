@@ -1,10 +1,14 @@
-"""Readings of the simulated force sensor and IMU, each on its own clock, and the wrist sensor."""
+"""Readings of force sensor and IMU, each on its own clock, of wrist sensor and torque sensors."""
+
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
+from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import Clock, ForceSensor, Imu, WristSensor
 from ur5lib.stand.rig import STEP, Experiment, Rig, States, step_times
 from ur5lib.tables import named
@@ -191,3 +195,40 @@ def _samples(
 
 def _table(time: Array, values: Array, names: list[str]) -> pd.DataFrame:
     return pd.DataFrame({"time": time, **dict(zip(names, values.T, strict=True))})
+
+
+BEHIND = 0.05  # share of a joint's friction that lies between its sensor and its link
+GAIN_ERROR, BIAS = 0.01, 0.003  # of all joints, alternating in sign; share of the largest torque
+# Share of the largest torque, by the differences between samples of a real xMate 7's sensors.
+NOISE = 7e-4
+NOT_STATED = ("actual_current", "target_current", "target_moment", "actual_TCP_force")
+
+
+@dataclass(frozen=True)
+class TorqueSensors:
+    """Sensors that read gain τ + bias, each (n,); bias, noise: [Nm]."""
+
+    gain: Array
+    bias: Array
+    noise: Array
+
+    @classmethod
+    def of(cls, robot: Robot) -> Self:
+        """Return the sensors of an arm."""
+        largest = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers])
+        sign = np.array([(-1.0) ** k for k in robot.joint_numbers])
+        return cls(1 - GAIN_ERROR * sign, BIAS * sign * largest, NOISE * largest)
+
+    def channels(
+        self, values: dict[str, Array], states: States, random: np.random.Generator | None
+    ) -> dict[str, Array]:
+        """Return the controller's channels with `actual_torque` [Nm] in place of those of currents.
+
+        random: generator of the noise, None for no noise.
+        """
+        torque = states["motor_torque"] - (1 - BEHIND) * states["friction_torque"]
+        reading = self.gain * torque + self.bias
+        if random is not None:
+            reading += self.noise * random.normal(size=reading.shape)
+        stated = {name: value for name, value in values.items() if name not in NOT_STATED}
+        return stated | {"actual_torque": reading}

@@ -45,7 +45,9 @@ def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time
         case Fourier():
             targets = _fourier(plan, robot, time - REST)
         case Series():
-            targets = _series(plan, time - REST)
+            targets = _targets(
+                plan.posture, plan.period_s, np.array(plan.coefficients), time - REST
+            )
     _expect_within_limits(targets, robot)
     return targets
 
@@ -162,10 +164,6 @@ def _drawn_coefficients(plan: Fourier) -> Array:
     start = rest_conditions(plan.period_s, plan.harmonics)
     drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, len(plan.posture)))
     return drawn - np.linalg.pinv(start) @ (start @ drawn)
-
-
-def _series(plan: Series, time: Array) -> Targets:
-    return _targets(plan.posture, plan.period_s, np.array(plan.coefficients), time)
 
 
 def _targets(posture: Joints, period: float, coefficients: Array, time: Array) -> Targets:

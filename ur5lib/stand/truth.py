@@ -11,7 +11,7 @@ from ur5lib.stand import controller, sensors
 from ur5lib.stand import drive as drives
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import STEP, Rig, States, step_times
-from ur5lib.stand.torque_sensors import BEHIND, TorqueSensors
+from ur5lib.stand.sensors import BEHIND, TorqueSensors
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 

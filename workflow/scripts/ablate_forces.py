@@ -7,9 +7,9 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.force_ablation import figures_in_contact, variants
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.force_errors import Ablated
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.tables import read_record, write_json
 

@@ -3,6 +3,7 @@
 from functools import partial
 from typing import Any
 
+from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.end_effector import (
     acceleration_errors,
     at_the_imu,
@@ -10,13 +11,12 @@ from ur5lib.pipeline.end_effector import (
     compared,
     differences,
 )
-from ur5lib.pipeline.imu_samples import has_valid_imu
+from ur5lib.pipeline.imu import has_valid_imu
 from ur5lib.pipeline.records.accelerations import Accelerations, ImuComparison
-from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured
-from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock

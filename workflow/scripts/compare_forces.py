@@ -3,9 +3,9 @@
 from typing import Any
 
 from ur5lib.pipeline.carried import Carried
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.force_errors import Compared
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_comparison import (
@@ -44,8 +44,8 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
 def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics) -> SensorReading:
     """Return the reading of the arm's own sensor, or of one with a clock of its own."""
     # slow to import, and most recordings have no sensor
+    from ur5lib.pipeline.clocks import by_stamps
     from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
-    from ur5lib.pipeline.stamps import by_stamps
 
     moved = moved_tool(robot, kinematics, Motion.read(input.motion))
     start = read_record(Quality, input.quality).starts.get("force")

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.timeseries.arrays import Array

@@ -9,8 +9,8 @@ from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.observability import by_axis, pushed
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.tables import read_record, write_json
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.pipeline.explained_errors import explained_accelerations
-from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
 from ur5lib.report.house_style import save

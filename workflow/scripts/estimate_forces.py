@@ -15,13 +15,12 @@ from ur5lib.pipeline.force_estimates import (
     repeated_runs,
 )
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import FreeRuns, Prediction
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record

@@ -8,10 +8,10 @@ from ur5lib.identification import payload
 from ur5lib.identification.samples import smoothed_moving
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.records.currents import LoadRegressor
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 

@@ -7,10 +7,10 @@ from ur5lib.errors import reason
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
 from ur5lib.robots.population import population_files

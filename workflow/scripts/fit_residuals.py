@@ -6,8 +6,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.residual_fit import expected_residuals, residual_models, with_trials
 from ur5lib.tables import read_record, write_json

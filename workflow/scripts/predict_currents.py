@@ -9,11 +9,11 @@ from ur5lib.pipeline.current_prediction import baselines, predicted_currents, sc
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json

@@ -4,12 +4,12 @@ from typing import Any
 
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.health import checkup, dated, enough, health_of
+from ur5lib.pipeline.records.arm_state import Condition, JointChange
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.health import Condition, JointChange
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_rows
