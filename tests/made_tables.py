@@ -76,5 +76,5 @@ def nothing(kind: Any) -> Any:
 
 
 def empty(name: str) -> pd.DataFrame:
-    _, declared = declarations().tables()[name]
+    _, declared = declarations()[name]
     return pd.DataFrame(columns=declared.columns)

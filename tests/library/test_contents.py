@@ -30,7 +30,7 @@ from ur5lib.report.sentences import Stated, sentence
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.torques import in_torques
 
-TABLES_MADE = declarations().tables()
+TABLES_MADE = declarations()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 

@@ -89,7 +89,7 @@ def test_a_script_reads_what_its_rule_declares(step: str, declared: dict[str, De
 def test_the_tables_read_what_their_rule_declares(declared: dict[str, Declared]) -> None:
     """make_tables passes its inputs on, by kind, to the module of each table."""
     kinds = {kind for path in TABLES.glob("*.py") for kind in KINDS_READ.findall(path.read_text())}
-    tables = declarations().tables()
+    tables = declarations()
     names = declared["make_tables"].names
     parts = names["output"] - tables.keys()  # which a step writes as they are shown
     assert {"health", "observability"} <= parts

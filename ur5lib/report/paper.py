@@ -57,23 +57,11 @@ ACCENTS = {"\u0302": "hat", "\u0303": "tilde", "\u0304": "bar", "\u0307": "dot",
 RAISED = {"<super>": r"\textsuperscript", "<sub>": r"\textsubscript"}
 LATIN = 0x17F  # the last letter that LaTeX's own encoding of Latin letters knows
 UNITS = {  # as siunitx writes them
-    "A": "A",
-    "Hz": "Hz",
-    "MB": "MB",
-    "N": "N",
-    "N s": "N.s",
-    "Nm": "N.m",
-    "Nm s/rad": "N.m.s/rad",
-    "Nm/A": "N.m/A",
-    "kg": "kg",
-    "kg m²": "kg.m^2",
-    "m": "m",
-    "m/s²": "m/s^2",
-    "ms": "ms",
-    "rad": "rad",
-    "rad/s": "rad/s",
-    "rad/s²": "rad/s^2",
-    "s": "s",
+    unit: unit.replace("Nm", "N m").replace(" ", ".").replace("²", "^2")
+    for unit in (
+        *("A", "Hz", "MB", "N", "N s", "Nm", "Nm s/rad", "Nm/A", "kg", "kg m²"),
+        *("m", "m/s²", "ms", "rad", "rad/s", "rad/s²", "s"),
+    )
 }
 NUMBER = re.compile(r"([+−]?)(\d[\d,]*)(?:\.(\d+))?(?: ± (\d+)(?:\.(\d+))?)?")
 NO_NUMBER = {"", "–", UNDETERMINED}

@@ -9,20 +9,8 @@ import pandas as pd
 from ur5lib.report.reference import Lookup, PrintedTable, Reference, published
 from ur5lib.timeseries.arrays import Array
 
-COLUMNS = [
-    "source",
-    "quantity",
-    "recording",
-    "row",
-    "number",
-    "printed",
-    "rebuilt",
-    "ratio",
-    "as_erratum_says",
-    "erratum",
-    "right",
-    "status",
-]
+COLUMNS = ["source", "quantity", "recording", "row", "number", "printed", "rebuilt", "ratio"]
+COLUMNS += ["as_erratum_says", "erratum", "right", "status"]
 EQUAL, UNEXPLAINED = "equal", "unexplained"
 
 

@@ -167,20 +167,10 @@ def commit() -> str:
     """
     if not IN_CLONE:
         return f"ur5lib {metadata.version('ur5lib')}"
+    command = ["git", "-C", str(WORKFLOW), "describe", "--always", "--abbrev=12"]
+    command += ["--dirty= + changes"]
     try:
-        name = subprocess.check_output(
-            [
-                "git",
-                "-C",
-                str(WORKFLOW),
-                "describe",
-                "--always",
-                "--abbrev=12",
-                "--dirty= + changes",
-            ],
-            text=True,
-            stderr=subprocess.DEVNULL,
-        )
+        name = subprocess.check_output(command, text=True, stderr=subprocess.DEVNULL)
     except (OSError, subprocess.CalledProcessError):
         return "(unknown)"
     return name.strip()

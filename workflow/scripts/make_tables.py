@@ -8,7 +8,7 @@ from ur5lib.tables import write_csv
 
 
 def make_tables(input: Any, output: Any, params: Any) -> None:
-    declared = declarations().tables()
+    declared = declarations()
     parts = output.keys() - declared.keys()  # tables that a step writes for each recording or arm
     kinds = {
         kind: LazyResults(kind, paths)

@@ -15,16 +15,15 @@ import pandas as pd
 from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.published_constants import PublishedConstants
 from ur5lib.pipeline.records.accelerations import ImuComparison
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
 from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.gains import GainSummary
 from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import MotionAccount
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.reference import Printed
 from ur5lib.report.tables import files, forces, friction, models, motion
@@ -80,24 +79,6 @@ class Declared(Strict):
     columns: list[str]
 
 
-class Declarations(Strict):
-    """All tables, by the module that makes their rows."""
-
-    files: dict[str, Declared]
-    motion: dict[str, Declared]
-    models: dict[str, Declared]
-    friction: dict[str, Declared]
-    forces: dict[str, Declared]
-
-    def tables(self) -> dict[str, tuple[ModuleType, Declared]]:
-        """Return the module and the declaration of each table."""
-        return {
-            name: (module, declared)
-            for group, module in GROUPS.items()
-            for name, declared in getattr(self, group).items()
-        }
-
-
 class LazyResults(Mapping[str, Any]):
     """The results of a kind by recording or arm, read on access; JSON, which is small, is cached.
 
@@ -119,10 +100,14 @@ class LazyResults(Mapping[str, Any]):
 
 
 @cache
-def declarations() -> Declarations:
-    """Return the declared tables."""
-    path = Path(__file__).with_name("columns.yaml")
-    return Declarations.model_validate(read_yaml(path))
+def declarations() -> dict[str, tuple[ModuleType, Declared]]:
+    """Return each declared table, and the module that makes its rows."""
+    groups = read_yaml(Path(__file__).with_name("columns.yaml"))
+    return {
+        name: (module, Declared.model_validate(own))
+        for group, module in GROUPS.items()
+        for name, own in groups[group].items()
+    }
 
 
 def make_table(
@@ -132,7 +117,7 @@ def make_table(
 
     kinds: results by their kind, then by recording or arm; printed: published tables.
     """
-    module, declared = declarations().tables()[name]
+    module, declared = declarations()[name]
     first = "recording" if "recording" in declared.columns else "robot"
     rows = [
         {first: owner} | {column: _in_words(value) for column, value in row.items()}

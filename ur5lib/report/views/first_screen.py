@@ -46,25 +46,17 @@ def verdicts(results: Results) -> list[Verdict]:
     return [verdict for judge in VERDICTS if (verdict := judge(results))]
 
 
-def force_drawn(results: Results) -> list[str]:
-    """Return the recording of the first figure, if that shows forces."""
-    return _drawn(results, "forces")
+def _drawn(wanted: str) -> Callable[[Results], list[str]]:
+    """Return a view of the recording of the first figure, if that shows what is wanted."""
+
+    def drawn(results: Results) -> list[str]:
+        kind, name = next(_figures(results), ("", ""))
+        return [name] if kind == wanted else []
+
+    return drawn
 
 
-def current_drawn(results: Results) -> list[str]:
-    """Return the recording of the first figure, if that shows currents."""
-    return _drawn(results, "currents")
-
-
-def torque_drawn(results: Results) -> list[str]:
-    """Return the recording of the first figure, if that shows torques."""
-    return _drawn(results, "torques")
-
-
-def _drawn(results: Results, wanted: str) -> list[str]:
-    """Return the recording of the first figure, if that is the wanted one."""
-    kind, name = next(_figures(results), ("", ""))
-    return [name] if kind == wanted else []
+force_drawn, current_drawn, torque_drawn = map(_drawn, ("forces", "currents", "torques"))
 
 
 def _figures(results: Results) -> Iterator[tuple[str, str]]:
