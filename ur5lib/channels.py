@@ -108,6 +108,19 @@ CHANNELS = {
     "imu_g": ChannelSpec("rad/s", AXES, 50.0),
     "imu_m": ChannelSpec("1", AXES),
 }
+THESIS_FILES = {  # name after log_ of the thesis's files, and RTDE name
+    "q_actual": "actual_q",
+    "qd_actual": "actual_qd",
+    "i_actual": "actual_current",
+    "q_target": "target_q",
+    "qd_target": "target_qd",
+    "qdd_target": "target_qdd",
+    "i_target": "target_current",
+    "m_target": "target_moment",
+    "tcp_force": "actual_TCP_force",
+    "tcp_speed": "actual_TCP_speed",
+    "tool_vector": "actual_TCP_pose",
+}
 INTERNAL = ("segment", "interpolated", "filled", "received")  # of repaired frames
 RECORDED = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}

@@ -20,7 +20,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "strict": {"errors"},
     "lab": {"errors", "strict", "tables"},
     "steps": {"errors", "lab"},
-    "datasets": {"errors", "strict"},
+    "datasets": {"errors", "strict", "tables"},
     "tables": {"channels", "errors", "timeseries"},
     "exporting": {"errors", "finished", "tables"},
     "robots": {"errors", "strict", "timeseries"},

@@ -318,11 +318,10 @@ def test_each_setting_of_an_earlier_version_is_told_its_new_name(raw: dict[str, 
 
 def test_new_names_of_settings_exist() -> None:
     """What a message suggests is a key of the model."""
-    for keys in RENAMED.values():
-        for new in keys.values():
-            setting: Any = Settings()
-            for part in new.split("."):
-                setting = getattr(setting, part)
+    for new in RENAMED.values():
+        setting: Any = Settings()
+        for part in new.split("."):
+            setting = getattr(setting, part)
 
 
 def test_an_unknown_key_beside_a_renamed_one_is_reported_too(raw: dict[str, Any]) -> None:

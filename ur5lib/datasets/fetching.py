@@ -1,6 +1,5 @@
 """Download of a published data set, whose files are verified."""
 
-import os
 import shutil
 import tempfile
 from collections.abc import Collection, Iterator, Mapping
@@ -13,6 +12,7 @@ import requests
 
 from ur5lib.datasets.catalogue import catalogue
 from ur5lib.errors import InputError
+from ur5lib.tables import write_aside
 
 TIMEOUT = 30  # s
 PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
@@ -35,23 +35,15 @@ def place(source: Path, target: Path, checksum: str, kind: str = "sha256") -> No
 
     Raises InputError if its checksum is another, or it cannot be written.
     """
-    aside = target.with_name(f".{target.name}.part")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
+
+    def copy(aside: Path) -> None:
         shutil.copyfile(source, aside)
         if pooch.file_hash(aside, alg=kind) != checksum:
             raise InputError(
                 f"{source} is not the published file (its checksum differs); download it again"
             )
-        os.replace(aside, target)
-    except OSError as error:
-        raise InputError(
-            f"{target} cannot be written ({error.strerror}); "
-            "check its name, the disk space and the permissions"
-        ) from error
-    finally:
-        if aside.exists():
-            aside.unlink()
+
+    write_aside(target, copy)
 
 
 def fetch_archive(

@@ -15,14 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ur5lib.recorder.device import (
-    DeviceLost,
-    Identity,
-    NewSamples,
-    Silence,
-    no_controller,
-    receive,
-)
+from ur5lib.recorder.device import DeviceLost, Identity, NewSamples, Silence, no_controller, receive
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, all_columns, layout
 
@@ -30,34 +23,14 @@ PORT = 30004
 PATIENCE = 3.0  # s, for the controller to answer
 PROTOCOL = 2
 OUTPUTS = (
-    "timestamp",
-    "target_q",
-    "target_qd",
-    "target_qdd",
-    "target_current",
-    "target_moment",
-    "actual_q",
-    "actual_qd",
-    "actual_current",
-    "actual_current_as_torque",
-    "actual_TCP_pose",
-    "actual_TCP_speed",
-    "actual_TCP_force",
-    "ft_raw_wrench",
-    "wrench_calc_from_currents",
-    "actual_tool_accelerometer",
-    "joint_temperatures",
-    "payload",
-    "payload_cog",
-    "payload_inertia",
-    "target_gravity",
-    "target_base_acceleration",
-    "collision_detection_ratio",
-    "joint_position_deviation_ratio",
-    "speed_scaling",
-    "robot_mode",
-    "safety_mode",
-    "runtime_state",
+    *("timestamp", "target_q", "target_qd", "target_qdd", "target_current", "target_moment"),
+    *("actual_q", "actual_qd", "actual_current", "actual_current_as_torque"),
+    *("actual_TCP_pose", "actual_TCP_speed", "actual_TCP_force"),
+    *("ft_raw_wrench", "wrench_calc_from_currents", "actual_tool_accelerometer"),
+    *("joint_temperatures", "payload", "payload_cog", "payload_inertia"),
+    *("target_gravity", "target_base_acceleration"),
+    *("collision_detection_ratio", "joint_position_deviation_ratio"),
+    *("speed_scaling", "robot_mode", "safety_mode", "runtime_state"),
 )
 RATES = {3: 125.0}  # Hz, of the controller's software; later ones have 500
 USUAL_RATE = 500.0

@@ -10,13 +10,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS
 from ur5lib.recordings.arrays import read_arrays
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
-from ur5lib.recordings.entries import (
-    RESERVED,
-    Files,
-    RecordedFiles,
-    TableFiles,
-    expand,
-)
+from ur5lib.recordings.entries import RESERVED, Files, RecordedFiles, TableFiles, expand
 from ur5lib.recordings.host_clock import on_robot_clock
 from ur5lib.recordings.plausibility import first_time
 from ur5lib.recordings.quality import Finding, Log

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import drop_untimed, read_numbers
 from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
@@ -18,9 +19,9 @@ from ur5lib.recordings.recording import DeviceRecord, Stamp
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-FORCE_CHANNELS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
+FORCE_CHANNELS = columns("ft")
 FORCES = FORCE_CHANNELS[:3]  # all that some sensors have
-IMU_CHANNELS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
+IMU_CHANNELS = [name for part in "amg" for name in columns(f"imu_{part}")]
 NOTHING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
 GAP, LONG_GAP = 2.5, 4.0  # in usual steps: counted as lost samples; reported even if single
 FEW = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import THESIS_FILES
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
 from ur5lib.recordings.entries import Clocked, ThesisFiles
@@ -21,21 +22,9 @@ from ur5lib.recordings.sensors import (
 )
 
 CYCLE = 0.008  # s, the CB2 controller's
+ROBOT_CHANNELS = {f"log_{file}.csv": name for file, name in THESIS_FILES.items()}
 RESTART = 1e6  # s; longer than any recording, so that the epochs of a clock stay apart
 
-ROBOT_CHANNELS = {  # file: RTDE name
-    "log_q_actual.csv": "actual_q",
-    "log_qd_actual.csv": "actual_qd",
-    "log_i_actual.csv": "actual_current",
-    "log_q_target.csv": "target_q",
-    "log_qd_target.csv": "target_qd",
-    "log_qdd_target.csv": "target_qdd",
-    "log_i_target.csv": "target_current",
-    "log_m_target.csv": "target_moment",
-    "log_tcp_force.csv": "actual_TCP_force",
-    "log_tcp_speed.csv": "actual_TCP_speed",
-    "log_tool_vector.csv": "actual_TCP_pose",
-}
 
 # Standard uncertainties of the start stamps [s]: the robot's is rounded to 10 ms, the force
 # sensor's has microseconds, the IMU's has 6 digits and its samples arrive 0.1 s late.

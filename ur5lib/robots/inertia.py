@@ -43,17 +43,11 @@ def shift_inertia(inertia: Array, mass: float, offset: Array) -> Array:
 
 def combine_cylinders(cylinders: list[Cylinder]) -> Array:
     """Return the inertia tensor (3, 3) of a link about its centre of mass (Equation 2.56)."""
-    return sum(
-        (
-            shift_inertia(
-                cylinder_inertia(part.axis, part.mass, part.height, part.radius),
-                part.mass,
-                np.array(part.offset),
-            )
-            for part in cylinders
-        ),
-        start=np.zeros((3, 3)),
-    )
+    total = np.zeros((3, 3))
+    for part in cylinders:
+        own = cylinder_inertia(part.axis, part.mass, part.height, part.radius)
+        total += shift_inertia(own, part.mass, np.array(part.offset))
+    return total
 
 
 def split_heights(

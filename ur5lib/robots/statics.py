@@ -36,13 +36,11 @@ def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
     bodies = rigid_bodies(robot, model)
     centers = np.einsum("nkij,kj->nki", rotation[:, 1:], bodies.center_of_mass) + origin[:, 1:]
     weights, joints = bodies.mass[:, None] * np.array(robot.gravity), range(q.shape[1])
-    return np.stack(
-        [
-            sum(_holding(rotation, origin, j, centers[:, k], weights[k]) for k in joints[j:])
-            for j in joints
-        ],
-        axis=1,
-    )
+    torques = [
+        sum(_holding(rotation, origin, j, centers[:, k], weights[k]) for k in joints[j:])
+        for j in joints
+    ]
+    return np.stack(torques, axis=1)
 
 
 def load_torque(robot: Robot, q: Array) -> Array:
@@ -96,13 +94,8 @@ def solutions(robot: Robot, rotation: Array, position: Array) -> Array:
     path without singularities, but for whole turns.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        q = np.stack(
-            [
-                _closed_form(robot, rotation, position, *signs)
-                for signs in product((1, -1), repeat=3)
-            ],
-            axis=1,
-        )
+        every = product((1, -1), repeat=3)
+        q = np.stack([_closed_form(robot, rotation, position, *own) for own in every], axis=1)
     goals = np.repeat(rotation, 8, axis=0), np.repeat(position, 8, axis=0)
     return _refined(robot, q.reshape(-1, 6), *goals).reshape(q.shape)
 

@@ -2,19 +2,8 @@
 
 from collections.abc import Collection
 
-THESIS_FILES = {  # name after log_, as in the thesis, and RTDE name
-    "q_actual": "actual_q",
-    "qd_actual": "actual_qd",
-    "i_actual": "actual_current",
-    "q_target": "target_q",
-    "qd_target": "target_qd",
-    "qdd_target": "target_qdd",
-    "i_target": "target_current",
-    "m_target": "target_moment",
-    "tcp_force": "actual_TCP_force",
-    "tcp_speed": "actual_TCP_speed",
-    "tool_vector": "actual_TCP_pose",
-}
+from ur5lib.channels import THESIS_FILES
+
 ROBOT_FILES = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
 COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}  # the sensors' time columns
 COLUMNS = {"force_sensor": ["time", "ft"], "imu": ["time", "imu_a", "imu_m", "imu_g"]}

@@ -22,28 +22,20 @@ from ur5lib.study.schema import explain, shown
 Raw = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth"}
 RENAMED = {  # settings of earlier versions, by step and key
-    "repair_frames": {"max_gap_s": "frames.max_gap_s"},
-    "filter_signals": {
-        "order": "lowpass.motion.order",
-        "cutoff_hz": "lowpass.motion.cutoff_hz",
-    },
-    "compare_accelerations": {
-        "order": "lowpass.accelerations.order",
-        "cutoff_hz": "lowpass.accelerations.cutoff_hz",
-    },
-    "fit_friction": {
-        "order": "lowpass.currents.order",
-        "cutoff_hz": "lowpass.currents.cutoff_hz",
-        "terms": "friction.terms",
-    },
-    "rebuild_forces": {
-        "order": "lowpass.published_forces.order",
-        "cutoff_hz": "lowpass.published_forces.cutoff_hz",
-        "min_singular_value": "singularities.min_singular_value",
-    },
-    "estimate_forces": {"contact_force_n": "contact.force_n"},
-    "compare_forces": {"bias_window_s": "sensor.bias_window_s"},
-    "set_threshold": {"false_alarms_per_min": "alarms.false_per_min"},
+    ("repair_frames", "max_gap_s"): "frames.max_gap_s",
+    ("filter_signals", "order"): "lowpass.motion.order",
+    ("filter_signals", "cutoff_hz"): "lowpass.motion.cutoff_hz",
+    ("compare_accelerations", "order"): "lowpass.accelerations.order",
+    ("compare_accelerations", "cutoff_hz"): "lowpass.accelerations.cutoff_hz",
+    ("fit_friction", "order"): "lowpass.currents.order",
+    ("fit_friction", "cutoff_hz"): "lowpass.currents.cutoff_hz",
+    ("fit_friction", "terms"): "friction.terms",
+    ("rebuild_forces", "order"): "lowpass.published_forces.order",
+    ("rebuild_forces", "cutoff_hz"): "lowpass.published_forces.cutoff_hz",
+    ("rebuild_forces", "min_singular_value"): "singularities.min_singular_value",
+    ("estimate_forces", "contact_force_n"): "contact.force_n",
+    ("compare_forces", "bias_window_s"): "sensor.bias_window_s",
+    ("set_threshold", "false_alarms_per_min"): "alarms.false_per_min",
 }
 
 
@@ -306,10 +298,10 @@ def _devices_on_two_hosts(raw: Raw) -> Iterator[str]:
 def _renamed_settings(raw: Raw) -> Iterator[str]:
     """Yield a sentence with the present name for each setting of an earlier version."""
     settings = raw.get("settings")
-    for step, keys in RENAMED.items():
+    for (step, key), present in RENAMED.items():
         old = settings.get(step) if isinstance(settings, dict) else None
-        for key in (key for key in (old if isinstance(old, dict) else {}) if key in keys):
-            yield f"`settings.{step}.{key}` is now `settings.{keys[key]}`; move the value there"
+        if isinstance(old, dict) and key in old:
+            yield f"`settings.{step}.{key}` is now `settings.{present}`; move the value there"
 
 
 def _is_inherited_arm(raw: Raw, location: tuple[int | str, ...]) -> bool:
@@ -323,5 +315,6 @@ def _is_renamed(raw: Raw, location: tuple[int | str, ...]) -> bool:
     """Return whether an unknown key is a step of an earlier version, with renamed keys only."""
     if len(location) != 2 or location[0] != "settings":
         return False
-    keys, old = RENAMED.get(str(location[1])), raw["settings"].get(location[1])
-    return keys is not None and isinstance(old, dict) and old.keys() <= keys.keys()
+    step, old = location[1], raw["settings"].get(location[1])
+    known = {key for of, key in RENAMED if of == step}
+    return bool(known) and isinstance(old, dict) and old.keys() <= known
