@@ -33,6 +33,7 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.tables import write_csv
 
 SEEDS, EACH = 10, 2  # contacts on each link
+SECONDS, QUICK_SECONDS = 20.0, 8.0  # of each recording to fit
 TABLE = Path("results/contact_link.csv")
 BESIDE = 0.06  # m, largest distance of a place from the middle line of its link
 PRIOR = ContactPrior()
@@ -41,11 +42,11 @@ PRIOR = ContactPrior()
 def main() -> None:
     """Write and print how many contacts are named right, wrong, and not at all."""
     seeds, quick = asked(__doc__, SEEDS)
-    each = 1 if quick else EACH
+    size = (1, QUICK_SECONDS) if quick else (EACH, SECONDS)
     torch.set_num_threads(1)
     rows: list[dict[str, Any]] = []
     for seed in range(seeds):
-        rows += located(seed, each)
+        rows += located(seed, *size)
         if not quick:
             write_csv(pd.DataFrame(rows), TABLE)
     print(f"{seeds} seeds, {len(rows)} contacts of {FORCES[0]:g} to {FORCES[1]:g} N")
@@ -71,10 +72,10 @@ def _point(robot: Robot, link: int, random: np.random.Generator) -> list[float]:
     return point
 
 
-def located(seed: int, each: int) -> Iterator[dict[str, Any]]:
+def located(seed: int, each: int, seconds: float) -> Iterator[dict[str, Any]]:
     """Yield the contacts of a seed with what the torques say of their link."""
     contacts = pushes_anywhere(load_robot(robot_path("ur5")), seed, each)
-    *free, last = plans(seed, 20.0)
+    *free, last = plans(seed, seconds)
     touched = last | {"contacts": contacts, "seconds": 2 + PAUSE * len(contacts)}
     with tempfile.TemporaryDirectory() as folder:
         *fitted, pushed = (

@@ -48,7 +48,7 @@ from ur5lib.timeseries.arrays import Array
 
 ARMS = ("ur5", "ur5e", "ur10e")
 SEEDS = 30
-FIT_SECONDS = 20.0
+FIT_SECONDS, QUICK_SECONDS = 20.0, 8.0
 LIMIT_SHARES = (0.5, 0.1)  # of the limits of speed, in the excitations to fit on
 PAUSE_S = 1.0  # s at each way-point of the third recording to fit on
 FRICTION = (0.7, 1.3)  # range of each joint's friction, relative to the usual one
@@ -66,13 +66,14 @@ def main() -> None:
     given = options.parse_args()
     torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
     names = [own.name for own in all_estimators() if own.name not in LEFT_OUT]
-    folder, each, seeds = RESULTS / "simulated_contacts", EACH, given.seeds or SEEDS
+    folder, seeds, size = RESULTS / "simulated_contacts", given.seeds or SEEDS, (EACH, FIT_SECONDS)
     if given.quick:
-        folder, each, seeds = folder.with_name("simulated_contacts_quick"), 1, given.seeds or 1
+        folder, seeds = folder.with_name("simulated_contacts_quick"), given.seeds or 1
+        size = (1, QUICK_SECONDS)
         names = [own for own in names if own in QUICK]
     missing = [seed for seed in range(given.first, seeds) if not has(folder, seed, names)]
     for done, seed in enumerate(missing, start=1):
-        spent, rows = timed(lambda: pd.DataFrame(seed_rows(seed, each, names)))  # noqa: B023
+        spent, rows = timed(lambda: pd.DataFrame(seed_rows(seed, *size, names)))  # noqa: B023
         write_csv(rows, folder / f"{seed}.csv")
         left = len(missing) - done
         print(f"seed {seed}: {spent:.0f} s, {left} left", file=sys.stderr, flush=True)
@@ -93,12 +94,14 @@ def gathered(folder: Path) -> pd.DataFrame:
     return pd.concat([read_csv(path) for path in paths], ignore_index=True)
 
 
-def seed_rows(seed: int, each: int, names: Collection[str]) -> Iterator[dict[str, Any]]:
+def seed_rows(
+    seed: int, each: int, seconds: float, names: Collection[str]
+) -> Iterator[dict[str, Any]]:
     """Yield the figures of the estimators on a seed's pushed recording, none where one lacks an
-    input.
+    input; seconds: of each recording to fit on.
     """
     contacts = pushes(seed, each)
-    study = planned(seed, contacts)
+    study = planned(seed, contacts, seconds)
     folder, arm = RESULTS / study["study"], ARMS[seed % len(ARMS)]
     clear(study)  # what a run left that was killed
     try:
@@ -129,14 +132,17 @@ def clear(study: dict[str, Any]) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def planned(seed: int, contacts: list[dict[str, Any]]) -> dict[str, Any]:
+def planned(
+    seed: int, contacts: list[dict[str, Any]], seconds: float = FIT_SECONDS
+) -> dict[str, Any]:
     """Return the study of a seed: three recordings to fit on, and the pushed one."""
     random = np.random.default_rng([seed, 1])
     friction = {
         name: random.uniform(*FRICTION, 6).tolist() for name in ("coulomb_factor", "viscous_factor")
     }
-    moves = [*(fourier(random, share) for share in LIMIT_SHARES), way_points(random, PAUSE_S)]
-    plans: list[dict[str, Any]] = [{"trajectory": own, "seconds": FIT_SECONDS} for own in moves]
+    moves = [fourier(random, share, seconds) for share in LIMIT_SHARES]
+    moves.append(way_points(random, PAUSE_S))
+    plans: list[dict[str, Any]] = [{"trajectory": own, "seconds": seconds} for own in moves]
     length = contacts[-1]["start_s"] + PAUSE
     plans.append({"trajectory": motion_of(seed), "seconds": length, "contacts": contacts})
     entries = [
@@ -152,13 +158,15 @@ def planned(seed: int, contacts: list[dict[str, Any]]) -> dict[str, Any]:
     return {"study": f"simulated-{seed}", "title": f"Seed {seed}", "recordings": entries}
 
 
-def fourier(random: np.random.Generator, share: float) -> dict[str, Any]:
+def fourier(
+    random: np.random.Generator, share: float, seconds: float = FIT_SECONDS
+) -> dict[str, Any]:
     """Return a drawn excitation about a drawn posture; share: of the limits, that is used."""
     return {
         "kind": "fourier",
         "draw": int(random.integers(10**6)),
         "posture": posture(random),
-        "period_s": FIT_SECONDS,
+        "period_s": seconds,
         "harmonics": 10,
         "limit_share": share,
     }

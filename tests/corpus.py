@@ -9,6 +9,9 @@ Damage that nothing in the recording tells from good data is left out:
 - stale data of a force sensor: at rest it says the same twice, and may;
 - a gyroscope in degrees, and the columns of gyroscope and magnetometer exchanged;
 - digits lost from the stamp of the IMU's start, whose line never ends.
+
+Each kind of damage strikes one recording, and each format what its reader tells otherwise; the
+other pairs are drawn by Hypothesis (tests/damage.py).
 """
 
 import gzip
@@ -70,13 +73,11 @@ class Text:
         lines = [self.mark.join(row) for row in self.rows]
         return b"".join(part + b"\n" for part in [*self.head, *lines[:index], line, *lines[index:]])
 
-    def column(self, name: str) -> int:
-        """Where a channel stands."""
-        return self.names.index(name)
-
     def change(self, names: str, change: Callable[[float], float]) -> bytes:
         """The file with all channels changed whose names begin so."""
         these = [index for index, name in enumerate(self.names) if name.startswith(names)]
+        if not these:
+            return self.written()
         rows = [list(row) for row in self.rows]
         for row in rows:
             for index in these:
@@ -84,10 +85,11 @@ class Text:
         return self.with_rows(rows)
 
     def put(self, cells: dict[tuple[int, str], bytes]) -> bytes:
-        """The file with single cells replaced."""
+        """The file with single cells replaced, of the channels that it has."""
         rows = [list(row) for row in self.rows]
         for (row, name), cell in cells.items():
-            rows[row][self.column(name)] = cell
+            if name in self.names:
+                rows[row][self.names.index(name)] = cell
         return self.with_rows(rows)
 
 
@@ -111,18 +113,6 @@ class Base:
         rows = [line.split(self.mark) for line in lines[self.head :]]
         head = lines[: self.head]
         return Text(head, rows, self.mark, self.files[file], np.random.default_rng(seed))
-
-
-@dataclass(frozen=True)
-class Case:
-    """A damaged recording, the undamaged one, and what is expected."""
-
-    label: str
-    kind: str
-    base: Base
-    recording: dict[str, Any]
-    expected: Expected
-    on_sensor: bool = False
 
 
 # Undamaged recordings
@@ -306,11 +296,13 @@ def cut_after_mark(row: int, back: int) -> Damage:
 
 
 def exchange(one: str, other: str) -> Damage:
-    """Two columns change places."""
+    """Two columns change places, in files that have both."""
 
     def damage(text: Text) -> bytes:
+        if not {one, other} <= {*text.names}:
+            return text.written()
         order = list(range(len(text.names)))
-        j, k = text.column(one), text.column(other)
+        j, k = text.names.index(one), text.names.index(other)
         order[j], order[k] = k, j
         return text.with_rows([[row[index] for index in order] for row in text.rows])
 
@@ -425,267 +417,293 @@ def every_second_pair_lost(rows: Rows, _: np.random.Generator) -> Rows:
     return rows[:27] + [row for index, row in enumerate(rows[27:]) if index % 4 < 2]
 
 
-TRUNCATED: dict[str, Damage] = {
-    "cut inside a number": cut(-1, 2, 3),
-    "cut inside the last number": cut(-1, -1, -2),
-    "cut inside the last number, one byte left": cut(-1, -1, 1),
-    "cut in the middle of the file": cut(200, 3, 2),
-    "cut after a separator": cut_after_mark(-1, 0),
-    "cut inside a separator": cut_after_mark(-1, 1),
-    "cut before the newline": raw(lambda data: data[:-1]),
-    "cut after the first byte": raw(lambda data: data[:1]),
-    "cut inside the first row": cut(0, 3, 2),
-    "cut after the first row": select(lambda rows, _: rows[:1]),
-    "cut after the head": lambda text: text.with_rows([]),
-    "empty": raw(lambda _: b""),
-    "blanks only": raw(lambda _: b" \n\n \n"),
-}
-ENCODED: dict[str, Damage] = {
-    "CRLF": raw(lambda data: data.replace(b"\n", b"\r\n")),
-    "CRLF, cut between both": raw(lambda data: data.replace(b"\n", b"\r\n")[:-1]),
-    "CR": raw(lambda data: data.replace(b"\n", b"\r")),
-    "byte-order mark": raw(lambda data: b"\xef\xbb\xbf" + data),
-    "UTF-16": raw(lambda data: data.decode().encode("utf-16")),
-    "UTF-16 without mark": raw(lambda data: data.decode().encode("utf-16-le")),
-    "decimal commas, semicolons": decimal_commas(b";"),
-    "decimal commas, commas": decimal_commas(b", "),
-    "quotes": lambda text: text.with_rows([[b'"%s"' % cell for cell in row] for row in text.rows]),
-    "a stray quote": spliced(150, lambda row: [row[0], b'"' + row[1], *row[2:]]),
-    "gzip": raw(gzip.compress),
-    "gzip, truncated": raw(lambda data: gzip.compress(data)[:-200]),
-    "gzip, garbled": raw(lambda data: gzip.compress(data)[:300] + b"\xff" * 200),
-    "binary": random_bytes,
-    "zeros inside a row": zeros(9000, 3),
-    "zeros over rows": zeros(8000, 4096),
-    "zeros at the end": raw(lambda data: data + b"\0" * 512),
-    "zeros only": raw(lambda data: b"\0" * len(data)),
-    "letters that are none": spliced(99, lambda row: [row[0], b"\xe4\xff\xf6", *row[2:]]),
-}
-TIMES: dict[str, Damage] = {
-    "a time of 1e300": stamp(100, b"1e300"),
-    "a first time of 1e300": stamp(0, b"1e300"),
-    "a time of -1e300": stamp(100, b"-1e300"),
-    "a time that is no number": stamp(100, b"nan"),
-    "an infinite time": stamp(100, b"inf"),
-    "an empty time": stamp(100, b""),
-    "no time at all": lambda text: text.change(text.names[0], lambda _: float("nan")),
-    "a time 5 s late": stamp(100, lambda time: time + 5),
-    "a time 5 s early": stamp(100, lambda time: time - 5),
-    "a time a day away": stamp(100, lambda time: time + 86400),
-    "a last time a day away": stamp(-1, lambda time: time + 86400),
-    "all times equal": lambda text: text.change(text.names[0], lambda _: 1.0),
-    "milliseconds": lambda text: text.change(text.names[0], lambda time: 1e3 * time),
-    "microseconds": lambda text: text.change(text.names[0], lambda time: 1e6 * time),
-    "thousandths": lambda text: text.change(text.names[0], lambda time: 1e-3 * time),
-    "negative times": lambda text: text.change(text.names[0], lambda time: time - 1e4),
-    "clock reset": restart,
-    "rows shuffled": select(lambda rows, random: [rows[k] for k in random.permutation(len(rows))]),
-    "rows reversed": select(lambda rows, _: rows[::-1]),
-    "two rows exchanged": select(lambda r, _: [*r[:90], r[91], r[90], *r[92:]]),
-    "a row late": select(lambda r, _: [*r[:90], *r[91:130], r[90], *r[130:]]),
-    "a row repeated": select(lambda rows, _: [*rows[:90], rows[89], *rows[90:]]),
-    "a block repeated": select(lambda rows, _: [*rows[:150], *rows[80:150], *rows[150:]]),
-    "all rows twice": select(lambda rows, _: [row for row in rows for _ in range(2)]),
-    "stale stamps": stale_stamps,
-    "stale data": stale_data,
-}
-LINES: dict[str, Damage] = {
-    "text": lambda text: text.with_line(120, b"connection lost, reconnecting"),
-    "text in place of a row": lambda text: replace(
-        text, rows=[*text.rows[:120], *text.rows[121:]]
-    ).with_line(120, b"connection lost"),
-    "words in the first row": spliced(0, lambda row: [b"lost", *[b"x"] * (len(row) - 2), b"?"]),
-    "comments": lambda text: text.with_line(77, b"# paused"),
-    "a comment on top": raw(lambda data: b"# made by a recorder\n" + data),
-    "blank lines": lambda text: text.with_line(120, b"\n  \n"),
-    "blank lines on top": raw(lambda data: b"\n\n" + data),
-    "names in the middle": lambda text: text.with_line(
-        200, text.mark.join(map(str.encode, text.names))
-    ),
-    "a newline lost": raw(lambda data: data[:5000] + data[5000:].replace(b"\n", b"", 1)),
-    "a cell lost": spliced(60, lambda row: row[:3] + row[4:]),
-    "a cell too many": spliced(60, lambda row: [*row[:3], b"0.5", *row[3:]]),
-    "a cell lost in all rows": select(lambda rows, _: [row[:-1] for row in rows]),
-    "a cell too many in all rows": select(lambda rows, _: [[*row, b"0.5"] for row in rows]),
-    "a cell too many in most rows": select(
-        lambda rows, _: [[*row, b"0.5"] if k % 5 else row for k, row in enumerate(rows)]
-    ),
-    "a separator behind each row": raw(lambda data: data.replace(b"\n", b",\n")),
-    "steering text": spliced(60, lambda row: [*row[:3], STEERING.encode(), *row[4:]]),
-    "1_000": spliced(60, lambda row: [*row[:-1], b"1_000"]),
-    "rows lost, few": select(lambda rows, _: rows[:100] + rows[104:]),
-    "rows lost, many": select(lambda rows, _: rows[:100] + rows[180:]),
-    "rows lost in turn": select(every_second_pair_lost),
-    "misaligned rows": garbage,
-    "a row without numbers": all_but_time(b"nan", 130),
-    "an empty row": all_but_time(b"", 130),
-    "an infinite row": all_but_time(b"inf", 130),
-    "a huge row": all_but_time(b"1e300", 130),
-    "no numbers in the first 20 rows": lambda text: holes(b"nan", range(20), text.names[1])(text),
-    "no numbers in the last 20 rows": lambda text: holes(b"nan", range(-20, 0), text.names[1])(
-        text
-    ),
-    "no numbers in 90 rows": lambda text: holes(b"nan", range(100, 190), text.names[2])(text),
-    "a cell without a number": lambda text: holes(b"nan", [40, 41], text.names[3])(text),
-    "empty cells": lambda text: holes(b"", [40, 50, 60], text.names[3])(text),
-    "an empty column": lambda text: holes(b"", range(len(text.rows)), text.names[4])(text),
-}
-HEAD: dict[str, Damage] = {
-    "cut inside the head": raw(lambda data: data[:30]),
-    "no head": lambda text: replace(text, head=[]).written(),
-    "a name twice": lambda text: replace(
-        text, head=[text.head[0].replace(b"actual_q_1", b"actual_q_0")]
-    ).written(),
-    "a misspelt position": lambda text: replace(
-        text, head=[text.head[0].replace(b"actual_q_3", b"actual_q_E")]
-    ).written(),
-    "a misspelt current": lambda text: replace(
-        text, head=[text.head[0].replace(b"actual_current_3", b"actual_cu\xffrent_3")]
-    ).written(),
-    "a misspelt time": lambda text: replace(
-        text, head=[text.head[0].replace(b"timestamp", b"timestanp")]
-    ).written(),
-    "a steering name": lambda text: replace(
-        text,
-        head=[text.head[0] + text.mark + STEERING.encode()],
-        rows=[[*row, b"1"] for row in text.rows],
-    ).written(),
-    "the head twice": lambda text: replace(text, head=text.head * 2).written(),
-    "a head in quotes": lambda text: replace(
-        text, head=[text.mark.join(b'"%s"' % name.encode() for name in text.names)]
-    ).written(),
-}
-NO_HEAD: dict[str, Damage] = {
-    "a head": lambda text: replace(
-        text, head=[text.mark.join(map(str.encode, text.names))]
-    ).written(),
-    "a head as a comment": lambda text: replace(
-        text, head=[b"# " + text.mark.join(map(str.encode, text.names))]
-    ).written(),
-}
+def headed(change: Callable[[bytes], bytes]) -> Damage:
+    """The line of names changed."""
+    return lambda text: replace(text, head=[change(text.head[0])]).written()
+
+
+def name_line(text: Text, mark: bytes | None = None, before: bytes = b"") -> bytes:
+    """The names of all columns."""
+    return before + (mark or text.mark).join(map(str.encode, text.names))
+
+
+def repaired(finding: str, lost: int = 0) -> Expected:
+    return Expected("repaired", finding, lost)
+
+
+def refused(words: str) -> Expected:
+    return Expected("refused", words)
+
+
+# What each kind of damage gives in the robot's file of an RTDE recording, and in a sensor's; None:
+# there it is another's, or no damage.
+
+SAME = Expected("same")
+TORN, BROKEN = repaired("torn last line"), repaired("damaged lines")
+ABSENT, UNUSABLE = repaired("no sensor"), repaired("unusable sensor")
+IMPOSSIBLE, STRAY = repaired("impossible frames"), repaired("impossible samples")
+MISSING, INCOMPLETE = repaired("missing cells"), repaired("incomplete frames")
+NO_ROW = refused("line 1: (no complete row|expected|no column `timestamp`)")
+NO_TEXT = refused("not a text file; save it as plain CSV")
+OTHER_ROWS = refused(r"line [12]: expected \d+ numbers .*\d+ cells")
+OTHER_STEP = refused("step between timestamps is .* s; check that the time")
+IN_OTHER_UNITS = refused(r"_\d exceeds .* in .* of the rows .*; .*correct the file")
+CONTRADICTED = Expected("told", "inconsistent channels")
 DEGREES = 180 / np.pi
-CHANNELS: dict[str, tuple[str, Damage]] = {
-    "positions in mrad": ("actual_q", scale("actual_q_", 1000)),
-    "positions in krad": ("actual_q", scale("actual_q_", 1e-3)),
-    "positions in degrees": ("actual_q", scale("actual_q_", DEGREES)),
-    "velocities in mrad/s": ("actual_qd", scale("actual_qd_", 1000)),
-    "velocities in krad/s": ("actual_qd", scale("actual_qd_", 1e-3)),
-    "velocities in degrees/s": ("actual_qd", scale("actual_qd_", DEGREES)),
-    "currents in mA": ("actual_current", scale("actual_current_", 1000)),
-    "currents in kA": ("actual_current", scale("actual_current_", 1e-3)),
-    "torques in mNm": ("target_moment", scale("target_moment_", 1000)),
-    "torques in kNm": ("target_moment", scale("target_moment_", 1e-3)),
-    "positions 1 and 2 exchanged": ("actual_q", exchange("actual_q_0", "actual_q_1")),
-    "positions 2 and 3 exchanged": ("actual_q", exchange("actual_q_1", "actual_q_2")),
-    "velocities 1 and 3 exchanged": ("actual_qd", exchange("actual_qd_0", "actual_qd_2")),
-    "currents 2 and 5 exchanged": (
-        "actual_current",
-        exchange("actual_current_1", "actual_current_4"),
-    ),
-    "time and position exchanged": (
-        "actual_q",
-        lambda text: exchange(text.names[0], "actual_q_0")(text),
-    ),
-    "time last": ("actual_q", select(lambda rows, _: [row[1:] + row[:1] for row in rows])),
-    "target positions in degrees": ("target_q", scale("target_q_", DEGREES)),
-    "target velocities in krad/s": ("target_qd", scale("target_qd_", 1e-3)),
-    "target accelerations in mrad/s²": ("target_qdd", scale("target_qdd_", 1000)),
-    "target currents in mA": ("target_current", scale("target_current_", 1000)),
-    "target positions 1 and 2 exchanged": ("target_q", exchange("target_q_0", "target_q_1")),
-    "a huge position": ("actual_q", holes(b"1e300", [70], "actual_q_2")),
-    "an infinite velocity": ("actual_qd", holes(b"inf", [70], "actual_qd_2")),
-    "an empty current": ("actual_current", holes(b"", range(30, 33), "actual_current_2")),
+
+Given = tuple[Expected | None, Expected | None, dict[str, Damage]]
+CHANNELS = ("position", "velocit", "current", "torque", "target")
+KINDS: list[Given] = [
+    (TORN, TORN, {
+        "cut inside a number": cut(-1, 2, 3),
+        "cut inside the last number": cut(-1, -1, -2),
+        "cut inside the last number, one byte left": cut(-1, -1, 1),
+        "cut in the middle of the file": cut(200, 3, 2),
+        "cut after a separator": cut_after_mark(-1, 0),
+        "cut inside a separator": cut_after_mark(-1, 1),
+        "zeros at the end": raw(lambda data: data + b"\0" * 512),
+    }),
+    (NO_ROW, ABSENT, {
+        "cut after the first byte": raw(lambda data: data[:1]),
+        "cut inside the first row": cut(0, 3, 2),
+        "cut after the head": lambda text: text.with_rows([]),
+        "empty": raw(lambda _: b""),
+        "blanks only": raw(lambda _: b" \n\n \n"),
+        "no time at all": lambda text: text.change(text.names[0], lambda _: float("nan")),
+    }),
+    (refused("contains only 1 complete frames; record"), ABSENT, {
+        "cut after the first row": select(lambda rows, _: rows[:1]),
+    }),
+    (SAME, SAME, {
+        "cut before the newline": raw(lambda data: data[:-1]),
+        "CRLF": raw(lambda data: data.replace(b"\n", b"\r\n")),
+        "CRLF, cut between both": raw(lambda data: data.replace(b"\n", b"\r\n")[:-1]),
+        "CR": raw(lambda data: data.replace(b"\n", b"\r")),
+        "quotes": lambda text: text.with_rows([[b'"%s"' % c for c in row] for row in text.rows]),
+        "a stray quote": spliced(150, lambda row: [row[0], b'"' + row[1], *row[2:]]),
+        "a comment on top": raw(lambda data: b"# made by a recorder\n" + data),
+        "blank lines": lambda text: text.with_line(120, b"\n  \n"),
+        "blank lines on top": raw(lambda data: b"\n\n" + data),
+    }),
+    (repaired("byte-order mark"), repaired("byte-order mark"), {
+        "byte-order mark": raw(lambda data: b"\xef\xbb\xbf" + data),
+    }),
+    (repaired("decimal commas"), repaired("decimal commas"), {
+        "decimal commas, semicolons": decimal_commas(b";"),
+    }),
+    (repaired("compressed file"), repaired("compressed file"), {"gzip": raw(gzip.compress)}),
+    (refused("is a damaged gzip file; copy it again"), UNUSABLE, {
+        "gzip, truncated": raw(lambda data: gzip.compress(data)[:-200]),
+        "gzip, garbled": raw(lambda data: gzip.compress(data)[:300] + b"\xff" * 200),
+    }),
+    (NO_TEXT, UNUSABLE, {
+        "UTF-16": raw(lambda data: data.decode().encode("utf-16")),
+        "UTF-16 without mark": raw(lambda data: data.decode().encode("utf-16-le")),
+        "binary": random_bytes,
+        "zeros only": raw(lambda data: b"\0" * len(data)),
+    }),
+    (OTHER_ROWS, UNUSABLE, {
+        "decimal commas, commas": decimal_commas(b", "),
+        "a cell lost in all rows": select(lambda rows, _: [row[:-1] for row in rows]),
+        "a cell too many in all rows": select(lambda rows, _: [[*row, b"0.5"] for row in rows]),
+    }),
+    (refused(r"line [23]: expected \d+ numbers .* of \d+ lines do not fit"), UNUSABLE, {
+        "a cell too many in most rows": select(
+            lambda rows, _: [[*row, b"0.5"] if k % 5 else row for k, row in enumerate(rows)]
+        ),
+    }),
+    (repaired("unknown channels"), UNUSABLE, {
+        "a separator behind each row": raw(lambda data: data.replace(b"\n", b",\n")),
+    }),
+    (BROKEN, BROKEN, {
+        "zeros inside a row": zeros(9000, 3),
+        "zeros over rows": zeros(8000, 4096),
+        "letters that are none": spliced(99, lambda row: [row[0], b"\xe4\xff\xf6", *row[2:]]),
+        "text": lambda text: text.with_line(120, b"connection lost, reconnecting"),
+        "text in place of a row": spliced(120, lambda _: [b"connection lost"]),
+        "comments": lambda text: text.with_line(77, b"# paused"),
+        "names in the middle": lambda text: text.with_line(200, name_line(text)),
+        "a newline lost": raw(lambda data: data[:5000] + data[5000:].replace(b"\n", b"", 1)),
+        "a cell lost": spliced(60, lambda row: row[:3] + row[4:]),
+        "a cell too many": spliced(60, lambda row: [*row[:3], b"0.5", *row[3:]]),
+        "steering text": spliced(60, lambda row: [*row[:3], STEERING.encode(), *row[4:]]),
+        "1_000": spliced(60, lambda row: [*row[:-1], b"1_000"]),
+    }),
+    # A sensor's clock counts from the first row: when that is lost, it is told and a sample late.
+    (repaired("damaged lines", lost=1), Expected("told", "damaged lines"), {
+        "words in the first row": spliced(0, lambda row: [b"lost", *[b"x"] * (len(row) - 2), b"?"]),
+    }),
+    (repaired("impossible frames", lost=1), Expected("told", "impossible samples"), {
+        "a first time of 1e300": stamp(0, b"1e300"),
+    }),
+    (IMPOSSIBLE, STRAY, {
+        "a time of 1e300": stamp(100, b"1e300"),
+        "a time of -1e300": stamp(100, b"-1e300"),
+        "a time 5 s late": stamp(100, lambda time: time + 5),
+        "a time 5 s early": stamp(100, lambda time: time - 5),
+        "a time a day away": stamp(100, lambda time: time + 86400),
+        "a last time a day away": stamp(-1, lambda time: time + 86400),
+        "misaligned rows": garbage,
+        "an infinite row": all_but_time(b"inf", 130),
+        "a huge row": all_but_time(b"1e300", 130),
+    }),
+    (repaired("missing times"), repaired("missing times"), {
+        "a time that is no number": stamp(100, b"nan"),
+        "an infinite time": stamp(100, b"inf"),
+        "an empty time": stamp(100, b""),
+    }),
+    (refused("timestamps is 0 s; check that the time column is in seconds"), UNUSABLE, {
+        "all times equal": lambda text: text.change(text.names[0], lambda _: 1.0),
+    }),
+    (OTHER_STEP, UNUSABLE, {
+        "milliseconds": lambda text: text.change(text.names[0], lambda time: 1e3 * time),
+        "microseconds": lambda text: text.change(text.names[0], lambda time: 1e6 * time),
+        "thousandths": lambda text: text.change(text.names[0], lambda time: 1e-3 * time),
+    }),
+    (SAME, repaired("stale copy"), {
+        "negative times": lambda text: text.change(text.names[0], lambda time: time - 1e4),
+    }),
+    (Expected("told", "clock reset"), repaired("clock reset"), {"clock reset": restart}),
+    (repaired("frames out of order"), repaired("samples out of order"), {
+        "rows shuffled": select(lambda rows, draw: [rows[k] for k in draw.permutation(len(rows))]),
+        "rows reversed": select(lambda rows, _: rows[::-1]),
+        "two rows exchanged": select(lambda r, _: [*r[:90], r[91], r[90], *r[92:]]),
+        "a row late": select(lambda r, _: [*r[:90], *r[91:130], r[90], *r[130:]]),
+    }),
+    (repaired("repeated frames"), repaired("repeated frames"), {
+        "a row repeated": select(lambda rows, _: [*rows[:90], rows[89], *rows[90:]]),
+        "a block repeated": select(lambda rows, _: [*rows[:150], *rows[80:150], *rows[150:]]),
+        "all rows twice": select(lambda rows, _: [row for row in rows for _ in range(2)]),
+    }),
+    (repaired("stale stamps"), Expected("told", "stale stamps"), {"stale stamps": stale_stamps}),
+    (repaired("stale data"), None, {"stale data": stale_data}),
+    (repaired("lost frames"), repaired("lost samples"), {
+        "rows lost, few": select(lambda rows, _: rows[:100] + rows[104:]),
+        "rows lost in turn": select(every_second_pair_lost),
+    }),
+    (repaired("split"), repaired("lost samples"), {
+        "rows lost, many": select(lambda rows, _: rows[:100] + rows[180:]),
+    }),
+    (MISSING, MISSING, {
+        "a row without numbers": all_but_time(b"nan", 130),
+        "an empty row": all_but_time(b"", 130),
+        "a cell without a number": lambda text: holes(b"nan", [40, 41], text.names[3])(text),
+        "empty cells": lambda text: holes(b"", [40, 50, 60], text.names[3])(text),
+    }),
+    (INCOMPLETE, MISSING, {
+        "no numbers in the first 20 rows": lambda t: holes(b"nan", range(20), t.names[1])(t),
+        "no numbers in the last 20 rows": lambda t: holes(b"nan", range(-20, 0), t.names[1])(t),
+        "no numbers in 90 rows": lambda t: holes(b"nan", range(100, 190), t.names[2])(t),
+    }),
+    (refused("has no actual_q_0 to actual_q_5"), ABSENT, {
+        "an empty column": lambda t: holes(b"", range(len(t.rows)), t.names[4])(t),
+    }),
+    # The line of names
+    (NO_ROW, None, {"cut inside the head": raw(lambda data: data[:30])}),
+    (refused("line 1: no header; .*name the columns"), None, {
+        "no head": lambda text: replace(text, head=[]).written(),
+    }),
+    (refused("line 1: column 'actual_q_0' appears twice; give"), None, {
+        "a name twice": headed(lambda head: head.replace(b"actual_q_1", b"actual_q_0")),
+    }),
+    (refused("has no actual_q_0 to actual_q_5"), None, {
+        "a misspelt position": headed(lambda head: head.replace(b"actual_q_3", b"actual_q_E")),
+    }),
+    (repaired("incomplete channels"), None, {
+        "a misspelt current": headed(lambda h: h.replace(b"current_3", b"cu\xffrent_3", 1)),
+    }),
+    (refused("line 1: no column `timestamp` .*; record"), None, {
+        "a misspelt time": headed(lambda head: head.replace(b"timestamp", b"timestanp")),
+    }),
+    (repaired("unknown channels"), None, {
+        "a steering name": lambda text: replace(
+            text,
+            head=[text.head[0] + text.mark + STEERING.encode()],
+            rows=[[*row, b"1"] for row in text.rows],
+        ).written(),
+    }),
+    (BROKEN, None, {"the head twice": lambda text: replace(text, head=text.head * 2).written()}),
+    (SAME, None, {
+        "a head in quotes": lambda text: replace(
+            text, head=[text.mark.join(b'"%s"' % name.encode() for name in text.names)]
+        ).written(),
+    }),
+    (None, SAME, {
+        "a head": lambda text: replace(text, head=[name_line(text)]).written(),
+        "a head as a comment": lambda t: replace(t, head=[name_line(t, before=b"# ")]).written(),
+    }),
+    # Channels
+    (IN_OTHER_UNITS, None, {
+        "positions in mrad": scale("actual_q_", 1000),
+        "positions in degrees": scale("actual_q_", DEGREES),
+        "velocities in mrad/s": scale("actual_qd_", 1000),
+        "velocities in degrees/s": scale("actual_qd_", DEGREES),
+        "currents in mA": scale("actual_current_", 1000),
+        "torques in mNm": scale("target_moment_", 1000),
+        "target positions in degrees": scale("target_q_", DEGREES),
+        "target accelerations in mrad/s²": scale("target_qdd_", 1000),
+        "target currents in mA": scale("target_current_", 1000),
+    }),
+    (CONTRADICTED, None, {
+        "positions in krad": scale("actual_q_", 1e-3),
+        "velocities in krad/s": scale("actual_qd_", 1e-3),
+        "currents in kA": scale("actual_current_", 1e-3),
+        "torques in kNm": scale("target_moment_", 1e-3),
+        "target velocities in krad/s": scale("target_qd_", 1e-3),
+        "positions 1 and 2 exchanged": exchange("actual_q_0", "actual_q_1"),
+        "positions 2 and 3 exchanged": exchange("actual_q_1", "actual_q_2"),
+        "velocities 1 and 3 exchanged": exchange("actual_qd_0", "actual_qd_2"),
+        "currents 2 and 5 exchanged": exchange("actual_current_1", "actual_current_4"),
+        "target positions 1 and 2 exchanged": exchange("target_q_0", "target_q_1"),
+    }),
+    (refused("exceeds .*; .*correct the file"), None, {
+        "time and position exchanged": lambda t: exchange(t.names[0], "actual_q_0")(t),
+        "time last": select(lambda rows, _: [row[1:] + row[:1] for row in rows]),
+    }),
+    (IMPOSSIBLE, None, {
+        "a huge position": holes(b"1e300", [70], "actual_q_2"),
+        "an infinite velocity": holes(b"inf", [70], "actual_qd_2"),
+    }),
+    (MISSING, None, {"an empty current": holes(b"", range(30, 33), "actual_current_2")}),
+    # Forces
+    (None, ABSENT, {
+        "zeros of no sensor": lambda text: text.change("ft_", lambda _: -1e-6),
+        "no values recorded": raw(lambda _: b"no values recorded\n"),
+    }),
+    (None, UNUSABLE, {"forces in mN": scale("ft_", 1000)}),
+    (None, STRAY, {"a huge force": holes(b"1e300", [50], "ft_fy")}),
+    (None, MISSING, {"a force that is no number": holes(b"nan", [50, 51], "ft_fy")}),
+]  # fmt: skip
+DAMAGES = {kind: damage for _, _, group in KINDS for kind, damage in group.items()}
+OF_ROBOT = {kind: given for given, _, group in KINDS if given for kind in group}
+OF_SENSOR = {kind: given for _, given, group in KINDS if given for kind in group}
+OF_CHANNELS = [k for k in OF_ROBOT if any(c in k for c in CHANNELS) and "misspelt" not in k]
+
+# Files of the thesis are joined by their stamps, so that the order of their rows does not matter.
+UNORDERED = ["rows shuffled", "rows reversed", "two rows exchanged", "a row late"]
+OFF = [kind for _, given, group in KINDS if given is STRAY for kind in group if " time " in kind]
+OF_THESIS: dict[str, Expected] = {
+    **dict.fromkeys([*OFF, "a first time of 1e300"], repaired("impossible times")),
+    **dict.fromkeys(UNORDERED, SAME),
+    **dict.fromkeys(["a row repeated", "all rows twice"], repaired("repeated stamps")),
+    "stale stamps": repaired("repeated stamps"),
+    "words in the first row": BROKEN,
+    "rows lost, few": MISSING,
+    "time and position exchanged": OTHER_STEP,
+    "time last": OTHER_STEP,
+    "a separator behind each row": refused("line [12]: .*; "),
 }
-
-# Cases
-
-
-def damaged(base: Base, folder: Path, damages: dict[str, Damage], seed: int) -> dict[str, Any]:
-    """Write a recording with some of its files damaged, the others as they are."""
-    for file in Path(base.recording["folder"]).rglob("*"):
-        if file.is_file():
-            name = str(file.relative_to(base.recording["folder"]))
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            if name in damages:
-                (folder / name).write_bytes(damages[name](base.text(name, seed)))
-            else:
-                (folder / name).symlink_to(file)
-    return {**base.recording, "folder": str(folder)}
-
-
-def without(base: Base, folder: Path, file: str, as_folder: bool) -> dict[str, Any]:
-    """Write a recording with a file missing, or a folder in its place."""
-    recording = damaged(base, folder, {}, 0)
-    (folder / file).unlink()
-    if as_folder:
-        (folder / file).mkdir()
-    return recording
-
-
-def files_for(base: Base, kind: str) -> tuple[list[str], Damage]:
-    """Which files of a robot a kind of damage strikes: where each channel has a file, times all."""
-    if kind in CHANNELS:
-        channel, damage = CHANNELS[kind]
-        return [f for f, names in base.files.items() if f"{channel}_0" in names], damage
-    damage = (TRUNCATED | ENCODED | LINES | HEAD | NO_HEAD | TIMES)[kind]
-    robot = [file for file in base.files if file != base.sensor]
-    return robot if kind in TIMES or kind in EVERYWHERE else robot[:1], damage
-
-
-ELSEWHERE = {"negative times"}  # a thesis clock that starts elsewhere is no damage
-BLANK = ["cut after a separator", "cut inside the last number", "quotes", "a cell lost"]
-BLANK += ["a cell too many", "an empty row", "empty cells", "no head", "the head twice"]
-EVERYWHERE = {"rows lost, many", "rows lost in turn", "misaligned rows"}
-
-
-def kinds(base: Base) -> list[str]:
-    """Kinds of damage to the robot's files of a recording."""
-    if base.name.startswith("Movement_No9"):
-        return []  # its sensor is of interest
-    if base.name == "rtde-blank":
-        return BLANK
-    if base.name.startswith("Movement"):
-        return [*CHANNELS]  # as large and as fast as real ones
-    heads = HEAD if base.head else NO_HEAD
-    skipped = ELSEWHERE if base.recording["format"] == "thesis-csv" else set()
-    every = [*TRUNCATED, *ENCODED, *TIMES, *LINES, *heads, *CHANNELS]
-    return [kind for kind in every if kind not in skipped]
-
-
-def robot_cases(base: Base, folder: Path) -> Iterator[Case]:
-    """A recording with its robot's files damaged."""
-    for kind in kinds(base):
-        files, damage = files_for(base, kind)
-        if not files:
-            continue
-        place = folder / base.name / kind.replace("/", " per ")
-        recording = damaged(base, place, dict.fromkeys(files, damage), zlib.crc32(kind.encode()))
-        yield Case(f"{base.name}: {kind}", kind, base, recording, expected(base, kind))
-
-
-def sensor_cases(base: Base, folder: Path) -> Iterator[Case]:
-    """A recording with its force sensor's file damaged; one reader serves those of all formats."""
-    if base.sensor is None or base.name == "rtde-blank":
-        return
-    mark, head = (b",", 0) if base.name == "rtde" else (base.mark, 0)
-    of_sensor = replace(base, mark=mark, head=head)
-    made = {"rtde": TRUNCATED | ENCODED | TIMES | LINES | NO_HEAD, "made-up": TIMES | LINES}
-    for kind, damage in (made.get(base.name, {}) | FORCES).items():
-        if kind == "stale data":
-            continue  # a force sensor at rest says the same twice, and may
-        place = folder / base.name / f"sensor {kind}"
-        recording = damaged(of_sensor, place, {base.sensor: damage}, zlib.crc32(kind.encode()))
-        label = f"{base.name}, sensor: {kind}"
-        yield Case(label, kind, base, recording, expected(base, kind, "sensor"), True)
-
-
-FORCES: dict[str, Damage] = {
-    "zeros of no sensor": lambda text: text.change("ft_", lambda _: -1e-6),
-    "no values recorded": raw(lambda _: b"no values recorded\n"),
-    "forces in mN": scale("ft_", 1000),
-    "a huge force": holes(b"1e300", [50], "ft_fy"),
-    "a force that is no number": holes(b"nan", [50, 51], "ft_fy"),
-}
+ALSO_OF_THESIS = ["rows lost, many", "rows lost in turn", "misaligned rows", "text", "gzip"]
+ALSO_OF_THESIS += ["cut inside a number", "empty", "UTF-16", "an empty column", "empty cells"]
+IN_ALL_FILES = [kind for kind in OF_ROBOT if "time" in kind or "seconds" in kind]
+IN_ALL_FILES += ["thousandths", "clock reset", "a block repeated", "stale data"]
+IN_ALL_FILES += ["rows lost, many", "rows lost in turn", "misaligned rows"]
+ONE_FILE = ["words in the first row", "rows lost, few", "a separator behind each row"]
+OF_TABLE = ["cut inside the first row", "words in the first row", "a first time of 1e300"]
+OF_TABLE += ["clock reset", "rows shuffled", "stale stamps", "stale data", "rows lost, few"]
+OF_TABLE += ["rows lost, many", "rows lost in turn", "positions in degrees", "time last"]
+OF_BLANK = ["cut after a separator", "cut inside the last number", "quotes", "a cell lost"]
+OF_BLANK += ["a cell too many", "an empty row", "empty cells", "no head", "the head twice"]
 STAMPS: dict[str, bytes] = {
     "a stamp that is no number": b"nan\n",
     "a stamp that is text": b"unknown\n",
@@ -695,220 +713,125 @@ STAMPS: dict[str, bytes] = {
     "a torn stamp, near": b"1386687253.",
     "a binary stamp": b"\xff\x00\xfe",
 }
-
-
+STAMP_FILE = "csv_files/log_force_sensor_start_time.csv"
 IMU_FILE = "csv_files/acc_data.csv"
 IMU = ["time", *(f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz")]
 INERTIAL: dict[str, tuple[Damage, Expected]] = {
-    "accelerations in mm/s²": (scale("imu_a", 1000), Expected("repaired", "unusable sensor")),
-    "rates in mrad/s": (scale("imu_g", 1000), Expected("repaired", "unusable sensor")),
-    "time in seconds": (scale("time", 1e-3), Expected("repaired", "unusable sensor")),
+    "accelerations in mm/s²": (scale("imu_a", 1000), UNUSABLE),
+    "rates in mrad/s": (scale("imu_g", 1000), UNUSABLE),
+    "time in seconds": (scale("time", 1e-3), UNUSABLE),
     "accelerations in g": (scale("imu_a", 1 / 9.8), Expected("told", "no gravity")),
-    "a huge rate": (holes(b"1e300", [50], "imu_gx"), Expected("repaired", "impossible samples")),
-    "a time ten minutes late": (
-        stamp(30, lambda t: t + 6e5),
-        Expected("repaired", "impossible samples"),
-    ),
-    "text": (spliced(40, lambda _: [b"text"]), Expected("repaired", "damaged lines")),
-    "binary": (random_bytes, Expected("repaired", "unusable sensor")),
-    "empty": (raw(lambda _: b""), Expected("repaired", "no sensor")),
+    "a huge rate": (holes(b"1e300", [50], "imu_gx"), STRAY),
+    "a time ten minutes late": (stamp(30, lambda t: t + 6e5), STRAY),
+    "text": (spliced(40, lambda _: [b"text"]), BROKEN),
+    "binary": (random_bytes, UNUSABLE),
+    "empty": (raw(lambda _: b""), ABSENT),
 }
+MISSING_FILES = {"a file missing": False, "a folder for a file": True}  # a folder in its place
+
+# Cases
 
 
-def imu_cases(base: Base, folder: Path) -> Iterator[Case]:
-    """A recording with its IMU's file damaged."""
-    if base.name != "made-up":
+@dataclass(frozen=True)
+class Case:
+    """A kind of damage to a part of a recording."""
+
+    base: Base
+    part: Literal["robot", "sensor", "imu", "stamp"]
+    kind: str
+
+    @property
+    def label(self) -> str:
+        return f"{self.base.name}, {self.part}: {self.kind}"
+
+    @property
+    def expected(self) -> Expected:
+        """What the damage must give."""
+        if self.part == "imu":
+            return INERTIAL[self.kind][1]
+        if self.part == "stamp":
+            return repaired("stale copy" if "another" in self.kind else "no start stamp")
+        if self.kind in MISSING_FILES:
+            if self.part == "robot":
+                return refused("is missing or cannot be read .*; add the file")
+            return UNUSABLE if MISSING_FILES[self.kind] else ABSENT
+        if self.part == "sensor":
+            return OF_SENSOR[self.kind]
+        known = OF_ROBOT
+        if self.base.recording["format"] == "thesis-csv":
+            known = OF_ROBOT | OF_THESIS
+        elif self.base.name == "table":
+            known = OF_ROBOT | {
+                "a separator behind each row": OF_THESIS["a separator behind each row"]
+            }
+        return known[self.kind]
+
+    @property
+    def files(self) -> list[str]:
+        """The files that are struck: of recordings with several, those whose channels are meant."""
+        if self.part == "imu":
+            return [IMU_FILE]
+        if self.part == "sensor" and self.base.sensor:
+            return [self.base.sensor]
+        robot = [file for file in self.base.files if file != self.base.sensor]
+        everywhere = self.kind in {*OF_CHANNELS, *OF_THESIS, *IN_ALL_FILES} - {*ONE_FILE}
+        return robot if everywhere else robot[:1]
+
+    def written(self, folder: Path) -> dict[str, Any]:
+        """Write the recording into a folder, undamaged files as links, and return its entry."""
+        source = Path(self.base.recording["folder"])
+        for file in filter(Path.is_file, source.rglob("*")):
+            copy = folder / file.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.symlink_to(file)
+        for name in [STAMP_FILE] if self.part == "stamp" else self.files:
+            (folder / name).unlink()
+            if self.kind in STAMPS:
+                (folder / name).write_bytes(STAMPS[self.kind])
+            elif self.kind not in MISSING_FILES:
+                (folder / name).write_bytes(self.damaged(name))
+            elif MISSING_FILES[self.kind]:
+                (folder / name).mkdir()
+        return {**self.base.recording, "folder": str(folder)}
+
+    def damaged(self, file: str) -> bytes:
+        base, damage = self.base, DAMAGES.get(self.kind)
+        if self.part == "imu":
+            base, damage = replace(base, files={IMU_FILE: IMU}), INERTIAL[self.kind][0]
+        elif self.part == "sensor" and base.head:  # beside an RTDE recording, a plain table
+            base = replace(base, mark=b",", head=0)
+        assert damage is not None
+        return damage(base.text(file, zlib.crc32(self.kind.encode())))
+
+
+def usual_cases(base: Base) -> Iterator[Case]:
+    """Each kind once, and of each format what its reader tells otherwise."""
+    of_sensor = [kind for kind in OF_SENSOR if kind not in OF_ROBOT]
+    of_rtde = [kind for kind in OF_ROBOT if "acceleration" not in kind]  # it has none
+    robot, sensor = {
+        "rtde": ([*of_rtde, *MISSING_FILES], [*OF_SENSOR, *MISSING_FILES]),
+        "rtde-blank": (OF_BLANK, []),
+        "table": (OF_TABLE, []),
+        "made-up": ([*OF_THESIS, *ALSO_OF_THESIS, *MISSING_FILES], [*of_sensor, *MISSING_FILES]),
+    }.get(base.name, ([], of_sensor) if base.sensor else (OF_CHANNELS, []))
+    yield from (Case(base, "robot", kind) for kind in robot)
+    yield from (Case(base, "sensor", kind) for kind in sensor)
+    if base.name == "made-up":
+        yield from (Case(base, "imu", kind) for kind in INERTIAL)
+    elif base.sensor and base.name.startswith("Movement"):
+        yield from (Case(base, "stamp", kind) for kind in STAMPS)
+
+
+def other_cases(base: Base) -> Iterator[Case]:
+    """The rest of the pairs: of a table and of the thesis's format."""
+    if base.name not in ("table", "made-up"):
         return
-    with_imu = replace(base, files={IMU_FILE: IMU}, sensor=IMU_FILE)
-    for index, (kind, (damage, outcome)) in enumerate(INERTIAL.items()):
-        recording = damaged(with_imu, folder / base.name / f"imu {index}", {IMU_FILE: damage}, 0)
-        yield Case(f"made-up, IMU: {kind}", kind, with_imu, recording, outcome, True)
-
-
-def file_cases(base: Base, folder: Path) -> Iterator[Case]:
-    """A recording with files missing, folders in their place, or damaged stamps."""
-    for file in base.files:
-        if file in (next(iter(base.files)), base.sensor):
-            for as_folder in (False, True):
-                kind = "a folder for a file" if as_folder else "a file missing"
-                recording = without(
-                    base, folder / base.name / f"{kind} {Path(file).name}", file, as_folder
-                )
-                part = "sensor" if file == base.sensor else "robot"
-                label = f"{base.name}, {part}: {kind}"
-                yield Case(
-                    label, kind, base, recording, expected(base, kind, part), part == "sensor"
-                )
-    stamp = "csv_files/log_force_sensor_start_time.csv"
-    for kind, content in STAMPS.items():
-        if base.name.startswith("Movement_No9"):
-            recording = damaged(base, folder / base.name / kind, {}, 0)
-            (Path(recording["folder"]) / stamp).unlink()
-            (Path(recording["folder"]) / stamp).write_bytes(content)
-            yield Case(
-                f"{base.name}: {kind}", kind, base, recording, expected(base, kind, "sensor"), True
-            )
-
-
-def corpus(folder: Path, thesis: Path) -> list[Case]:
-    """Every damaged recording, written below a folder. thesis: the real recordings."""
-    return [
-        case
-        for base in bases(folder / "whole", thesis)
-        for make in (robot_cases, sensor_cases, imu_cases, file_cases)
-        for case in make(base, folder / "damaged")
-    ]
-
-
-# What is expected
-
-ROWS_OUT = ["a time of 1e300", "a time of -1e300", "a time 5 s late", "a time 5 s early"]
-ROWS_OUT += ["a time a day away", "a last time a day away"]
-NOT_TEXT = ["UTF-16", "UTF-16 without mark", "binary", "zeros only"]
-EMPTY = ["cut after the first byte", "cut inside the first row", "cut after the head", "empty"]
-EMPTY += ["blanks only"]
-OTHER_ROWS = ["decimal commas, commas", "a cell lost in all rows", "a cell too many in all rows"]
-TORN = [*[kind for kind in TRUNCATED if "number" in kind or "separator" in kind]]
-TORN += ["cut in the middle of the file", "zeros at the end"]
-DAMAGED = ["zeros inside a row", "zeros over rows", "letters that are none", "text", "comments"]
-DAMAGED += ["text in place of a row", "names in the middle", "a newline lost", "a cell lost"]
-DAMAGED += ["a cell too many", "steering text", "1_000", "the head twice"]
-SAME = ["cut before the newline", "CRLF", "CRLF, cut between both", "CR", "quotes", "a stray quote"]
-SAME += ["a comment on top", "blank lines", "blank lines on top", "a head in quotes", "a head"]
-SAME += ["a head as a comment", "negative times"]
-HOLES = ["a row without numbers", "an empty row", "a cell without a number", "empty cells"]
-HOLES += ["an empty current"]
-NO_TIME = ["a time that is no number", "an infinite time", "an empty time"]
-DISORDER = ["rows shuffled", "rows reversed", "two rows exchanged", "a row late"]
-REPEATS = ["a row repeated", "a block repeated", "all rows twice"]
-ABSURD = ["a huge position", "an infinite velocity", "an infinite row", "a huge row"]
-UNITS = [kind for kind in CHANNELS if " in m" in kind or " in degrees" in kind]
-WRONG = [kind for kind in CHANNELS if " in k" in kind or " exchanged" in kind]
-
-SHARED: list[tuple[list[str], Expected]] = [
-    (SAME, Expected("same")),
-    (TORN, Expected("repaired", "torn last line")),
-    (DAMAGED, Expected("repaired", "damaged lines")),
-    (["byte-order mark"], Expected("repaired", "byte-order mark")),
-    (["decimal commas, semicolons"], Expected("repaired", "decimal commas")),
-    (["gzip"], Expected("repaired", "compressed file")),
-    (NO_TIME, Expected("repaired", "missing times")),
-    (["words in the first row"], Expected("repaired", "damaged lines", lost=1)),
-    (REPEATS, Expected("repaired", "repeated frames")),
-]
-ROBOT: list[tuple[list[str], Expected]] = [
-    *SHARED,
-    (NOT_TEXT, Expected("refused", "not a text file; save it as plain CSV")),
-    (
-        ["gzip, truncated", "gzip, garbled"],
-        Expected("refused", "is a damaged gzip file; copy it again"),
-    ),
-    (EMPTY, Expected("refused", "line 1: (no complete row|expected|no column `timestamp`)")),
-    (OTHER_ROWS, Expected("refused", r"line [12]: expected \d+ numbers .*\d+ cells")),
-    (
-        ["cut inside the head", "no time at all"],
-        Expected("refused", "line 1: (no complete row|expected)"),
-    ),
-    (["a separator behind each row"], Expected("refused", "line [12]: .*; ")),
-    (["cut after the first row"], Expected("refused", "contains only 1 complete frames; record")),
-    (
-        ["a cell too many in most rows"],
-        Expected("refused", r"line [23]: expected \d+ numbers .* of \d+ lines do not fit"),
-    ),
-    (
-        ["all times equal"],
-        Expected("refused", "timestamps is 0 s; check that the time column is in seconds"),
-    ),
-    (
-        ["milliseconds", "microseconds", "thousandths"],
-        Expected("refused", "step between timestamps is .* s; check that the time"),
-    ),
-    (["no head"], Expected("refused", "line 1: no header; .*name the columns")),
-    (["a name twice"], Expected("refused", "line 1: column 'actual_q_0' appears twice; give")),
-    (["a misspelt time"], Expected("refused", "line 1: no column `timestamp` .*; record")),
-    (
-        ["a misspelt position", "an empty column"],
-        Expected("refused", "has no actual_q_0 to actual_q_5"),
-    ),
-    (["a misspelt current"], Expected("repaired", "incomplete channels")),
-    (["a steering name"], Expected("repaired", "unknown channels")),
-    (UNITS, Expected("refused", r"_\d exceeds .* in .* of the rows .*; .*correct the file")),
-    (WRONG, Expected("told", "inconsistent channels")),
-    (
-        ["time and position exchanged", "time last"],
-        Expected("refused", "exceeds .*; .*correct the file"),
-    ),
-    ([*ROWS_OUT, *ABSURD, "misaligned rows"], Expected("repaired", "impossible frames")),
-    (["a first time of 1e300"], Expected("repaired", "impossible frames", lost=1)),
-    (["clock reset"], Expected("told", "clock reset")),
-    (DISORDER, Expected("repaired", "frames out of order")),
-    (["stale stamps"], Expected("repaired", "stale stamps")),
-    (["stale data"], Expected("repaired", "stale data")),
-    (["rows lost, few", "rows lost in turn"], Expected("repaired", "lost frames")),
-    (["rows lost, many"], Expected("repaired", "split")),
-    (HOLES, Expected("repaired", "missing cells")),
-    ([k for k in LINES if k.startswith("no numbers")], Expected("repaired", "incomplete frames")),
-    (
-        ["a file missing", "a folder for a file"],
-        Expected("refused", "is missing or cannot be read .*; add the file"),
-    ),
-]
-RTDE: list[tuple[list[str], Expected]] = [
-    (["a separator behind each row"], Expected("repaired", "unknown channels")),
-]
-THESIS: list[tuple[list[str], Expected]] = [
-    ([*ROWS_OUT, "a first time of 1e300"], Expected("repaired", "impossible times")),
-    (["words in the first row"], Expected("repaired", "damaged lines")),
-    # Its files are joined by their stamps, so that their order does not matter.
-    (DISORDER, Expected("same")),
-    (["a row repeated", "all rows twice", "stale stamps"], Expected("repaired", "repeated stamps")),
-    (["rows lost, few"], Expected("repaired", "missing cells")),
-    (
-        ["time and position exchanged", "time last"],
-        Expected("refused", "step between timestamps is .* s; check that the time"),
-    ),
-]
-SENSOR: list[tuple[list[str], Expected]] = [
-    *SHARED,
-    (
-        ["cut after the first row", "no time at all", "an empty column"],
-        Expected("repaired", "no sensor"),
-    ),
-    (EMPTY, Expected("repaired", "no sensor")),
-    ([*OTHER_ROWS, "a separator behind each row"], Expected("repaired", "unusable sensor")),
-    (["zeros of no sensor", "no values recorded"], Expected("repaired", "no sensor")),
-    (["a file missing"], Expected("repaired", "no sensor")),
-    (["a folder for a file"], Expected("repaired", "unusable sensor")),
-    ([*NOT_TEXT, "gzip, truncated", "gzip, garbled"], Expected("repaired", "unusable sensor")),
-    (["a cell too many in most rows", "forces in mN"], Expected("repaired", "unusable sensor")),
-    (["all times equal", "milliseconds"], Expected("repaired", "unusable sensor")),
-    (["microseconds", "thousandths"], Expected("repaired", "unusable sensor")),
-    (
-        [*ROWS_OUT, "a huge row", "an infinite row", "a huge force"],
-        Expected("repaired", "impossible samples"),
-    ),
-    (["misaligned rows"], Expected("repaired", "impossible samples")),
-    # Its clock counts from the first row; when that is lost, it is told and a sample late.
-    (["a first time of 1e300"], Expected("told", "impossible samples")),
-    (["words in the first row"], Expected("told", "damaged lines")),
-    (["negative times"], Expected("repaired", "stale copy")),
-    (["clock reset"], Expected("repaired", "clock reset")),
-    (DISORDER, Expected("repaired", "samples out of order")),
-    (["stale stamps"], Expected("told", "stale stamps")),
-    (
-        [kind for kind in LINES if kind.startswith("rows lost")],
-        Expected("repaired", "lost samples"),
-    ),
-    ([*HOLES, "a force that is no number"], Expected("repaired", "missing cells")),
-    ([k for k in LINES if k.startswith("no numbers")], Expected("repaired", "missing cells")),
-    (["a stamp of another day"], Expected("repaired", "stale copy")),
-    ([k for k in STAMPS if "another" not in k], Expected("repaired", "no start stamp")),
-]
-
-
-def expected(base: Base, kind: str, part: str = "robot") -> Expected:
-    """What a kind of damage must give; the last entry that knows it counts."""
-    special = {"rtde": RTDE, "made-up": THESIS}.get(base.name, [])
-    special = THESIS if base.name.startswith("Movement") else special
-    entries = SENSOR if part == "sensor" else [*ROBOT, *special]
-    return [outcome for known, outcome in entries if kind in known][-1]
+    usual = {case.label for case in usual_cases(base)}
+    usual.add(Case(base, "robot", "negative times").label)  # a thesis clock starts anywhere
+    absent = ("target p", "target v", "target a") if base.name == "table" else ()
+    for kind in OF_ROBOT:
+        of_head = any(word in kind for word in ("head", "name", "misspelt"))
+        if not of_head and not kind.startswith(absent):
+            case = Case(base, "robot", kind)
+            if case.label not in usual:
+                yield case

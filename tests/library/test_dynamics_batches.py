@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import torch
@@ -11,6 +12,7 @@ from torch import Tensor
 
 from tests.conftest import PROJECT
 from tests.library.test_dynamics import states
+from tests.library.test_from_urdf import made_up, saved
 from ur5lib.dynamics import arm as batches
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.kinematics import acceleration
@@ -25,6 +27,7 @@ from ur5lib.dynamics.rigid_body import (
     regressor,
 )
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.from_urdf import robot_from_urdf
 
 
 @pytest.fixture(scope="module")
@@ -134,30 +137,35 @@ def test_single_precision_has_the_error_it_states(name: str, model: str) -> None
 # Fused
 
 
-def test_fused_and_plain_give_the_same(ur5: Robot, arm: Arm) -> None:
-    fused = build_arm(ur5, "C+rotors", fused=True)
-    for count in (1000, 20_000):
-        torch.testing.assert_close(
-            inverse_dynamics(fused, *states(count)),
-            inverse_dynamics(arm, *states(count)),
-            rtol=0,
-            atol=1e-11,
-        )
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    """The URDF of an arm of two joints, whose axes are at any angle: compiled in seconds."""
+    return saved(made_up(2), tmp_path)
 
 
-def test_without_a_compiler_the_plain_program_is_used() -> None:
-    program = """
+def test_fused_and_plain_give_the_same(small: Path) -> None:
+    robot, model = robot_from_urdf(small)[0], "maker"
+    plain, fused = (build_arm(robot, model, fused=own) for own in (False, True))
+    given = [state[:, :2] for state in states(20_000)]
+    torch.testing.assert_close(
+        inverse_dynamics(fused, *given), inverse_dynamics(plain, *given), rtol=0, atol=1e-11
+    )
+
+
+def test_without_a_compiler_the_plain_program_is_used(small: Path) -> None:
+    program = f"""
 import torch, warnings
+from pathlib import Path
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import gravity_torque
-from ur5lib.robots.description import load_robot, robot_path
-robot = load_robot(robot_path("ur5"))
-q = torch.ones(5, 6, dtype=torch.float64)
+from ur5lib.robots.from_urdf import robot_from_urdf
+robot, _ = robot_from_urdf(Path({str(small)!r}))
+q = torch.ones(5, 2, dtype=torch.float64)
 with warnings.catch_warnings(record=True) as told:
     warnings.simplefilter("always")
-    fused = [gravity_torque(build_arm(robot, "C", fused=True), q) for _ in range(2)]
+    fused = [gravity_torque(build_arm(robot, "maker", fused=True), q) for _ in range(2)]
 assert len([one for one in told if "not fused" in str(one.message)]) == 1, told
-assert all(torch.equal(torque, gravity_torque(build_arm(robot, "C"), q)) for torque in fused)
+assert all(torch.equal(torque, gravity_torque(build_arm(robot, "maker"), q)) for torque in fused)
 """
     printed(program, CXX="/no/compiler", TORCHINDUCTOR_FORCE_DISABLE_CACHES="1")
 

@@ -146,40 +146,48 @@ use rule * from ur5
     assert "write_report" in installed.snakemake(folder, "--cores", "1", "--dry-run")
 
 
-@pytest.mark.slow  # installs all that the package depends on, and builds the demonstration
-def test_from_the_wheel_to_the_first_report_by_pipx(wheel: Path, tmp_path: Path) -> None:
+def files_of(folder: Path) -> dict[Path, int]:
+    """Each file below, and when it was changed; byte-code aside."""
+    files = (path for path in folder.rglob("*") if path.suffix != ".pyc")
+    return {path: path.stat().st_mtime_ns for path in files if path.is_file()}
+
+
+@pytest.mark.slow  # installs all that the package depends on, and builds a study
+def test_from_the_wheel_to_a_report_by_pipx(wheel: Path, tmp_path: Path) -> None:
+    """With the packages alone that the wheel asks for; nothing is written beside the library."""
     lock = PROJECT / "requirements.lock"
     pipx = [sys.executable, "-m", "pipx", "install", "--quiet", "--include-deps", wheel]
     places = {"PIPX_HOME": str(tmp_path / "home"), "PIPX_BIN_DIR": str(tmp_path / "bin")}
     subprocess.run(pipx, env=os.environ | places | {"PIP_CONSTRAINT": str(lock)}, check=True)
+    [library] = (tmp_path / "home").glob("venvs/*/lib/python*/site-packages/ur5lib")
+    before = files_of(library)
     here = Installed(tmp_path, tmp_path)
     lab = here.lab("mylab")
-    assert "report: results/demo/report.html" in here.run("snakemake", folder=lab)
-    assert (lab / "results" / "demo" / "report.pdf").stat().st_size > 10_000
+    small_study(lab)
+    assert "report: results/made/report.html" in here.run("snakemake", folder=lab)
+    assert (lab / "results" / "made" / "report.pdf").stat().st_size > 10_000
+    assert files_of(library) == before
 
 
-@pytest.mark.slow  # two whole studies
-def test_labs_are_built_and_never_mix(installed: Installed) -> None:
-    """A change of the package then repeats what depends on it, in the lab that has the change."""
+@pytest.mark.slow  # simulates and reads a study
+def test_labs_never_mix(installed: Installed) -> None:
+    """A change of the package repeats what depends on it, in the lab that has the change."""
     lab, other = installed.lab("zweites Labor"), installed.lab("drittes Labor")
     small_study(lab)
-    before = {path: path.stat().st_mtime_ns for path in installed.library.rglob("*")}
-    said = installed.snakemake(lab)
-    assert "report: results/made/report.html" in said
-    assert (lab / "results" / "made" / "report.pdf").stat().st_size > 10_000
-    assert "Nothing to be done" in installed.snakemake(lab, "--dry-run")
-    assert {path: path.stat().st_mtime_ns for path in installed.library.rglob("*")} == before
+    target = "results/made/recordings/moved/robot.parquet"
+    read = ("--dry-run", "--quiet", "host", "--", target)
+    installed.snakemake(lab, target)
     assert not (other / "results").exists()
     moved = lab.rename(installed.labs / "umgezogen")
-    assert "Nothing to be done" in installed.snakemake(moved, "--dry-run")
+    assert "Nothing to be done" in installed.snakemake(moved, *read)
 
     updated = Installed(installed.labs / "neues Paket", installed.labs)
     shutil.copytree(installed.environment, updated.environment, symlinks=True)
     set_mode(updated.environment, writable=True)
-    contents = updated.library / "report" / "contents.yaml"
-    contents.write_text(contents.read_text() + "\n# A sentence is added.\n")
-    planned = updated.snakemake(moved, "--dry-run", "--quiet", "host")
-    assert "write_report" in planned
+    edited = updated.library / "recordings" / "frames.py"
+    edited.write_text(edited.read_text() + "\n# A sentence is added.\n")
+    planned = updated.snakemake(moved, *read)
+    assert "repair_frames" in planned
     assert "Params have changed" in planned
-    assert "repair_frames" not in planned
-    assert "Nothing to be done" in installed.snakemake(moved, "--dry-run")
+    assert "simulate_recording" not in planned
+    assert "Nothing to be done" in installed.snakemake(moved, *read)
