@@ -23,24 +23,26 @@ def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
     """
     rotations, origins = [np.tile(np.eye(3), (len(q), 1, 1))], [np.zeros((len(q), 3))]
     for angle, pose in zip(q.T, robot.link_poses(), strict=True):
-        near = rotations[-1] @ _turn(angle)
+        rows = _turned_about_z(rotations[-1], angle).reshape(-1, 3)  # one product for all samples
         rotation, translation = link_tail(pose)
-        origins.append(origins[-1] + near @ translation)
-        rotations.append(near @ rotation)
+        origins.append(origins[-1] + (rows @ translation).reshape(-1, 3))
+        rotations.append((rows @ rotation).reshape(-1, 3, 3))
     return np.stack(rotations, axis=1), np.stack(origins, axis=1)
 
 
 def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
-    """Return the torque (N, n) [Nm] that holds the arm, payload included; q: (N, n) [rad]."""
+    """Return the torque (N, n) [Nm] that holds the arm, payload included; q: (N, n) [rad].
+
+    τ_j = −z_j · Σ_k≥j (c_k − o_j) × m_k g
+    """
     rotation, origin = link_frames(robot, q)
     bodies = rigid_bodies(robot, model)
     centers = np.einsum("nkij,kj->nki", rotation[:, 1:], bodies.center_of_mass) + origin[:, 1:]
-    weights, joints = bodies.mass[:, None] * np.array(robot.gravity), range(q.shape[1])
-    torques = [
-        sum(_holding(rotation, origin, j, centers[:, k], weights[k]) for k in joints[j:])
-        for j in joints
-    ]
-    return np.stack(torques, axis=1)
+    weights = bodies.mass[:, None] * np.array(robot.gravity)
+    moment = np.cumsum(np.cross(centers, weights)[:, ::-1], axis=1)[:, ::-1]
+    carried = np.cumsum(weights[::-1], axis=0)[::-1]
+    about_joints = moment - np.cross(origin[:, :-1], carried)
+    return -np.einsum("nji,nji->nj", rotation[:, :-1, :, 2], about_joints)
 
 
 def load_torque(robot: Robot, q: Array) -> Array:
@@ -57,11 +59,11 @@ def load_torque(robot: Robot, q: Array) -> Array:
     return torque
 
 
-def _turn(angle: Array) -> Array:
-    """Return Rot_z (N, 3, 3) of angles (N,) [rad]."""
-    c, s, zero, one = np.cos(angle), np.sin(angle), np.zeros_like(angle), np.ones_like(angle)
-    rows = [[c, -s, zero], [s, c, zero], [zero, zero, one]]
-    return np.moveaxis(np.array(rows), 2, 0)
+def _turned_about_z(rotation: Array, angle: Array) -> Array:
+    """Return R Rot_z (N, 3, 3) of rotations R (N, 3, 3) and angles (N,) [rad]."""
+    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    x, y, z = np.moveaxis(rotation, 2, 0)
+    return np.stack([c * x + s * y, c * y - s * x, z], axis=2)
 
 
 def _holding(rotation: Array, origin: Array, joint: int, point: Array, weight: Array) -> Array:
