@@ -23,7 +23,6 @@ from figaroh.identification.base_identification import BaseIdentification
 from figaroh.tools.regressor import build_regressor_basic, build_regressor_reduced
 from figaroh.tools.robot import load_robot
 
-JOINTS = [f"joint_{k}" for k in range(1, 7)]
 EDGE = (
     20  # samples beside a jump from one stretch to the next, of which a decimated one may be made
 )
@@ -36,10 +35,10 @@ class Identification(BaseIdentification):
     def __init__(self, robot, settings, samples):
         super().__init__(robot, settings)
         self.samples = samples
-        indices = [robot.model.getJointId(name) for name in JOINTS]
+        indices = [robot.model.getJointId(name) for name in joint_names(samples)]
         joints = [robot.model.joints[index] for index in indices]
         self.identif_config |= {
-            "active_joints": JOINTS,
+            "active_joints": joint_names(samples),
             "act_Jid": indices,
             "act_J": joints,
             "act_idxq": [joint.idx_q for joint in joints],
@@ -53,7 +52,7 @@ class Identification(BaseIdentification):
         near = np.abs(np.arange(len(own["q"]))[:, None] - jumps).min(axis=1, initial=EDGE)
         return TrajectoryData(
             t=np.arange(len(own["q"])) * own["period"],
-            joint_names=JOINTS,
+            joint_names=joint_names(own),
             q=own["q"],
             dq=own["qd"],
             ddq=own["qdd"],
@@ -68,11 +67,11 @@ class Identification(BaseIdentification):
         self.processed_data = dict(self.raw_data)
 
     def torque(self, samples, parameters):
-        """Return the torque (N, 6) that base parameters predict."""
+        """Return the torque (N, n) that base parameters predict."""
         motion = (samples[key] for key in ("q", "qd", "qdd"))
         full = build_regressor_basic(self.robot, *motion, self.identif_config)
         base = build_regressor_reduced(full, self._idx_eliminated)[:, self._base_indices]
-        return (base @ parameters).reshape(6, -1).T
+        return (base @ parameters).reshape(samples["q"].shape[1], -1).T
 
 
 def main() -> None:
@@ -94,6 +93,11 @@ def main() -> None:
     np.savez(folder / "predicted.npz", **found)
 
 
+def joint_names(samples):
+    """Return the names that the URDF gives the joints."""
+    return [f"joint_{k}" for k in range(1, samples["q"].shape[1] + 1)]
+
+
 def rows(samples, taken):
     """Return some of the samples."""
     return {key: samples[key][taken] for key in KEYS} | {"period": samples["period"]}
@@ -102,7 +106,7 @@ def rows(samples, taken):
 def identified(robot, samples) -> Identification:
     """Return FIGAROH's identification, solved by least squares."""
     with tempfile.NamedTemporaryFile("w", suffix=".yaml") as settings:
-        settings.write(yaml.safe_dump(configuration()))
+        settings.write(yaml.safe_dump(configuration(joint_names(samples))))
         settings.flush()
         own = Identification(robot, settings.name, samples)
     own.initialize()
@@ -110,13 +114,13 @@ def identified(robot, samples) -> Identification:
     return own
 
 
-def configuration() -> dict:
+def configuration(joints) -> dict:
     """Return FIGAROH's configuration with all parts of its model that an arm has."""
     parts = {"friction": True, "joint_offset": True, "actuator_inertia": True}
     return {
         "robot": {
             "name": "arm",
-            "properties": {"joints": {"active_joints": JOINTS}, "mechanics": {}},
+            "properties": {"joints": {"active_joints": joints}, "mechanics": {}},
         },
         "tasks": {"identification": {"enabled": True, "problem": {"model_components": parts}}},
     }

@@ -12,7 +12,7 @@ from typing import IO
 
 import pytest
 
-from tests.conftest import PROJECT
+from tests.conftest import PROJECT, shared_folder
 
 PRINTED = {  # what each prints at least
     "dynamics": ["inverse dynamics, UR5", "inertia matrix, UR5", "pinocchio", "peak memory"],
@@ -35,6 +35,7 @@ PRINTED = {  # what each prints at least
 RESUMED = {"simulated_contacts"}
 OF_ALL_STUDIES = {"population"}  # that are built: in tests/artefacts/test_other_arms.py
 OF_A_URDF = {"serial_arms"}  # in tests/library/test_stand_of_other_arms.py
+OF_RECORDINGS = {"seven_joints"}
 IN_A_COPY = {"excitation_loop"}  # of the project: in tests/artefacts/test_next_recording.py
 OF_A_BUILT_STUDY = {
     "leave_out",
@@ -76,7 +77,7 @@ def printing_to(file: IO[str]) -> Iterator[None]:
 
 def test_every_benchmark_is_run() -> None:
     files = {path.stem for path in (PROJECT / "benchmarks").glob("*.py")}
-    others = OF_A_BUILT_STUDY | IN_A_COPY | RESUMED | OF_ALL_STUDIES | OF_A_URDF
+    others = OF_A_BUILT_STUDY | IN_A_COPY | RESUMED | OF_ALL_STUDIES | OF_A_URDF | OF_RECORDINGS
     assert files == set(PRINTED) | others
 
 
@@ -85,6 +86,20 @@ def test_every_benchmark_is_run() -> None:
 def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
     printed = run_benchmark(name, PROJECT)
     assert all(text in printed for text in PRINTED[name]), printed
+
+
+@pytest.mark.slow
+def test_torques_of_real_arms_of_seven_joints_are_explained(tmp_path: Path) -> None:
+    """Sensed ones within a tenth of their changes, and better than a motor's."""
+    folder = shared_folder("seven-joints", "they are a Rokae's and a KUKA's recordings")
+    printed = run_benchmark("seven_joints", tmp_path, str(folder)).splitlines()
+    (constant, ours, motor), (still, med, _) = (
+        [float(cell) for cell in line.split("|")[2:5]] for line in printed if "| mean |" in line
+    )
+    assert ours < 0.1 * constant
+    assert ours < 0.5 * motor
+    assert med < 0.1 * still
+    assert (tmp_path / "docs" / "seven_joints.svg").exists()
 
 
 @pytest.mark.slow
