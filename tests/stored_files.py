@@ -69,6 +69,10 @@ def write_mat73(path: Path, time: np.ndarray, channels: Channels) -> None:
         stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
 
 
+def write_npz(path: Path, time: np.ndarray, channels: Channels) -> None:
+    np.savez_compressed(path, time=time, **channels)
+
+
 def write_parquet(path: Path, time: np.ndarray, channels: Channels) -> None:
     frame(time, channels).to_parquet(path)
 
@@ -162,6 +166,7 @@ WRITERS: dict[str, tuple[str, Callable[..., None]]] = {  # file, and how it is w
     "hdf5": ("run.h5", write_hdf5),
     "mat": ("run.mat", write_mat),
     "mat 7.3": ("run73.mat", write_mat73),
+    "npz": ("run.npz", write_npz),
     "parquet": ("run.parquet", write_parquet),
     "feather": ("run.feather", write_feather),
     "channel-files": ("run", write_channel_files),

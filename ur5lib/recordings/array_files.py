@@ -1,4 +1,4 @@
-"""Arrays by their names in a file: HDF5, MAT, Parquet, Feather, text files of one channel each."""
+"""Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather, text files of one channel."""
 
 import importlib
 import re
@@ -150,6 +150,24 @@ def _leaves(part: dict[str, Any], above: str = "") -> Iterator[tuple[str, np.nda
             yield from _leaves(value, f"{above}{name}/")
         elif isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.ndim in (1, 2):
             yield above + name, value
+
+
+@array_format("npz", "a NumPy archive", ".npz")
+def npz_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the arrays of numbers by name."""
+    with np.load(path) as archive:
+        names = [name for name in archive if wanted is None or name in wanted]
+        return dict(_leaves({name: _plain(archive, name) for name in names}))
+
+
+def _plain(archive: Any, name: str) -> np.ndarray | None:
+    """Return an array of a NumPy archive, None for Python objects: to load them would run code."""
+    try:
+        return np.asarray(archive[name])
+    except ValueError as error:
+        if "allow_pickle" in str(error):
+            return None
+        raise
 
 
 @array_format("channel-files", "a folder of text files")
