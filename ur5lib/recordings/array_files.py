@@ -1,4 +1,4 @@
-"""Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather, text files of one channel."""
+"""Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather, text files of a channel."""
 
 import importlib
 import re
