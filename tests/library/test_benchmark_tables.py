@@ -70,7 +70,7 @@ def simulate(monkeypatch: pytest.MonkeyPatch, *arguments: str, stop: int = -1) -
     """Return the seeds that a quick run computes here, until it is interrupted at one."""
     computed: list[int] = []
 
-    def rows(seed: int, _: int, names: Collection[str]) -> Iterator[dict[str, Any]]:
+    def rows(seed: int, _: int, __: float, names: Collection[str]) -> Iterator[dict[str, Any]]:
         if seed == stop:
             raise KeyboardInterrupt
         computed.append(seed)
