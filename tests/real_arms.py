@@ -1,7 +1,8 @@
 """Recordings of the real arms, taken through the workflow's steps up to the contact force.
 
-Studies are the workflow's own, arms as they are described: no link model is identified anew. What
-takes seconds, the smoother and fits of currents, is kept in a folder for all tests of a session.
+Studies are the workflow's own. Of one that another test has built, arm, motion and fit are taken;
+else arms are as they are described, and what takes seconds, the smoother and fits of currents, is
+kept in a folder for all tests of a session.
 """
 
 import zlib
@@ -59,11 +60,13 @@ PRIOR = ContactPrior()
 class RealRecording:
     """A recording as far as it has to do with no other: signals, motion, torques.
 
-    motion_file: where its smoothed motion is kept; sensor_clock: of its force sensor, if any.
+    arm_file: the arm's description; motion_file: where its smoothed motion is kept; sensor_clock:
+    of its force sensor, if any.
     """
 
     entry: Recording
     settings: Settings
+    arm_file: Path
     motion_file: Path
     sensor_clock: Clock | None = None
 
@@ -73,7 +76,7 @@ class RealRecording:
 
     @cached_property
     def robot(self) -> Robot:
-        return load_robot(robot_path(self.entry.robot)).mounted(self.entry.gravity)
+        return load_robot(self.arm_file).mounted(self.entry.gravity)
 
     @cached_property
     def intake(self) -> Intake:
@@ -156,6 +159,12 @@ class RealStudy:
         self.entries = {recording.name: recording for recording in self.study.recordings}
         self.recording = cache(self._recording)
 
+    @cached_property
+    def built(self) -> Path | None:
+        """The results of the study, where the workflow built it for another test."""
+        folder = self.kept.parent / self.study.study / "results" / self.study.study
+        return folder if folder.exists() else None
+
     def names(self, *roles: str) -> list[str]:
         """Of the recordings with these roles."""
         return [name for name, entry in self.entries.items() if entry.role in roles]
@@ -164,12 +173,12 @@ class RealStudy:
         return [self.recording(name) for name in names]
 
     def _recording(self, name: str) -> RealRecording:
-        file = self.kept / self.study.study / f"{name}.parquet"
-        built = self.kept.parent / f"{self.study.study}/results/{self.study.study}/recordings"
-        if (built / name / "motion.parquet").exists():  # by the workflow, for another test
-            file = built / name / "motion.parquet"
-        clock = self.sensor_clocks.get(name)
-        return RealRecording(self.entries[name], self.study.settings, file, clock)
+        entry, clock = self.entries[name], self.sensor_clocks.get(name)
+        arm, motion = robot_path(entry.robot), self.kept / self.study.study / f"{name}.parquet"
+        if self.built is not None:
+            arm = self.built / "parameters" / entry.robot / "arm.yaml"
+            motion = self.built / "recordings" / name / "motion.parquet"
+        return RealRecording(entry, self.study.settings, arm, motion, clock)
 
     @cached_property
     def sensor_clocks(self) -> dict[str, Clock]:
@@ -209,7 +218,9 @@ class RealStudy:
         ones, terms = self.recordings(names), self.study.settings.friction.terms
         key = zlib.crc32(repr((names, shown)).encode())
         file = self.kept / self.study.study / f"friction_{key}.json"
-        if not file.exists():
+        if self.built is not None and not shown and names == self.names("fit"):
+            file = self.built / "parameters" / ones[0].entry.robot / "friction.json"
+        elif not file.exists():
             records = [one.record for one in ones]
             prior = self.prior(shown or names)
             write_json(fitted_friction(records, prior, self.smooth, terms), file)

@@ -511,22 +511,27 @@ def test_logs_without_names(ur10e_data: Path) -> None:
         import_files([ur10e_data / "ur-20_01_17-p1.csv"], [])
 
 
-@pytest.mark.parametrize(("joint", "robot"), [(1, "ur10e"), (2, ""), (6, "")])
+WHOLE = ["actual_current", "target_current", "target_moment"]
+
+
+@pytest.mark.parametrize(("joint", "robot"), [(1, "ur10e"), (6, "")])
 def test_runs_of_one_joint(ur10e_data: Path, joint: int, robot: str) -> None:
-    """What they do not prove is assumed: the order from base to wrist, the folder's arm."""
+    """What they do not prove is assumed: the order from base to wrist, the folder's arm.
+
+    By itself, no effort of joint 1 has a unit, as gravity does not change.
+    """
     entry, comments = entry_and_comments(ur10e_data / f"ur-20_01_22-joint_{joint}.csv", robot=robot)
     assert entry["robot"] == "ur10e"
     assert entry["columns"][:3] == ["time", "actual_q", "actual_qd"]
-    whole = ["actual_current", "target_current", "target_moment"]
-    assert entry["columns"][3:] == (whole if joint > 1 else ["-"] * 18)
+    assert entry["columns"][3:] == (WHOLE if joint > 1 else ["-"] * 18)
     assert joint == 6 or "assumed: the joints' order, base to wrist" in comments
 
 
 def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> None:
-    """By itself, no effort of it has a unit, as gravity does not change."""
     paths = [ur10e_data / f"ur-20_01_22-joint_{joint}.csv" for joint in (1, 2)]
     one, other = import_files(paths, [])
     assert one.entry["columns"] == other.entry["columns"]
+    assert other.entry["columns"][3:] == WHOLE
     assert one.entry["file"] != other.entry["file"]
     assert "columns, units and robot as in" in "".join(one.comments)
 

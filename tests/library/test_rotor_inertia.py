@@ -3,22 +3,13 @@
 from dataclasses import astuple
 
 import numpy as np
-import pytest
 
 from tests.real_arms import RealStudy
 from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
 from ur5lib.pipeline.controller_torque import rotor_samples
-from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 Sample = tuple[Array, Array, Array]  # residual, qd, qdd
-
-FITTED = [
-    "Movement_No1",
-    "Movement_No4_Acc",
-    "Movement_No5_Acc_slow_no_disturbance",
-    "Movement_No6_Acc_slow_Verify_Model",
-]
 UR10E_FITTED = [
     "ur-20_01_17-ptp_10_points",
     "ur-20_01_31-unload",
@@ -27,7 +18,6 @@ UR10E_FITTED = [
 ]
 MAKER = np.array([6.02, 6.02, 1.915, 0.612, 0.612, 0.612])  # rotors times gear ratio squared
 INERTIA = np.array([1.6, 1.6, 1.9, 0.16, 0.16, 0.16])
-STUDENT = 3.18  # 95 % point of Student's t for the three degrees of freedom of four recordings
 
 
 def made_up(seed: int, count: int = 2000, error: float = 0.05) -> Sample:
@@ -97,28 +87,6 @@ def sample(study: RealStudy, name: str) -> Sample:
     found = rotor_samples(one.robot, one.signals, one.motion, study.motion_lowpass)
     assert found is not None
     return found
-
-
-@pytest.fixture(scope="module")
-def ur5_rotors(real_ur5: RealStudy) -> RotorFit:
-    """What it predicts of other recordings is judged in tests/artefacts/test_thesis.py."""
-    return fit([sample(real_ur5, name) for name in FITTED])
-
-
-def test_a_controllers_model_has_neither_offset_nor_friction(ur5_rotors: RotorFit) -> None:
-    for value, error in list(
-        zip(*map(astuple, (ur5_rotors.value, ur5_rotors.std_error)), strict=True)
-    )[1:]:
-        assert (np.abs(value) < STUDENT * error).all()
-        assert (np.abs(value) < 0.02).all()
-
-
-def test_the_rotors_of_the_ur5(ur5: Robot, ur5_rotors: RotorFit) -> None:
-    """Known to a few percent, and the same as those of the robot's description."""
-    inertia, error = ur5_rotors.value.inertia, ur5_rotors.std_error.inertia
-    assert (error < 0.05 * inertia).all()
-    described = np.array(ur5.models["C+rotors"].rotor_inertias)
-    np.testing.assert_allclose(inertia, described, atol=0.0, rtol=0.03)
 
 
 def test_the_rotors_of_the_ur10e_are_the_makers(real_ur10e: RealStudy) -> None:

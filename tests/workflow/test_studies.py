@@ -40,15 +40,6 @@ recordings:
     format: thesis-csv
     role: fit
     simulate: {seconds: 10, trajectory: {kind: standstill}, seed: 1}
-  - name: rest_pushed
-    robot: ur5
-    format: thesis-csv
-    role: contact
-    simulate:
-      trajectory: {kind: standstill}
-      seed: 6
-      force_sensor: {}
-      contacts: [{kind: push, start_s: 3, seconds: 2, force: [-30, 30, -60]}]
 """
 PRESSED = """\
 study: pressed
