@@ -127,9 +127,13 @@ def test_hand_led_currents_are_explained_by_none() -> None:
     assert found.refused.code == "unknown torques"
 
 
-@pytest.mark.parametrize(("known", "refused"), [(2, True), (3, False)])
-def test_a_force_needs_three_joints(fit: CurrentFit, known: int, refused: bool) -> None:
-    shares = np.where(np.arange(6) < known, 0.5, -0.5)
+@pytest.mark.parametrize(
+    ("known", "joints", "refused"), [(2, 6, True), (3, 6, False), (2, 2, False)]
+)
+def test_a_force_needs_three_joints_or_all(
+    fit: CurrentFit, known: int, joints: int, refused: bool
+) -> None:
+    shares = np.where(np.arange(joints) < known, 0.5, -0.5)
     others = Friction(explained=shares, fit=fit, paths=2)
     told = residual_models([], others, 2.0).refused
     assert (told == remark("unknown torques", joints=[3, 4, 5, 6])) == refused

@@ -42,6 +42,24 @@ def test_a_payload_comes_back_with_the_friction_it_adds(fitted: CurrentFit) -> N
     np.testing.assert_allclose(payload.parameters, CARRIED, atol=0.01)
 
 
+def test_what_motion_does_not_tell_stays_unknown_however_precise_the_torque(
+    fitted: CurrentFit,
+) -> None:
+    """Of an arm in a plane: a moment that no joint feels, another that only the mass's torque has.
+
+    Of equal priors, what is known of a combination is shared by the squares of its weights.
+    """
+    record = make_record(50)
+    plane = regressor(record)
+    plane[..., 1], plane[..., 2] = 0.0, 0.5 * plane[..., 0]
+    heavy = replace(record, torque=record.torque + plane @ [2.5, 0.0, 0.0])
+    exact = replace(record, current=predict(fitted, heavy))
+    for unit in (1.0, 1e-8):  # of what is estimated
+        payload = estimate_payload(fitted, exact, plane / unit, smooth)
+        np.testing.assert_allclose(payload.parameters, [2.0 * unit, 0.0, 1.0 * unit], rtol=0.02)
+        assert (payload.std_error[1:] > 10.0).all()
+
+
 def loaded(fitted: CurrentFit, seed: int, when: np.ndarray | float = 1.0) -> Record:
     """A recording that carries a load, all along or in part (N,)."""
     record = make_record(seed)

@@ -22,6 +22,7 @@ JOINTS = 0.3  # relative error of a joint's torque under a load: before its scal
 LEFT = 0.1  # and after
 HALF = float(ndtri(0.975))  # of a 95 % interval, in standard deviations
 PARTS = 3  # of a run, each of which must show the load
+DEPENDENT = 1e-9  # of the longest: what is shorter is rounding
 WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
 
 
@@ -193,11 +194,19 @@ def estimate_payload(
 
 
 def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
-    """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean."""
+    """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean.
+
+    What the columns do not tell, as of an arm that moves in a plane, keeps that mean: solved
+    together, rounding would let precise data outweigh the prior there.
+    """
     repeated = np.repeat(np.arange(len(block)), count[block])
     size = columns.shape[1]
-    wide = Normal(known, np.eye(size) / WIDE**2)
-    return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients
+    triangle = np.linalg.qr(np.concatenate([columns, np.zeros((size, size))]), mode="r")
+    _, length, axes = np.linalg.svd(triangle)
+    rows = columns[repeated] @ np.where(length > DEPENDENT * length[0], axes.T, 0.0)
+    wide = Normal(axes @ known, np.eye(size) / WIDE**2)
+    found = regress(rows, torque[repeated], block[repeated], wide).coefficients
+    return np.asarray(axes.T @ found)
 
 
 def _drawn(fit: CurrentFit, generator: np.random.Generator) -> CurrentFit:

@@ -50,7 +50,7 @@ REST = 10.0  # s, below which hardly anything shows what friction holds at rest
 # joints (0.4, 0.15); in motion, theirs (0.55 to 0.8) exceeds that of a wrong level of friction.
 USUAL_SPEED, LOADED = 0.5, 3.0
 FAST = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
-DIRECTIONS = 3  # of a force: as many joints must have a known torque
+DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
 
 
 def residual_models(
@@ -63,7 +63,7 @@ def residual_models(
     """
     if friction.explained is not None:
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
-        if len(friction.explained) - len(unknown) < DIRECTIONS:
+        if len(friction.explained) - len(unknown) < min(DIRECTIONS, len(friction.explained)):
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
     fit, paths = friction.fit, friction.paths
     models, refused = dict[str, ResidualModel](), None

@@ -131,7 +131,7 @@ def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], 
     # Margins of its own: a layout that looks for room takes a third of the drawing time.
     figure.subplots_adjust(0.105, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.27, hspace=0.3)
     ratios = [2, 1] * rows if traces.errors else [1] * rows
-    axes = figure.subplots(pairs * rows, 2, sharex=True, height_ratios=ratios)
+    axes = figure.subplots(pairs * rows, 2, sharex=True, squeeze=False, height_ratios=ratios)
     figure.align_ylabels(axes)
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
