@@ -106,6 +106,14 @@ def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
             np.testing.assert_allclose(slopes, [1 / fitted[joint], 1 / known[joint]])
 
 
+@pytest.mark.parametrize(("sensed", "unit"), [(False, "[A]"), (True, "[Nm]")])
+def test_what_a_joint_measures_has_its_unit(sensed: bool, unit: str) -> None:
+    samples = MovingSamples(*np.random.default_rng(0).normal(size=(6, 50, 6)))
+    figures = friction_figures(samples, np.ones(6), np.ones(6), sensed)
+    assert figures["current_torque"].figure.axes[0].get_ylabel().endswith(unit)
+    assert figures["residuals"].figure.axes[0].get_ylabel().endswith(unit)
+
+
 def test_errors_stand_under_values() -> None:
     time = np.arange(50.0)
     wrong = {"estimate": (np.full((50, 6), 0.5), "joint")}

@@ -15,7 +15,7 @@ from ur5lib.robots.description import CurrentToTorque
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.1  # s between the samples that are drawn
-CURRENT = "i_{} [A]"
+CURRENT, SENSED = ("i_{} [A]", "A"), ("sensed τ_{} [Nm]", "Nm")  # label and unit
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,15 @@ class MovingSamples:
         return cls(*map(np.concatenate, arrays))
 
 
-def friction_figures(samples: MovingSamples, constant: Array, known: Array) -> dict[str, Drawing]:
+def friction_figures(
+    samples: MovingSamples, constant: Array, known: Array, sensed: bool = False
+) -> dict[str, Drawing]:
     """Return the four figures by name.
 
-    constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it.
+    constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; sensed:
+    whether sensed torques take the currents' place.
     """
+    measured_axis, unit = SENSED if sensed else CURRENT
     friction = constant * samples.predicted - samples.torque
     needed = samples.torque + friction
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
@@ -75,13 +79,13 @@ def friction_figures(samples: MovingSamples, constant: Array, known: Array) -> d
     }
     return {
         "current_torque": scatter_panels(
-            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", CURRENT), lines
+            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", measured_axis), lines
         ),
         "current_torque_friction": scatter_panels(
-            needed, samples.current, ("τ_{} with friction [Nm]", CURRENT), lines
+            needed, samples.current, ("τ_{} with friction [Nm]", measured_axis), lines
         ),
         "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
-        "residuals": residual_panels(samples.current - samples.predicted, against, "A"),
+        "residuals": residual_panels(samples.current - samples.predicted, against, unit),
     }
 
 
@@ -89,7 +93,7 @@ def without_friction(samples: CurrentTorque | None) -> Drawing:
     """Draw Figure 6.1: torque of rigid links."""
     if samples is None:
         return nothing_to_draw()
-    return scatter_panels(samples.rigid, samples.current, ("τ_{} of rigid links [Nm]", CURRENT))
+    return scatter_panels(samples.rigid, samples.current, ("τ_{} of rigid links [Nm]", CURRENT[0]))
 
 
 def with_friction(samples: CurrentTorque | None, constants: CurrentToTorque | None) -> Drawing:
@@ -99,4 +103,4 @@ def with_friction(samples: CurrentTorque | None, constants: CurrentToTorque | No
     torque = samples.total
     ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
     lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
-    return scatter_panels(torque, samples.current, ("τ_{} with friction [Nm]", CURRENT), lines)
+    return scatter_panels(torque, samples.current, ("τ_{} with friction [Nm]", CURRENT[0]), lines)

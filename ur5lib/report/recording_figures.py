@@ -99,13 +99,16 @@ def older_torque_figure(
     return draw_lines(signals, lines, TORQUE, {"[21], printed mean": (mean, "second")})
 
 
-def current_figure(signals: Signals, currents: Currents) -> Drawing:
-    """Return the measured current and that predicted for motion without contact."""
+def current_figure(signals: Signals, currents: Currents, sensed: bool) -> Drawing:
+    """Return the measured current and that predicted for motion without contact.
+
+    sensed: whether they are torques that the joints sense.
+    """
     lines: Lines = {
-        "actual_current": (signals.actual_current, "measured"),
+        "actual_torque" if sensed else "actual_current": (signals.actual_current, "measured"),
         "predicted without contact": (currents.predicted_current, "joint"),
     }
-    return draw_lines(signals, lines, CURRENT)
+    return draw_lines(signals, lines, TORQUE if sensed else CURRENT)
 
 
 def acceleration_figure(accelerations: Accelerations) -> Drawing:

@@ -178,7 +178,7 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
     Fitted terms that the stand's friction does not have are left out.
     """
     truths = {
-        "torque_constant": ("Nm/A", drive.torque_constant),
+        "torque_constant": ("1" if friction.senses_torque() else "Nm/A", drive.torque_constant),
         "offset": ("Nm", 0 * drive.torque_constant if drive.offset is None else drive.offset),
         "coulomb": ("Nm", true["coulomb"]),
         "viscous": ("Nm s/rad", true["viscous"]),

@@ -30,5 +30,6 @@ def draw_friction(input: Any, output: Any, params: Any) -> None:
             if record is not None:
                 parts.append(MovingSamples.from_record(record, fit, smooth))
     samples = MovingSamples.joined(parts, len(constant))
-    for name, figure in friction_figures(samples, constant, known).items():
+    figures = friction_figures(samples, constant, known, friction.senses_torque())
+    for name, figure in figures.items():
         save(figure, output[name])
