@@ -11,7 +11,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -31,6 +31,29 @@ FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose, a twist or a wrench
 NAMES = ("study", "recording", "robot", "model", "fitted_on", "tested_on")  # columns of any text
 Column = NDArray[Any]
 Record = TypeVar("Record")
+Value = TypeVar("Value")
+
+
+class ByKey(Mapping[str, Value]):
+    """Values by key, each loaded when it is used."""
+
+    def __init__(self, loads: Mapping[str, Callable[[], Value]]) -> None:
+        self._loads = loads
+
+    def __getitem__(self, key: str) -> Value:
+        return self._loads[key]()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._loads)
+
+    def __len__(self) -> int:
+        return len(self._loads)
+
+    def __or__(self, other: Mapping[str, Value]) -> dict[str, Value]:
+        return {**self, **other}
+
+    def __ror__(self, other: Mapping[str, Value]) -> dict[str, Value]:
+        return {**other, **self}
 
 
 def unit(column: str) -> str:

@@ -3,15 +3,13 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from scipy.spatial import ConvexHull
 
-from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
+from ur5lib.report.house_style import JOINTS, WIDTH, Drawing, house_style
 from ur5lib.robots.description import Cylinder, DenavitHartenberg, Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
@@ -94,9 +92,8 @@ def mass_panels(joints: Array, models: Mapping[str, MassModel]) -> Drawing:
     panels = min(IN_A_ROW, len(models))
     rows = -(-len(models) // panels)
     height = min(4.6, WIDTH / panels * (high - low)[1] / (high - low)[0])
-    with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, rows * (height + 0.3) + 0.3), layout="constrained")
-        axes = figure.subplots(rows, panels, sharex=True, sharey=True, squeeze=False)
+    tall = rows * (height + 0.3) + 0.3
+    with house_style(tall, rows, panels, sharex=True, sharey=True) as (figure, axes):
         for axis in axes.flat[len(models) :]:
             axis.set_visible(False)
         for axis, (name, model) in zip(axes.flat, models.items(), strict=False):
@@ -147,9 +144,7 @@ def frame_panels(
     rotation: (n + 1, 3, 3), origin: (n + 1, 3) [m], of frames 0 to n in the base frame;
     parameters: none of an arm that is described otherwise.
     """
-    with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
-        whole, wrist = figure.subplots(1, 2, width_ratios=[1, 1.6])
+    with house_style(4.4, 1, 2, width_ratios=[1, 1.6]) as (figure, ((whole, wrist),)):
         last = len(origin) - 1
         half = last // 2
         parts = (

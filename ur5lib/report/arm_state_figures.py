@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from ur5lib.report.cells import flange_speeds
-from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, SHADE, WIDTH, Drawing, nothing_to_draw
+from ur5lib.report.house_style import JOINTS, SHADE, Drawing, house_style, nothing_to_draw
 from ur5lib.timeseries.metrics import NORMAL95
 
 PANELS = {
@@ -25,6 +25,7 @@ PANELS = {
 }
 HEIGHT = 7.4  # inches, of six rows of panels
 MARKS = ("o", "s", "^", "v", "D", "P", "X", "*")
+SMALL: Any = {"axes.titlesize": 7.5, "xtick.labelsize": 6.5}
 SLOWEST = 0.003  # rad/s, where the axis of speeds begins
 PALE: Any = SHADE | {"alpha": 0.06}  # a drift, which lasts all the time
 
@@ -38,9 +39,8 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame) -> Drawing:
     if rows.empty:
         return nothing_to_draw()
     shown = [name for name in PANELS if name in {*rows["quantity"]}]
-    with matplotlib.rc_context({**HOUSE_STYLE, "axes.titlesize": 7.5, "xtick.labelsize": 6.5}):
-        figure = Figure(figsize=(WIDTH, HEIGHT / 6 * len(shown)), layout="constrained")
-        panels = figure.subplots(len(shown), int(rows["joint"].max()), sharex=True, squeeze=False)
+    size = HEIGHT / 6 * len(shown), len(shown), int(rows["joint"].max())
+    with matplotlib.rc_context(SMALL), house_style(*size, sharex=True) as (figure, panels):
         for row, quantity in zip(panels, shown, strict=True):
             for joint, axis in enumerate(row, start=1):
                 _panel(axis, rows[(rows["quantity"] == quantity) & (rows["joint"] == joint)])
@@ -112,9 +112,7 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
     )
     if felt.empty and held.empty:
         return nothing_to_draw()
-    with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
-        left, right = figure.subplots(1, 2)
+    with house_style(2.9, 1, 2) as (figure, ((left, right),)):
         _pushes(left, felt, most)
         _shares(right, held, wanted)
     return Drawing(figure, pd.concat([felt, held], ignore_index=True))

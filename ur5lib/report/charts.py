@@ -4,18 +4,15 @@ import re
 from collections.abc import Mapping, Sequence
 from itertools import cycle
 
-import matplotlib
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from ur5lib.report.house_style import (
     DOTS,
     FITTED_DOTS,
-    HOUSE_STYLE,
     JOINTS,
-    WIDTH,
     Drawing,
+    house_style,
     nothing_to_draw,
 )
 from ur5lib.timeseries.arrays import Array
@@ -38,10 +35,9 @@ def scatter_panels(
     """
     if np.isnan(x).all():
         return nothing_to_draw()
-    with matplotlib.rc_context(HOUSE_STYLE):
-        rows = -(-x.shape[1] // 3)
-        figure = Figure(figsize=(WIDTH, 2.2 * rows), layout="constrained")
-        axes_of = figure.subplots(rows, 3).flat
+    rows = -(-x.shape[1] // 3)
+    with house_style(2.2 * rows, rows, 3) as (figure, panels):
+        axes_of = panels.flat
         for empty in axes_of[x.shape[1] :]:
             empty.set_visible(False)
         for joint, axis in enumerate(axes_of[: x.shape[1]]):
@@ -70,10 +66,9 @@ def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) ->
     """Draw residuals (N, n), a row of panels per joint, a column per explanatory variable."""
     if np.isnan(residual).all():
         return nothing_to_draw()
-    with matplotlib.rc_context(HOUSE_STYLE):
-        joints = residual.shape[1]
-        figure = Figure(figsize=(WIDTH, 7.0 * joints / 6), layout="constrained")
-        rows = figure.subplots(joints, len(against), sharey="row", squeeze=False)
+    joints = residual.shape[1]
+    size = 7.0 * joints / 6, joints, len(against)
+    with house_style(*size, sharey="row") as (figure, rows):
         for joint, row in enumerate(rows):
             for axis, (name, values) in zip(row, against.items(), strict=True):
                 axis.plot(values[:, joint], residual[:, joint], ".", color=JOINTS[joint], **DOTS)
@@ -87,9 +82,7 @@ def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) ->
 
 def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz") -> Drawing:
     """Draw the gain of filters over frequency, both logarithmic. gains: six at most, (K,)."""
-    with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
-        axis = figure.subplots()
+    with house_style(3.2) as (figure, ((axis,),)):
         dashes = cycle(["-", "--", ":"])
         for (label, gain), colour in zip(gains.items(), JOINTS[: len(gains)], strict=True):
             axis.loglog(frequency, gain, next(dashes), label=label, color=colour)
@@ -110,9 +103,7 @@ def calibration_panels(
     """
     if not held:
         return nothing_to_draw()
-    with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
-        axes = figure.subplots(1, len(held), sharey=True, squeeze=False)[0]
+    with house_style(2.8, 1, len(held), sharey=True) as (figure, (axes,)):
         for axis, (estimate, during) in zip(axes, held.items(), strict=True):
             axis.plot([0, 100], [0, 100], color="black", linewidth=0.8)
             for (name, shares), line in zip(during.items(), ("o-", "o:"), strict=False):

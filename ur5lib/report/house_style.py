@@ -4,7 +4,8 @@ a paper's column.
 
 import re
 from base64 import b64decode, b64encode
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -111,6 +112,19 @@ class Drawing(NamedTuple):
     figure: Figure
     data: pd.DataFrame
     styles: tuple[str, ...] = ()
+
+
+@contextmanager
+def house_style(
+    height: float, rows: int = 1, columns: int = 1, **layout: Any
+) -> Iterator[tuple[Figure, Any]]:
+    """Provide a figure as wide as a page and its panels (rows, columns), to draw in house style.
+
+    height: in inches; layout: further arguments of `Figure.subplots`.
+    """
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        yield figure, figure.subplots(rows, columns, squeeze=False, **layout)
 
 
 def nothing_to_draw() -> Drawing:

@@ -2,11 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ur5lib.pipeline.estimators import NEW
 from ur5lib.pipeline.records.accelerations import Accelerations
@@ -15,7 +13,7 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing, nothing_to_draw
+from ur5lib.report.house_style import JOINTS, Drawing, house_style, nothing_to_draw
 from ur5lib.report.traces import (
     ACCELERATION,
     CURRENT,
@@ -225,9 +223,8 @@ def packet_figure(signals: Signals) -> Drawing:
     if not len(late):
         return nothing_to_draw()
     lost = signals.time[signals.interpolated]
-    with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
-        above, middle, below = figure.subplots(3, 1, height_ratios=[2, 1, 2])
+    with house_style(4.2, 3, height_ratios=[2, 1, 2]) as (figure, panels):
+        above, middle, below = panels[:, 0]
         above.sharex(middle)
         above.plot(time, steps, ".", color=RECEIVED, markersize=2.5, rasterized=True)
         _draw_speed(middle, signals)

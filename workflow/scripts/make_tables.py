@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.report.reference import read_reference
-from ur5lib.report.tables.making import LazyResults, declarations, joined, make_table
+from ur5lib.report.tables.making import declarations, joined, lazy_results, make_table
 from ur5lib.tables import write_csv
 
 
@@ -11,7 +11,7 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
     declared = declarations()
     parts = output.keys() - declared.keys()  # tables that a step writes for each recording or arm
     kinds = {
-        kind: LazyResults(kind, paths)
+        kind: lazy_results(kind, paths)
         for kind, paths in input.items()
         if kind != "reference" and kind not in parts
     }

@@ -6,9 +6,9 @@ from and written to a table by these declarations alone.
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, fields
-from functools import partial
+from functools import cache, partial
 from itertools import count, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 import pandas as pd
 
-from ur5lib.tables import column_names, read_columns, write_table
+from ur5lib.tables import ByKey, column_names, read_columns, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import period
 
@@ -71,7 +71,8 @@ class Channel:
             return self._array(source, self.name) if self.is_in(source, self.name) else None
         names = {key: self.name.format(key) for key in self._found(source.names)}
         whole = {key: name for key, name in names.items() if self.is_in(source, name)}
-        return ByKey({key: partial(self._array, source, name) for key, name in whole.items()})
+        loads = {key: partial(self._array, source, name) for key, name in whole.items()}
+        return ByKey({key: cache(load) for key, load in loads.items()})
 
     def is_in(self, source: "Source", name: str) -> bool:
         """Return whether a table has all columns; name: the channel's, its key filled in."""
@@ -94,30 +95,6 @@ class Channel:
         pattern = re.compile(re.escape(self.columns(self.name)[0]).replace(r"\{\}", "(.+)"))
         found = [match[1] for name in names if (match := pattern.fullmatch(name))]
         return [key for key in self.keys if key in found] if self.keys else found
-
-
-class ByKey(Mapping[str, Array]):
-    """Arrays by key, each loaded when it is first used."""
-
-    def __init__(self, loads: Mapping[str, Callable[[], Array]]) -> None:
-        self._loads, self._loaded = loads, dict[str, Array]()
-
-    def __getitem__(self, key: str) -> Array:
-        if key not in self._loaded:
-            self._loaded[key] = self._loads[key]()
-        return self._loaded[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._loads)
-
-    def __len__(self) -> int:
-        return len(self._loads)
-
-    def __or__(self, other: Mapping[str, Array]) -> dict[str, Array]:
-        return {**self, **other}
-
-    def __ror__(self, other: Mapping[str, Array]) -> dict[str, Array]:
-        return {**other, **self}
 
 
 class Source(NamedTuple):

@@ -3,7 +3,7 @@
 Tidy: one value a row, SI units, joints from 1.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
@@ -33,7 +33,7 @@ from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.strict import Strict, read_yaml
-from ur5lib.tables import read_cells, read_record
+from ur5lib.tables import ByKey, read_cells, read_record
 
 GROUPS: dict[str, ModuleType] = {
     "files": files,
@@ -79,24 +79,13 @@ class Declared(Strict):
     columns: list[str]
 
 
-class LazyResults(Mapping[str, Any]):
-    """The results of a kind by recording or arm, read on access; JSON, which is small, is cached.
+def lazy_results(kind: str, paths: Sequence[str]) -> ByKey[Any]:
+    """Return the results of a kind by recording or arm, read on access; JSON, small, is cached.
 
     paths: each lies in the folder of its recording or arm.
     """
-
-    def __init__(self, kind: str, paths: Sequence[str]) -> None:
-        self._read = READERS.get(kind) or cache(partial(read_record, RECORDS[kind]))
-        self._files = {Path(path).parent.name: path for path in paths}
-
-    def __getitem__(self, name: str) -> Any:
-        return self._read(self._files[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._files)
-
-    def __len__(self) -> int:
-        return len(self._files)
+    read = READERS.get(kind) or cache(partial(read_record, RECORDS[kind]))
+    return ByKey({Path(path).parent.name: partial(read, path) for path in paths})
 
 
 @cache
