@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,6 +42,19 @@ Differences = Callable[[float], Mapping[str, Array]]
 """Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""
 
 
+class BesideImu(NamedTuple):
+    """A recording with an IMU, and its acceleration by motions (N, 6), see `at_the_imu`.
+
+    robot: under the recording's gravity.
+    """
+
+    robot: Robot
+    signals: Signals
+    kinematics: Kinematics
+    modelled: Mapping[str, Array]
+    calibration: ImuCalibration
+
+
 def at_the_imu(
     robot: Robot,
     kinematics: Kinematics,
@@ -57,19 +70,11 @@ def at_the_imu(
     }
 
 
-def as_calibrated(
-    robot: Robot,
-    signals: Signals,
-    kinematics: Kinematics,
-    modelled: Mapping[str, Array],
-    calibration: ImuCalibration,
-    design: Butterworth,
-) -> tuple[Array, dict[str, Array], Array]:
+def as_calibrated(known: BesideImu, design: Butterworth) -> tuple[Array, dict[str, Array], Array]:
     """Return the calibrated IMU's acceleration and the modelled ones there (N, 6), low-passed
     without delay, and the accelerometer's bias (3,) [m/s²], this recording's own.
-
-    robot: under the recording's gravity; modelled: see `at_the_imu`.
     """
+    robot, signals, kinematics, modelled, calibration = known
     bias = accelerometer_bias(imu_samples(robot, signals, kinematics, design), calibration)
     accelerometer = signals.imu[:, :3] - bias
     axes, up = kinematics.rotation @ calibration.axes(), calibration.up(np.array(robot.gravity))
@@ -79,15 +84,14 @@ def as_calibrated(
     return smooth(felt), {name: smooth(values) for name, values in modelled.items()}, bias
 
 
-def as_published(
-    robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
-) -> tuple[Array, dict[str, Array]]:
+def as_published(known: BesideImu, by_stamps: Array) -> tuple[Array, dict[str, Array]]:
     """Return accelerations of IMU and Euler angles, (N, 6), as in Section 5.5: an IMU
     without calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as
     printed and put right.
 
     by_stamps: the IMU's reading (N, 6), placed by its start stamp.
     """
+    robot, signals, kinematics, *_ = known
     up, turning = AS_DRAWN.up(np.array(robot.gravity)), derivative(signals, by_stamps[:, 3:])
     felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
     smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
@@ -111,23 +115,14 @@ def through_angles(signals: Signals, kinematics: Kinematics, printed: bool) -> A
 
 
 def compared(
-    robot: Robot,
-    signals: Signals,
-    kinematics: Kinematics,
-    modelled: Mapping[str, Array],
-    calibration: ImuCalibration,
-    design: Butterworth,
-    by_stamps: Array,
+    known: BesideImu, design: Butterworth, by_stamps: Array
 ) -> tuple[Accelerations, Array]:
-    """Return the accelerations by both routes, and the accelerometer's bias (3,) [m/s²].
-
-    Arguments as of `as_calibrated` and `as_published`.
-    """
-    felt, ours, bias = as_calibrated(robot, signals, kinematics, modelled, calibration, design)
-    published_felt, published = as_published(robot, signals, kinematics, by_stamps)
+    """Return the accelerations by both routes, and the accelerometer's bias (3,) [m/s²]."""
+    felt, ours, bias = as_calibrated(known, design)
+    published_felt, published = as_published(known, by_stamps)
     accelerations = Accelerations(
-        time=signals.time,
-        segment=signals.segment,
+        time=known.signals.time,
+        segment=known.signals.segment,
         felt=felt,
         acceleration=ours,
         published_felt=published_felt,
@@ -136,21 +131,9 @@ def compared(
     return accelerations, bias
 
 
-def differences(
-    robot: Robot,
-    signals: Signals,
-    kinematics: Kinematics,
-    modelled: Mapping[str, Array],
-    calibration: ImuCalibration,
-    cutoff: float,
-) -> dict[str, Array]:
-    """Return the IMU's acceleration less the modelled ones (N, 6), low-passed at a cut-off [Hz].
-
-    Arguments as of `as_calibrated`.
-    """
-    design = Butterworth(RANGE_ORDER, cutoff)
-    known = robot, signals, kinematics, modelled, calibration
-    felt, estimates, _ = as_calibrated(*known, design)
+def differences(known: BesideImu, cutoff: float) -> dict[str, Array]:
+    """Return the IMU's acceleration less the modelled ones (N, 6), low-passed at a cut-off [Hz]."""
+    felt, estimates, _ = as_calibrated(known, Butterworth(RANGE_ORDER, cutoff))
     return {name: felt - values for name, values in estimates.items()}
 
 

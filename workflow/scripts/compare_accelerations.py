@@ -5,6 +5,7 @@ from typing import Any
 
 from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.end_effector import (
+    BesideImu,
     acceleration_errors,
     at_the_imu,
     by_range,
@@ -43,15 +44,16 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         start = read_record(Quality, input.quality).starts["imu"]
         placed = by_stamps(read_table(input.imu), start, signals.time, "imu")
         kinematics = Kinematics.read(input.kinematics)
-        own = robot.mounted(params.gravity), signals, kinematics
         modelled = at_the_imu(robot, kinematics, motions, calibration)
-        accelerations, bias = compared(*own, modelled, calibration, design, placed)
+        arm = robot.mounted(params.gravity)
+        own = BesideImu(arm, signals, kinematics, modelled, calibration)
+        accelerations, bias = compared(own, design, placed)
         ranged = {"ranges": modelled["encoders"], "plain_ranges": modelled["filterpy"]}
         compared_with_imu = ImuComparison(
             errors=acceleration_errors(accelerations),
             calibrated_on=[*calibration.from_],
             accelerometer_bias=bias,
-            **by_range(partial(differences, *own, ranged, calibration), motion.qd),
+            **by_range(partial(differences, own._replace(modelled=ranged)), motion.qd),
         )
     accelerations.write(output.accelerations)
     write_json(compared_with_imu, output.summary)
