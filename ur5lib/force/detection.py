@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import runs
 
 Span = tuple[int, int]  # first sample, and the one after the last
 
@@ -16,9 +17,7 @@ STEEPNESS = 1.5  # log of the logistic slope: from 25 to 75 % found within a fac
 
 def spans(signal: Array, on: float, off: float) -> list[Span]:
     """Return the stretches above `off` that reach `on`. signal: (N,)."""
-    above = np.concatenate([[False], signal > off, [False]])
-    edges = np.flatnonzero(np.diff(above.astype(np.int64)))
-    stretches = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    stretches = runs(signal > off).tolist()
     return [(first, last) for first, last in stretches if signal[first:last].max() >= on]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, add_finding
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
@@ -69,15 +69,14 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
     if f"{FREE}_0" in table and f"{TORQUE}_0" not in table:
         gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
         table = table.assign(**named(channel(table, FREE) + gravity, TORQUE))
-        findings.append(Finding("robot", "gravity added", "note", len(table), {"arm": arm.name}))
+        add_finding(findings, "robot", "gravity added", "note", len(table), arm=arm.name)
     name = next((name for name in (TORQUE, SENSED) if f"{name}_0" in table), None)
     if name is None or f"{CURRENT}_0" in table:
         return table
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
-        unknown = {"arm": arm.name}
-        findings.append(Finding("robot", "no currents", "warning", len(table), unknown))
+        add_finding(findings, "robot", "no currents", "warning", len(table), arm=arm.name)
         return table
     known = {"name": name, "constants": constants.tolist(), "arm": arm.name}
-    findings.append(Finding("robot", "currents from torques", "note", len(table), known))
+    add_finding(findings, "robot", "currents from torques", "note", len(table), **known)
     return table.assign(**named(channel(table, name) / constants, CURRENT))

@@ -12,7 +12,7 @@ from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated
 
@@ -89,7 +89,8 @@ def repair_frames(
         "incomplete frames": lost,
         "crowded frames": sum(stretch.crowded for stretch in stretches),
     }
-    findings += [Finding("robot", n, "warning", count) for n, count in counts.items() if count]
+    for name, count in counts.items():
+        add_finding(findings, "robot", name, "warning", count)
     return table, timing, findings
 
 
@@ -113,9 +114,7 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
             f"{source}: has no actual_q_0 to actual_q_5; record the joint positions, or name their "
             "columns in the study"
         )
-    if absent:
-        names = {"names": absent}
-        findings.append(Finding("robot", "incomplete channels", "warning", len(absent), names))
+    add_finding(findings, "robot", "incomplete channels", "warning", len(absent), names=absent)
     columns = _vectors(frames)
     dropped = [column for name in absent for column in columns[name]]
     return frames.drop(columns=dropped)
@@ -277,10 +276,9 @@ def _report_steps(timing: Timing, findings: list[Finding]) -> None:
         "median_ms": 1000 * timing.jitter_median,
         "most_ms": 1000 * timing.jitter_99,
     }
-    if not timing.regular:
-        findings.append(Finding("robot", "irregular steps", "note", 1, values))
-    elif timing.jitter_99 > JITTER:
-        findings.append(Finding("robot", "jitter", "note", 1, values))
+    if not timing.regular or timing.jitter_99 > JITTER:
+        name = "jitter" if timing.regular else "irregular steps"
+        add_finding(findings, "robot", name, "note", 1, "", **values)
 
 
 def _report_lost(
@@ -300,4 +298,4 @@ def _report_lost(
             "longest_ms": 1000 * timing.longest_step,
             "filled": filled,
         }
-        findings.append(Finding("robot", "lost frames", "warning", lost, values))
+        add_finding(findings, "robot", "lost frames", "warning", lost, "", **values)

@@ -13,7 +13,7 @@ from ur5lib.recordings.derived import CURRENT, with_currents, with_wrist_sensor
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.quality import Device, Finding, Quality
+from ur5lib.recordings.quality import Device, Finding, Quality, add_finding
 from ur5lib.recordings.recording import DeviceRecord
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
@@ -61,7 +61,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     findings += wrist
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
-        findings.append(Finding("force", "no moments", "note", len(sensed)))
+        add_finding(findings, "force", "no moments", "note", len(sensed))
     motors = [arm.motor(joint) for joint in arm.joint_numbers]
     limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)
@@ -128,18 +128,13 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
     nearest = {name: meant(name) for name in others if name not in unused}
     misspelt = {name: near for name, near in nearest.items() if near is not None}
     unknown = [name for name in others if name not in unused and name not in misspelt]
-    notes = [Finding("force", "assumed frame", "note", 1)] if sensor else []
-    if unread:
-        names = {"names": _some(unread)}
-        notes.append(Finding("robot", "unused wrench", "warning", len(unread), names))
-    if misspelt:
-        near = {"names": _some([*misspelt]), "near": ", ".join(sorted({*misspelt.values()}))}
-        notes.append(Finding("robot", "misspelt channels", "warning", len(misspelt), near))
-    notes += [
-        Finding("robot", kind, "note", len(names), {"names": _some(names)})
-        for kind, names in (("unused channels", unused), ("unknown channels", unknown))
-        if names
-    ]
+    notes: list[Finding] = []
+    add_finding(notes, "force", "assumed frame", "note", sensor)
+    add_finding(notes, "robot", "unused wrench", "warning", len(unread), names=_some(unread))
+    near = {"names": _some([*misspelt]), "near": ", ".join(sorted({*misspelt.values()}))}
+    add_finding(notes, "robot", "misspelt channels", "warning", len(misspelt), "", **near)
+    for kind, names in (("unused channels", unused), ("unknown channels", unknown)):
+        add_finding(notes, "robot", kind, "note", len(names), names=_some(names))
     return table.drop(columns=[*others, *unread]), notes
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 RESET_RUN = 50  # frames; a jump back in time followed by fewer is disorder, not a clock reset
@@ -19,12 +19,11 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """
     frames = drop_repeats(frames, "robot", findings)
     epoch = epochs(frames["time"].to_numpy())
-    if epoch.max() > 0:
-        findings.append(Finding("robot", "clock reset", "warning", int(epoch.max())))
+    add_finding(findings, "robot", "clock reset", "warning", epoch.max())
     ordered = frames.assign(epoch=epoch)
     backwards = int((frames["time"].diff() < 0).sum()) - int(epoch.max())
     if backwards > 0:
-        findings.append(Finding("robot", "frames out of order", "note", backwards))
+        add_finding(findings, "robot", "frames out of order", "note", backwards)
         ordered = ordered.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
     ordered = _nudge_stale_stamps(ordered, findings)
     return _return_lost_data(_drop_stale_data(ordered, findings), findings)
@@ -49,8 +48,7 @@ def drop_repeats(frames: pd.DataFrame, device: Device, findings: list[Finding]) 
     repeated = frames.duplicated()
     if epochs(time[~repeated]).max() > 0:  # after a reset, timestamps may legitimately recur
         repeated = frames.assign(epoch=epochs(time)).duplicated()
-    if repeated.any():
-        findings.append(Finding(device, "repeated frames", "note", int(repeated.sum())))
+    add_finding(findings, device, "repeated frames", "note", repeated.sum())
     return frames[~repeated].reset_index(drop=True)
 
 
@@ -59,7 +57,7 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
     stale = frames.duplicated(["epoch", "time"])
     if not stale.any():
         return frames
-    findings.append(Finding("robot", "stale stamps", "warning", int(stale.sum())))
+    add_finding(findings, "robot", "stale stamps", "warning", stale.sum())
     cycle = frames["time"].diff().loc[lambda step: step > 0].median()
     frames = frames.assign(time=frames["time"] + cycle * stale)
     return frames.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
@@ -77,7 +75,7 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
     noisy = (frames[currents].diff().abs() > 0).any(axis="columns").mean() > 0.9
     if not (same.any() and noisy):
         return frames
-    findings.append(Finding("robot", "stale data", "warning", int(same.sum())))
+    add_finding(findings, "robot", "stale data", "warning", same.sum())
     return frames[~same].reset_index(drop=True)
 
 
@@ -93,7 +91,7 @@ def _return_lost_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataF
     late = after_gap[_one_cycle_late(after_gap, time, q, qd, cycle)]
     if not len(late):
         return frames
-    findings.append(Finding("robot", "late data", "warning", len(late)))
+    add_finding(findings, "robot", "late data", "warning", len(late))
     time = time.copy()
     time[late] -= cycle
     return frames.assign(time=time)

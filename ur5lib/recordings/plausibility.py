@@ -10,9 +10,10 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ur5lib.channels import CHANNELS, MOST_JOINTS, columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Device, Finding, add_finding
 from ur5lib.tables import unit
-from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import runs
 
 FEW = 0.05  # share of frames that may be discarded; more indicates a wrong unit, not damage
 PAUSE = 60.0  # s; a few frames beyond such a pause are strays
@@ -49,10 +50,9 @@ def drop_implausible(
             wrong |= _beyond(frames[bounded], spec.bound, source)
     time = frames["time"].to_numpy(float)
     wrong[~wrong] = stray_times(time[~wrong])
-    if wrong.any():
-        where = {"row": int(np.flatnonzero(wrong)[0]) + 1}
-        name = "impossible frames" if device == "robot" else "impossible samples"
-        findings.append(Finding(device, name, "warning", int(wrong.sum()), where, "impossible"))
+    name = "impossible frames" if device == "robot" else "impossible samples"
+    row = int(np.argmax(wrong)) + 1 if len(wrong) else 0
+    add_finding(findings, device, name, "warning", wrong.sum(), "impossible", row=row)
     check_pace(time[~wrong], source)
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
 
@@ -136,8 +136,7 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         wrong[:, noisy] |= _dead(values[:, noisy])
     if not wrong.any():
         return table
-    count = int(wrong.any(axis=1).sum())
-    findings.append(Finding("robot", "zeroed cells", "warning", count))
+    add_finding(findings, "robot", "zeroed cells", "warning", wrong.any(axis=1).sum())
     return table.mask(wrong)
 
 
@@ -150,7 +149,7 @@ def _fallen(column: Array, least: float) -> Mask:
     if not zero.any() or not len(steps):
         return wrong
     leap = max(least, FAR * np.quantile(steps, USUAL))
-    for start, end in _runs(zero):
+    for start, end in runs(zero):
         beside = [column[k] for k in (start - 1, end) if 0 <= k < len(column)]
         wrong[start:end] = np.nanmax(np.abs(beside)) > leap
     return wrong
@@ -164,15 +163,9 @@ def _dead(currents: Array) -> Mask:
     off = (currents == 0.0).all(axis=1)
     zero = (currents == 0.0) & ~off[:, None]
     wrong = np.zeros_like(zero)
-    for start, end in _runs(off):
+    for start, end in runs(off):
         wrong[start:end] = end - start < POWERED
     for joint, column in enumerate(zero.T):
-        for start, end in _runs(column):
+        for start, end in runs(column):
             wrong[start:end, joint] = end - start >= LONG and not column.all()
     return wrong
-
-
-def _runs(flags: Mask) -> Labels:
-    """Return where runs of True (n, 2) begin and end."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
-    return edges.reshape(-1, 2)

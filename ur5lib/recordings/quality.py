@@ -43,6 +43,20 @@ class StartOffset:
     drift_std: float | None = None
 
 
+def add_finding(
+    findings: list[Finding],
+    device: Device,
+    finding: str,
+    severity: Severity,
+    count: SupportsInt = 1,
+    code: str = "",
+    **values: object,
+) -> None:
+    """Add a finding if it counts anything."""
+    if count:
+        findings.append(Finding(device, finding, severity, int(count), values, code))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Quality:
     """quality.json: the size and timing of a recording, its files and what is wrong with them.
@@ -95,17 +109,16 @@ class Log:
         **values: object,
     ) -> None:
         """Add a finding with the file's name, if it counts anything."""
-        if count:
-            named = {"file": self.path.name} | values
-            self.findings.append(Finding(self.device, finding, severity, int(count), named, code))
+        named = {"file": self.path.name} | values
+        add_finding(self.findings, self.device, finding, severity, count, code, **named)
 
     def unless_unusable(self, read: Callable[[], T | None]) -> T | None:
         """Return what a function reads of a sensor; None, and a finding, for an InputError."""
         try:
             return read()
         except InputError as error:
-            values = {"error": str(error)}
-            self.findings.append(Finding(self.device, "unusable sensor", "error", 1, values))
+            failed = self.findings, self.device, "unusable sensor"
+            add_finding(*failed, "error", error=str(error))
             return None
 
 

@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, add_finding
 from ur5lib.robots.realtime_message import SOFTWARE, fields
 from ur5lib.strict import expect_file
 from ur5lib.tables import columns
@@ -150,10 +150,8 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
         ) from error
     findings: list[Finding] = []
     if damaged:
-        place = {"line": damaged[0]}
-        findings.append(
-            Finding("robot", "damaged lines", "warning", len(damaged), place, "no messages")
-        )
+        damage = len(damaged), "no messages"
+        add_finding(findings, "robot", "damaged lines", "warning", *damage, line=damaged[0])
     if not messages.runs:
         raise InputError(
             f"{path} has no complete message of a known layout ({min(SOFTWARE)} to "
@@ -284,7 +282,7 @@ def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
     if others := sorted(counts.keys() - {size}):
         count = sum(counts[other] for other in others)
         sizes = {"others": others, "bytes": size}
-        findings.append(Finding("robot", "other layouts", "warning", count, sizes))
+        add_finding(findings, "robot", "other layouts", "warning", count, "", **sizes)
     return size
 
 
@@ -296,15 +294,14 @@ def _skipped(messages: _Messages, size: int) -> list[Finding]:
     gaps = [(start, end) for start, end in zip(starts, ends, strict=True) if start < end]
     partial = [gap for gap in gaps if gap[1] - gap[0] < size and (gap[0] == 0 or gap[1] == total)]
     skipped = [gap for gap in gaps if gap not in partial]
-    findings = []
+    findings: list[Finding] = []
     if skipped:
         since = float(messages.received_until(skipped[0][0] + 1) - messages.received[0])
         where = {"places": len(skipped), "seconds": since}
         count = sum(end - start for start, end in skipped)
         code = "bytes skipped" if len(skipped) == 1 else "bytes skipped often"
-        findings.append(Finding("robot", "bytes skipped", "warning", count, where, code))
-    if partial:
-        findings.append(Finding("robot", "incomplete message", "note", len(partial)))
+        add_finding(findings, "robot", "bytes skipped", "warning", count, code, **where)
+    add_finding(findings, "robot", "incomplete message", "note", len(partial))
     return findings
 
 

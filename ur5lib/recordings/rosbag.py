@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ur5lib.recordings.array_files import Arrays, array_format, optional_import
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
 ON_PANEL = ["base", "shoulder", *JOINTS[2:]]  # as the arm's teach panel names them
@@ -47,8 +47,7 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
             raise
         lost["unreadable end"] += 1
     for code, count in lost.items():
-        where = {"file": path.name}
-        findings.append(Finding("robot", "damaged messages", "warning", count, where, code))
+        Log(path, "robot", findings).add("damaged messages", "warning", count, code)
     arrays: Arrays = {}
     for topic, messages in topics.items():
         arrays |= _topic_arrays(topic, messages, path, findings)
@@ -125,11 +124,11 @@ def _topic_arrays(
     """Return the arrays of a topic, of the messages about the joints that most of them name."""
     usual = _usual_names(messages)
     kept = [m for m in messages if frozenset(m.names) == frozenset(usual)]
-    about = {"file": path.name, "topic": topic, "joints": usual}
-    if others := len(messages) - len(kept):
-        findings.append(Finding("robot", "other messages", "note", others, about))
-    if usual and joint_order(usual) is None:
-        findings.append(Finding("robot", "unnamed joints", "note", len(usual), about))
+
+    log, about = Log(path, "robot", findings), {"topic": topic, "joints": usual}
+    log.add("other messages", "note", len(messages) - len(kept), "", **about)
+    if joint_order(usual) is None:
+        log.add("unnamed joints", "note", len(usual), "", **about)
     arrays = {
         f"{topic}/stamp": np.array([message.stamp for message in kept]),
         f"{topic}/bag_stamp": np.array([message.bag_stamp for message in kept]),

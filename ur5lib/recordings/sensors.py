@@ -14,7 +14,7 @@ from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
 from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
-from ur5lib.recordings.quality import Device, Finding, Log
+from ur5lib.recordings.quality import Device, Finding, Log, add_finding
 from ur5lib.recordings.recording import DeviceRecord, Stamp
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
@@ -112,11 +112,8 @@ def _absence(path: Path) -> str | None:
 def _drop_incomplete(table: pd.DataFrame, log: Log) -> pd.DataFrame:
     """Drop rows with empty cells: a sensor samples fast enough to do without them."""
     whole = np.isfinite(table.to_numpy()).all(axis=1)
-    if not whole.all():
-        count = int((~whole).sum())
-        log.findings.append(
-            Finding(log.device, "missing cells", "warning", count, code="missing samples")
-        )
+    lacking = (~whole).sum(), "missing samples"
+    add_finding(log.findings, log.device, "missing cells", "warning", *lacking)
     return table[whole].reset_index(drop=True)
 
 
@@ -153,15 +150,11 @@ def _nothing(table: pd.DataFrame, device: Device) -> str | None:
 def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> pd.DataFrame:
     table = drop_repeats(table, device, findings)
     later = epochs(table["time"].to_numpy()) > 0
-    if later.any():
-        count = int(later.sum())
-        findings.append(Finding(device, "clock reset", "warning", count, code="sensor's reset"))
-        table = table[~later]
-    backwards = int((table["time"].diff() < 0).sum())
-    if backwards:
-        findings.append(Finding(device, "samples out of order", "note", backwards))
-        table = table.sort_values("time", kind="stable")
-    return table.reset_index(drop=True)
+    add_finding(findings, device, "clock reset", "warning", later.sum(), "sensor's reset")
+    table = table[~later]
+    backwards = (table["time"].diff() < 0).sum()
+    add_finding(findings, device, "samples out of order", "note", backwards)
+    return table.sort_values("time", kind="stable", ignore_index=True)
 
 
 def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None:
@@ -171,10 +164,10 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
     lost = int(np.rint(steps[steps > GAP * usual] / median - 1).clip(min=0).sum())
     if lost > FEW * len(time) or steps.max() > LONG_GAP * median:
         values = {"longest_ms": 1000 * float(steps.max()), "median_ms": 1000 * float(median)}
-        findings.append(Finding(device, "lost samples", "warning", max(lost, 1), values))
+        add_finding(findings, device, "lost samples", "warning", max(lost, 1), "", **values)
     still = int((steps == 0).sum())
     if still > FEW * len(time):
-        findings.append(Finding(device, "stale stamps", "warning", still, code="stale samples"))
+        add_finding(findings, device, "stale stamps", "warning", still, "stale samples")
 
 
 def _read_sensor(

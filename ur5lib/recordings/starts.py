@@ -1,7 +1,7 @@
 """Sensors of a recording: how much of it each recorded, and when its clock started."""
 
 from ur5lib.recordings.plausibility import stray_times
-from ur5lib.recordings.quality import Device, Finding, StartOffset
+from ur5lib.recordings.quality import Device, Finding, StartOffset, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 
 TOLERANCE = 2.0  # s that a device may lack at the start and the end together
@@ -49,12 +49,11 @@ def place_sensors(
     for device, record in recording.sensors.items():
         offset = _offset(recording.robot, record)
         if offset is None:
-            findings.append(Finding(device, "no start stamp", "warning", 1))
+            add_finding(findings, device, "no start stamp", "warning")
             continue
         begin, end = (offset.seconds + edge for edge in _span(record))
         if max(robot[0], begin) >= min(robot[1], end):
-            seconds = {"seconds": offset.seconds}
-            findings.append(Finding(device, "stale copy", "warning", 1, seconds))
+            add_finding(findings, device, "stale copy", "warning", seconds=offset.seconds)
         else:
             placed[device] = (record, offset)
             findings += sensor_coverage(device, (begin, end), robot, offset.std)

@@ -11,7 +11,7 @@ from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
 from ur5lib.recordings.entries import Clocked, ThesisFiles
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import check_pace, stray_times
-from ur5lib.recordings.quality import Device, Finding, Log
+from ur5lib.recordings.quality import Device, Finding, Log, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import (
     FORCE_CHANNELS,
@@ -65,9 +65,8 @@ def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
         rows = channel.drop(columns="time")
         robot = pd.merge_asof(robot, rows, on="clock", direction="nearest", tolerance=CYCLE / 4)
     shared = robot[robot["clock"].between(start, end)].drop(columns="clock")
-    if len(shared) < len(longest):
-        lost = len(longest) - len(shared)
-        findings.append(Finding("robot", "channels of unequal length", "note", lost))
+    lost = len(longest) - len(shared)
+    add_finding(findings, "robot", "channels of unequal length", "note", lost)
     return shared.reset_index(drop=True)
 
 

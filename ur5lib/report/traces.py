@@ -27,6 +27,7 @@ from ur5lib.report.house_style import (
     nothing_to_draw,
 )
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import runs
 
 Series = Mapping[str, tuple[Array, str]]
 POINTS = 1400  # about two for each dot across a printed page
@@ -210,9 +211,8 @@ def _gaps(time: Array) -> tuple[Array, Array]:
 
 def _stretches(time: Array, where: Mask) -> tuple[Array, Array]:
     """Return the times at which stretches begin and end."""
-    inside = np.isfinite(time) & (where == 1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
-    return time[edges[::2]], time[edges[1::2] - 1]
+    first, end = runs(np.isfinite(time) & (where == 1)).T
+    return time[first], time[end - 1]
 
 
 def _shade(axis: Axes, starts: Array, ends: Array, style: Any) -> None:

@@ -30,6 +30,12 @@ def unbroken(*labels: Labels | Mask) -> list[slice]:
     return [slice(start, end) for start, end in pairwise(bounds) if end > start]
 
 
+def runs(flags: Mask) -> Labels:
+    """Return where runs of True begin and end (n, 2), of flags (N,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    return edges.reshape(-1, 2)
+
+
 def marked(spans: Iterable[tuple[int, int]], count: int) -> Mask:
     """Return which of `count` samples lie inside any of the spans, (first, end) each."""
     inside = np.zeros(count, bool)
