@@ -217,11 +217,10 @@ def lines(comparisons: Sequence[Comparison]) -> Iterator[str]:
 
 def rows(study: str, comparisons: Sequence[Comparison]) -> Iterator[dict[str, str]]:
     """Yield each comparison as a row of changes.csv; study: name of the study compared with."""
+    in_words = {True: "yes", False: "no"}
     for comparison in comparisons:
-        row = {"study": study, "topic": comparison.topic, "name": comparison.name}
-        row |= {"before": comparison.before, "after": comparison.after}
-        verdicts = {"differs": comparison.differs, "changed": comparison.changed}
-        yield row | {name: "yes" if holds else "no" for name, holds in verdicts.items()}
+        cells = vars(comparison).items()
+        yield {"study": study} | {name: in_words.get(value, value) for name, value in cells}
 
 
 def write_junit(comparisons: Sequence[Comparison], path: Path) -> None:

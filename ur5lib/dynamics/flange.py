@@ -4,8 +4,7 @@ import numpy as np
 import torch
 
 from ur5lib.dynamics import kinematics
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.gradients import PullBack, with_pull_back
+from ur5lib.dynamics.arm import PullBack, build_arm, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks

@@ -6,8 +6,7 @@ import numpy as np
 import torch
 
 from ur5lib.dynamics import rigid_body
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.gradients import PullBack, with_pull_back
+from ur5lib.dynamics.arm import PullBack, build_arm, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -142,11 +143,18 @@ def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
         if not isinstance(wanted, Repeated):
             yield from _single(wanted, results)
             continue
-        for name in view(wanted.each)(results):
+        for name in _names(wanted.each, results):
             drafts = [draft for block in wanted.blocks for draft in _single(block, results, name)]
             if wanted.heading and any(map(_is_evidence, drafts)):
                 yield Heading(wanted.heading.format(of=name))
             yield from drafts
+
+
+def _names(each: str, results: Results) -> Iterator[str]:
+    """Yield what blocks are repeated for; each: as of `Repeated`."""
+    name, *arguments = each.split()
+    listed = partial(view(name), results) if "." in name else getattr(results, name)
+    yield from listed(*arguments)
 
 
 def _single(

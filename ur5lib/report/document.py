@@ -282,7 +282,10 @@ class Document:
 
 
 class Repeated(Strict):
-    """Blocks repeated for each recording or arm; each: the view that lists them."""
+    """Blocks repeated for each recording or arm.
+
+    each: what lists them, a view or a method of `Results` with its arguments.
+    """
 
     each: str
     heading: str = ""

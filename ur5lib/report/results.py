@@ -95,6 +95,10 @@ class Results:
         """Return the names of the recordings with a role."""
         return [name for name, other in self.roles().items() if other == role]
 
+    def listed(self, table: str, column: str = "recording") -> list[str]:
+        """Return the names in a column of a table, each once."""
+        return [*self.tables[table][column].unique()]
+
     def printed(self, table: str, column: str = "printed") -> list[str]:
         """Return the names of the recordings with printed values in a table."""
         rows = self.tables[table]

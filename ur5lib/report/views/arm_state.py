@@ -14,14 +14,9 @@ from ur5lib.report.sentences import Sentence, joined, say
 LEAST = 0.5  # %, smallest effect of temperature that is mentioned
 
 
-def dated(results: Results) -> list[str]:
-    """Return the arms with enough dates."""
-    return [*results.tables["health"]["robot"].unique()]
-
-
 def dates(results: Results) -> Iterator[Sentence]:
     """Report each arm's dates, whether temperatures were recorded, and lost frames."""
-    for robot in dated(results):
+    for robot in results.listed("health", "robot"):
         rows = results.rows("health", robot=robot)
         yield say(
             "health.dates",
@@ -38,7 +33,7 @@ def changes(results: Results) -> Iterator[Sentence]:
     changes = ranked(results)
     for row in changes.itertuples():
         yield say("health.of arm", robot=row.robot, change=change(row))
-    if changes.empty and dated(results):
+    if changes.empty and len(results.tables["health"]):
         yield say("health.nothing")
 
 
@@ -72,14 +67,9 @@ def steps(results: Results) -> Iterator[Sentence]:
         yield say("health.step", row=row, day=day(row.last))
 
 
-def arms(results: Results) -> list[str]:
-    """Return the arms whose recordings were judged."""
-    return [*results.tables["observability"]["robot"].unique()]
-
-
 def detectable(results: Results) -> Iterator[Sentence]:
     """Report at which speeds pushes on an arm are detected best and worst, and by axis."""
-    for robot in arms(results):
+    for robot in results.listed("observability", "robot"):
         rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
         if len(rows) > 1:
             best, worst = (

@@ -13,14 +13,9 @@ from ur5lib.report.sentences import Sentence, names, say
 DIGITS = 4  # of computed numbers
 
 
-def others(results: Results) -> list[str]:
-    """Return the studies to which this one is compared."""
-    return [*results.tables["changes"]["study"].unique()]
-
-
 def changes(results: Results) -> Iterator[Sentence]:
     """Report for each other study how much changed, and in which topics."""
-    for study in others(results):
+    for study in results.listed("changes", "study"):
         rows = results.rows("changes", study=study)
         changed = rows[rows["changed"] == "yes"]
         words = {"changed": len(changed), "count": len(rows)}

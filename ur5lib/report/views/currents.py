@@ -126,11 +126,6 @@ def loaded(results: Results) -> pd.DataFrame:
     return payload[payload["taken"] == "yes"]
 
 
-def printed(results: Results) -> list[str]:
-    """Return the recordings with printed torque constants."""
-    return results.printed("torque_constants", "printed_offset")
-
-
 def rebuilt(results: Results, recording: str) -> pd.DataFrame:
     """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
     rows = _by_sign(results.rows("torque_constants", recording=recording, regression=AS_PRINTED))

@@ -21,18 +21,14 @@ def compared(results: Results) -> list[str]:
     drawn = {*searched(results)["recording"]}
     touched = [name for name in results.with_role("contact") if name in drawn]
     beside = [*results.tables["force_mae"]["recording"], *results.tables["sensed"]["recording"]]
-    return results.shown([*printed(results), *beside, *touched])
+    printed = results.printed("force_mae", "printed_mae")
+    return results.shown([*printed, *beside, *touched])
 
 
 def searched(results: Results) -> pd.DataFrame:
     """Return the detections by the estimates of this study, without published ones."""
     rows = results.tables["detection"]
     return rows[rows["estimate"].isin(GATED)]
-
-
-def printed(results: Results) -> list[str]:
-    """Return the recordings with printed errors."""
-    return results.printed("force_mae", "printed_mae")
 
 
 def published(results: Results) -> Iterator[Sentence]:

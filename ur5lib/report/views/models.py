@@ -52,16 +52,12 @@ def identified(results: Results) -> Iterator[Sentence]:
         yield say("models.files", robot=robot)
 
 
-def loop_printed(results: Results) -> list[str]:
-    """Return the recordings with printed errors of the closed loop."""
-    return results.printed("closed_loop_mae")
-
-
 def loop_drawn(results: Results) -> list[str]:
     """Return the recordings whose closed loop is drawn."""
-    recordings = [*results.tables["closed_loop_mae"]["recording"].unique()]
+    recordings = results.listed("closed_loop_mae")
     validated = [name for name in results.with_role("validate") if name in recordings]
-    return results.shown(loop_printed(results)) or results.shown([*validated, *recordings], 1)
+    printed = results.shown(results.printed("closed_loop_mae"))
+    return printed or results.shown([*validated, *recordings], 1)
 
 
 def loop_older(results: Results) -> list[str]:

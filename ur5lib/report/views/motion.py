@@ -13,20 +13,15 @@ LINEAR, ANGULAR = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
 
 def drawn(results: Results) -> list[str]:
     """Return the recordings whose acceleration is drawn: with printed errors, or the first."""
-    return results.shown(printed(results)) or results.shown(
-        [*results.tables["acceleration_mae"]["recording"]], 1
-    )
-
-
-def printed(results: Results) -> list[str]:
-    """Return the recordings with printed errors."""
-    return results.printed("acceleration_mae")
+    first = results.shown(results.listed("acceleration_mae"), 1)
+    return results.shown(results.printed("acceleration_mae")) or first
 
 
 def filtered_first(results: Results) -> list[str]:
     """Return the recordings whose IMU is drawn filtered before rotation, as printed errors need."""
     file = "accelerations_filtered_first.svg"
-    return [name for name in printed(results) if (results.figures / name / file).is_file()]
+    names = results.printed("acceleration_mae")
+    return [name for name in names if (results.figures / name / file).is_file()]
 
 
 def errors(results: Results) -> pd.DataFrame:

@@ -58,11 +58,6 @@ def _named(recordings: pd.Series) -> str:
     return ", ".join(names[:MOST_NAMED]) + rest
 
 
-def arms(results: Results) -> list[str]:
-    """Return the arms of the study."""
-    return results.robots()
-
-
 CODE_WIDTH = 110  # characters per line in the PDF
 
 
