@@ -33,7 +33,7 @@ from ur5lib.timeseries.changes import coloured
 
 TABLE = -0.05  # m
 SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))
-RANDOM, CELLS, SEEDS = 10, 12, 300
+RANDOM, CELLS, SEEDS = 10, 6, 300
 
 
 @functools.cache
@@ -164,17 +164,6 @@ def physical(theta: Array) -> Array:
     maps[:, 0] = 1 / maps[:, 0]
     values[task().problem.of_currents] = maps.ravel()
     return values
-
-
-@pytest.mark.slow
-def test_the_next_recording_complements_the_last() -> None:
-    first = task("ur5", "model", 6.0)
-    last = design(first, 0, Effort(1, 15, ((1e3, 15),)))
-    second = replace(first, earlier=last.information)
-    following = design(second, 0, Effort(1, 15, ((1e3, 15),)))
-    errors = [first.problem.standard_errors(m) for m in (last.information, following.information)]
-    assert (errors[1] <= errors[0]).all()
-    assert (errors[1] / errors[0]).min() < 0.6
 
 
 @pytest.mark.slow
