@@ -21,6 +21,7 @@ from tests.library.current_study import (
 )
 from tests.made_tables import table
 from ur5lib.identification.currents import (
+    MOVING,
     CONFLICT,
     FOLDS,
     CurrentFit,
@@ -583,13 +584,14 @@ def test_a_band_of_short_recordings_is_of_all_together() -> None:
 
 def test_a_band_of_few_recordings_is_wider() -> None:
     """Of none, it is the usual one; of many, it is that of their errors."""
-    random, usual = np.random.default_rng(0), 0.15 * FRICTION[0][0] / CONSTANT[0]
+    random, coulomb = np.random.default_rng(0), FRICTION[0][0] / CONSTANT[0]
     widths = []
     for count in (0, 2, 8, 200):
-        errors = usual * random.standard_normal(100 * count)
-        widths.append(band_of_recordings(errors, np.repeat(np.arange(count), 100), usual))
+        errors = MOVING.error * coulomb * random.standard_normal(100 * count)
+        record = np.repeat(np.arange(count), 100)
+        widths.append(band_of_recordings(errors, record, MOVING, coulomb))
     assert widths == sorted(widths, reverse=True)
-    assert widths[-1] == pytest.approx(NORMAL95 * usual, rel=0.05)
+    assert widths[-1] == pytest.approx(NORMAL95 * MOVING.error * coulomb, rel=0.05)
 
 
 def test_fitted_on_tested_on_has_its_own_recording_on_the_diagonal(study: list[Record]) -> None:

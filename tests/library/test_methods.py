@@ -74,8 +74,10 @@ def statements() -> Iterator[str]:
     yield f"over blocks of {segments.BLOCK:g} s alone"
     yield f"s₀ = −{-selection.HELD:g} c"
     yield f"σ₀ = {percent(prior.NOISE)} of the largest torque"
-    yield f"counts as n₀ = {regression.USUAL:g} recordings"
-    yield f"u = {currents.MOVING:g} in motion, {currents.RESTING:g} at rest"
+    yield f"counts as n₀ = {regression.USUAL:g} blocks"
+    moving, resting = currents.MOVING, currents.RESTING
+    yield f"u = {moving.error:g}, n₀ = {moving.recordings:g} in motion"
+    yield f"u = {resting.error:g}, n₀ = {resting.recordings:g} at rest"
     yield f"of less than {selection.FEWEST * samples.STEP:g} s are taken together"
     yield f"with more than {'ten' if currents.FOLDS == 10 else currents.FOLDS} paths"
     yield f"{percent(payload.GEARS)} of the mass for the gears"

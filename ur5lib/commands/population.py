@@ -10,11 +10,13 @@ from ur5lib.datasets.catalogue import catalogue
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification import condition
+from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.population import KINDS, Population, fit_population, typical_arm
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.robots.description import POPULATION, joint_sizes
 from ur5lib.robots.population import Measured, MeasuredArm, MeasuredJoint, Trait, read_measured
 from ur5lib.tables import write_text
+from ur5lib.timeseries.arrays import Array
 
 CLEAR = 2.0  # standard errors, from which on a value's logarithm is nearly normal
 AS_TORQUE = "currents from torques"  # finding of recordings of torques in place of currents
@@ -44,17 +46,22 @@ def population_lines(results: Sequence[Path], file: Path | None, write: Path | N
 
 
 def measured_arms(study: FinishedStudy) -> Iterator[MeasuredArm]:
-    """Yield the arms of a study that were fitted without a population, as far as it shows them."""
+    """Yield the arms of a study that were fitted without a population, as far as it shows them.
+
+    Without further terms of friction, too, as Coulomb and viscous friction beside them are others.
+    """
     configuration = study.configuration()
-    if configuration.settings.friction.population != "none":
+    friction = configuration.settings.friction
+    if friction.population != "none" or friction.terms:
         raise InputError(
-            f"{study.folder} was fitted with a population, which it would count twice; set "
-            "settings: friction: population: none, and run snakemake again"
+            f"{study.folder} was fitted with a population, which it would count twice, or with "
+            "terms that other arms lack; set settings: friction: {population: none, terms: []}, "
+            "and run snakemake again"
         )
     for name in configuration.arms():
-        friction = study.parameters(Friction, name, "friction")
-        if friction.from_:
-            yield _measured_arm(study, name, friction)
+        fitted = study.parameters(Friction, name, "friction")
+        if fitted.from_:
+            yield _measured_arm(study, name, fitted)
 
 
 def _measured_arm(study: FinishedStudy, name: str, friction: Friction) -> MeasuredArm:
@@ -63,8 +70,8 @@ def _measured_arm(study: FinishedStudy, name: str, friction: Friction) -> Measur
     as_torque = any(own.finding == AS_TORQUE for quality in found for own in quality.findings)
     configuration, motors = study.configuration(), study.arm(name)
     dataset = catalogue().get(configuration.study)
-    family, joints = motors.family_torque_constants(), {}
-    for joint, values in sorted(_values(friction, as_torque).items()):
+    family, joints = np.array(motors.family_torque_constants()), {}
+    for joint, values in sorted(_values(friction, family if as_torque else None).items()):
         constant = family[joint - 1]
         joints[joint] = MeasuredJoint(
             torque_max=motors.motor(joint).torque_max,
@@ -81,19 +88,23 @@ def _measured_arm(study: FinishedStudy, name: str, friction: Friction) -> Measur
     )
 
 
-def _values(friction: Friction, as_torque: bool) -> dict[int, dict[Trait, tuple[float, float]]]:
+def _values(friction: Friction, unit: Array | None) -> dict[int, dict[Trait, tuple[float, float]]]:
     """Return the determined traits of each joint whose current follows its torque.
 
-    as_torque: whether currents were recorded as torques, whose unit shows no torque constant.
+    unit: (n,) [Nm/A], by which recorded torques became currents. They show no torque constant, and
+    friction as it is in them, whatever torque the link model gives the same motion.
     """
     values: dict[int, dict[Trait, tuple[float, float]]] = {}
-    shown = [name for name in KINDS if not (as_torque and name == "torque_constant")]
-    for name in shown:
+    scale = 1.0 if unit is None else unit / torque_constants(friction.fit)
+    for name in KINDS:
+        own = np.broadcast_to(1.0 if name == "load" else scale, len(friction.fit.joints))
         for row in friction.parameters:
             followed = friction.fit.joints[row.joint - 1].contradicted is None
             clear = not KINDS[name].logarithm or row.value > CLEAR * row.std_error
-            if row.name == name and row.determined and followed and clear:
-                pair = float(f"{row.value:.4g}"), float(f"{row.std_error:.2g}")
+            shown = unit is None or name != "torque_constant"
+            if row.name == name and row.determined and followed and clear and shown:
+                found = own[row.joint - 1] * np.array([row.value, row.std_error])
+                pair = float(f"{found[0]:.4g}"), float(f"{found[1]:.2g}")
                 values.setdefault(row.joint, {})[name] = pair
     return values
 

@@ -14,7 +14,7 @@ from scipy.special import stdtrit
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
 from ur5lib.identification.prior import JointPrior, Prior
-from ur5lib.identification.regression import DRAWS, USUAL, half_width, spread
+from ur5lib.identification.regression import DRAWS, half_width, spread
 from ur5lib.identification.samples import (
     FEW,
     Record,
@@ -51,10 +51,20 @@ BETWEEN_DAYS = 0.07
 FOLDS = 10  # of cross-fitting, at most
 LEAST_FRICTION = 0.1  # Nm
 NONE = np.empty(0), np.empty(0, np.int64)  # residuals of no recording, and their labels
-# Usual root mean square error of a recording that was left out, in motion and at rest, in units of
-# Coulomb friction: its medians are 0.15 and 0.42 on a UR5, 0.08 and 0.27 on a UR10e, whose worst
-# recordings have 0.9 and 2.0, 0.24 and 0.63.
-MOVING, RESTING = 0.15, 0.45
+
+
+@dataclass(frozen=True)
+class Usual:
+    """Usual root mean square error of a recording that was left out, in units of Coulomb friction,
+    and the number of recordings that it counts as.
+    """
+
+    error: float
+    recordings: float
+
+
+# Of most likelihood by the joints of four arms: from 0.08 (UR10e) to 0.6 (UR3) in motion.
+MOVING, RESTING = Usual(0.13, 1.3), Usual(0.37, 4.0)
 
 
 @dataclass(frozen=True)
@@ -157,8 +167,8 @@ def _expected_joint(mean: Array, covariance: Array, drawn: Array) -> JointFit:
         presliding=PRESLIDING[0],
         reversal_errors=(),
         held=HELD * float(mean[2]),
-        band_moving=band_of_recordings(*NONE, MOVING * float(mean[2])),
-        band_rest=band_of_recordings(*NONE, RESTING * float(mean[2])),
+        band_moving=band_of_recordings(*NONE, MOVING, float(mean[2])),
+        band_rest=band_of_recordings(*NONE, RESTING, float(mean[2])),
         remarks=(),
         doubt=covariance,
     )
@@ -402,24 +412,24 @@ def _joint_fit(
         samples.presliding,
         reversal_errors,
         held_current(samples, terms, coefficients),
-        band_of_recordings(residual[moving], samples.record[moving], MOVING * coulomb),
-        band_of_recordings(residual[~moving], samples.record[~moving], RESTING * coulomb),
+        band_of_recordings(residual[moving], samples.record[moving], MOVING, coulomb),
+        band_of_recordings(residual[~moving], samples.record[~moving], RESTING, coulomb),
         _remarks(samples, estimate, prior),
         doubt,
     )
 
 
-def band_of_recordings(residual: Array, record: Labels, usual: float) -> float:
-    """Return half of the 95 % band of one more recording; usual: its root mean square error [A].
+def band_of_recordings(residual: Array, record: Labels, usual: Usual, coulomb: float) -> float:
+    """Return half of the 95 % band [A] of one more recording; coulomb: friction [A].
 
-    Recordings have errors of different size: their variance is s² ν / χ²(ν), and the usual one
-    counts as USUAL recordings. If all are too short, they are taken together.
+    Recordings have errors of different size: their variance is s² ν / χ²(ν). If all are too short,
+    they are taken together.
     """
     each = [residual[record == one] for one in np.unique(record)]
     long = [errors for errors in each if len(errors) >= FEWEST] or [residual]
     squares = [float(np.mean(errors**2)) for errors in long if len(errors) >= FEWEST]
-    count = USUAL + len(squares)
-    variance = (USUAL * usual**2 + sum(squares)) / count
+    count = usual.recordings + len(squares)
+    variance = (usual.recordings * (usual.error * coulomb) ** 2 + sum(squares)) / count
     return float(stdtrit(count, 0.975) * np.sqrt(variance))
 
 

@@ -17,9 +17,6 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 USUAL_TORQUE = 54.0  # Nm, where a trend has the value of its constant
 GRID = np.geomspace(0.01, 1.0, 20)  # of spreads
-# Scale of the spreads' half-normal prior, since few arms hardly show how arms differ: 0.93 of the
-# measured values are inside the 95 % intervals from the other arms; 0.98 with 0.3, 0.90 with 0.1.
-WIDEST = 0.15
 TAIL = 4.0  # degrees of freedom of the joints' deviations, so that a strange joint counts less
 ROUNDS = 5
 
@@ -29,13 +26,15 @@ class Kind:
     """How a trait is compared between joints.
 
     logarithm: whether its logarithm is; trend: whether it grows with a power of the largest torque;
-    centred: whether its mean is zero; unit_of: the trait whose trend is its unit, if any.
+    centred: whether its mean is zero; unit_of: the trait whose trend is its unit, if any; widest:
+    scale of the half-normal priors of its spreads, since few arms hardly show how arms differ.
     """
 
     logarithm: bool = True
     trend: bool = False
     centred: bool = False
     unit_of: str = ""
+    widest: float = 0.15
 
     def columns(self, torque_max: Array) -> Array:
         """Return x (n, P) of joints with these largest torques (n,) [Nm]."""
@@ -45,10 +44,10 @@ class Kind:
 
 
 KINDS: dict[Trait, Kind] = {
-    "torque_constant": Kind(),  # relative to the motor's of that size
+    "torque_constant": Kind(centred=True),  # relative to the motor's of that size
     "coulomb": Kind(trend=True),
     "viscous": Kind(trend=True),
-    "load": Kind(logarithm=False),
+    "load": Kind(logarithm=False, widest=0.03),
     # its sign depends on the joint's positive direction
     "offset": Kind(logarithm=False, centred=True, unit_of="coulomb"),
 }
@@ -170,7 +169,7 @@ def _fit(kind: Kind, value: Array, error: Array, torque_max: Array, arm: Labels)
         own = joints[:, None] * tails + error**2  # (G, n)
         found = _generalised_least_squares(columns, value, own, arms, of_arm)
         # posterior of the spreads, under half-normal priors; steps of the grid grow with them
-        log_weight = found.log_likelihood - (arms + joints) / (2 * WIDEST**2)
+        log_weight = found.log_likelihood - (arms + joints) / (2 * kind.widest**2)
         weight = np.exp(log_weight - log_weight.max()) * np.sqrt(arms * joints)
         weight /= weight.sum()
         trend, of_arms, of_joints = (weight @ each for each in (found.trend, arms, joints))

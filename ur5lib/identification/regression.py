@@ -15,8 +15,7 @@ from ur5lib.timeseries.metrics import MAD, NORMAL95
 
 HUBER = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
 ROUNDS = 10
-# What is usual counts as so many blocks or recordings of the data. With 5, 0.982 of a UR10e's
-# currents on days left out are inside their bands instead of 0.976.
+# Blocks of the data that the usual noise counts as.
 USUAL = 3.0
 
 
