@@ -36,6 +36,7 @@ MEASURED = {  # sections by the name of what other benchmarks measure
     "curve": "Currents by few recordings",
     "curve_forces": "Forces by few recordings",
     "days": "Days left out",
+    "drawn": "Arms drawn from the population",
 }
 ABSENT = "Estimators of the tables above that did not run on these seeds:"
 

@@ -181,6 +181,21 @@ def test_what_does_not_determine_a_constant_leaves_it_to_the_prior(fitted: Curre
     assert rows[2].prior_share < 0.01
 
 
+def test_shares_of_knowledge_are_those_of_prior_days_and_recordings() -> None:
+    """Joint 6 carries nothing; a second day tells as much as what is recorded on it."""
+    records = [with_noise(make_record(seed), seed) for seed in range(3)]
+    days = [replace(record, day=str(day)) for record, day in zip(records, (1, 1, 2), strict=True)]
+    for own, others in ((records, 0.0), (days, 0.2)):
+        rows = parameters(fit_currents(own, smooth, prior(), []))
+        shares = np.array([(r.prior_share, r.arm_share, r.day_share, r.run_share) for r in rows])
+        np.testing.assert_allclose(shares.sum(axis=1), 1, atol=1e-9)
+        coulomb = shares[[row.name == "coulomb" for row in rows]]
+        assert (coulomb[:, 0] < 0.01).all()
+        assert (coulomb[:, 3] > 1 / 3).all()
+        assert coulomb[:, 1].max() >= others
+        assert (coulomb[:, 1].max() > 0) == (others > 0)
+
+
 def test_intervals_hold_what_they_promise() -> None:
     """200 studies; constants as the prior says, noise as real residuals."""
     samples = joint_samples([make_record(seed) for seed in range(STUDY)], smooth, FAMILY, WAYS)

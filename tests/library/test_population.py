@@ -8,12 +8,13 @@ import pytest
 import yaml
 
 from ur5lib.errors import InputError
-from ur5lib.identification.currents import expected_fit, parameters, unlike_others
+from ur5lib.identification.currents import JointFit, expected_fit, parameters, unlike_others
 from ur5lib.identification.estimation import physical
 from ur5lib.identification.population import KINDS, fit_population, typical_arm
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal, posterior_mean
 from ur5lib.pipeline.current_samples import prior_of
+from ur5lib.report.findings import in_words
 from ur5lib.robots.description import POPULATION, load_robot, robot_path
 from ur5lib.robots.friction import BASE
 from ur5lib.robots.population import Measured, MeasuredArm, MeasuredJoint, read_measured
@@ -122,31 +123,50 @@ def test_friction_shows_a_torque_constant_that_inertia_does_not() -> None:
     assert min(by_friction, before) < 1 / found[0] < max(by_friction, before)
 
 
-def remarked(prior: Prior, coulomb: Array) -> set[int]:
-    """Return the joints that are unlike others where Coulomb friction is as given, with 2 %."""
+def remarked(prior: Prior, friction: Array) -> set[int]:
+    """Return the joints that are unlike others where friction is as given."""
+    return {joint for joint, _ in unlike_others(with_friction(prior, friction), prior)}
+
+
+def with_friction(prior: Prior, friction: Array) -> list[JointFit]:
+    """Return expected joints whose Coulomb and viscous friction (2, 6) were measured, with 2 %."""
     joints = []
     for joint, own in enumerate(expected_fit(prior).joints):
         coefficients = own.estimate.coefficients.copy()
-        coefficients[2] = coulomb[joint] * coefficients[0]
+        coefficients[2:4] = friction[:, joint] * coefficients[0]
         error = 0.02 * np.abs(physical(coefficients))
         estimate = replace(own.estimate, coefficients=coefficients, std_error=error)
         joints.append(replace(own, estimate=estimate))
-    return {joint for joint, _ in unlike_others(joints, prior)}
+    return joints
 
 
 def test_a_joint_unlike_those_of_other_arms_is_named() -> None:
     """Arms drawn from a population of 200; of one joint in each, friction is doubled."""
     known = typical_arm(fit_population(drawn_arms(200, seed=5)), TORQUE_MAX)
     constants = Normal(np.full(6, 0.1), np.eye(6) * 1e4)
-    prior = Prior(constants, TORQUE_MAX, typical={"coulomb": known["coulomb"]})
+    typical = dict.fromkeys(("coulomb", "viscous"), known["coulomb"])
+    prior = Prior(constants, TORQUE_MAX, typical=typical)
     random, named, falsely = np.random.default_rng(6), 0, 0
     for run in range(200):
-        true = coulomb_of(TORQUE_MAX, random)
+        true = np.stack([coulomb_of(TORQUE_MAX, random) for _ in typical])
         falsely += bool(remarked(prior, true))
-        true[run % 6] *= 2
+        true[:, run % 6] *= 2
         named += remarked(prior, true) == {run % 6}
     assert falsely / 200 <= 0.05
-    assert named / 200 >= 0.90
+    assert named / 200 >= 0.95
+
+
+def test_a_strange_joint_is_told_with_its_ratio_arms_and_odds() -> None:
+    """Far from what the shipped arms let expect, and alone in that."""
+    prior = prior_by_shipped_arms("ur5e")
+    friction = np.stack([prior.typical[name].mean for name in ("coulomb", "viscous")])
+    friction[0, 2] *= 5
+    [(joint, found)] = unlike_others(with_friction(prior, friction), prior)
+    assert joint == 2
+    assert found.values["ratio"] == pytest.approx(5)
+    assert found.values["arms"] == len(read_measured(POPULATION).arms)
+    assert found.values["odds"] >= 1000
+    assert "5.0 times" in in_words(found)
 
 
 def test_joints_of_an_arm_are_correlated() -> None:

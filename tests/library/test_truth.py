@@ -117,7 +117,9 @@ def test_clocks_without_drift_have_no_row_of_it() -> None:
 def friction_beside_truth(*names: str, joint: int, value: float, half: float) -> list[Row]:
     """The rows of fitted values with intervals of this half width."""
     interval = value - half, value + half
-    fitted = [Parameter(joint, name, value, 0.19, interval, 0.0, True) for name in names]
+    fitted = [
+        Parameter(joint, name, value, 0.19, interval, 0.0, 1.0, 0.0, 0.0, True) for name in names
+    ]
     return list(friction_rows(Friction(parameters=fitted), TRUTH.drive, TRUTH.friction))
 
 

@@ -57,6 +57,7 @@ COLUMNS = {
     "audit": ["recording", "quantity", "verdict"],
     "sensed": ["recording", "largest_force_n", "at_s", "share_in_contact", "contacts"],
     "parameters": ["robot", "determined"],
+    "next_recordings": ["robot", "after", "force", "current", "mass"],
     "health": ["robot", "date", "joint", "quantity", "value", "std_error", "temperature_c"],
     "health_changes": ["robot", "joint", "quantity", "kind", "first", "last", "before", "size"],
     "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
@@ -502,6 +503,22 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
 
 
 # Tables that used to contradict themselves
+
+
+@pytest.mark.parametrize(("force", "told"), [(9.6, []), (9.1, ["10 to ± 9.1 N"])])
+def test_the_recording_that_narrows_forces_most_is_a_step(force: float, told: list[str]) -> None:
+    rows = [("now", 10.0), ("slowly", 9.7), ("with 2 kg", force)]
+    known = {"robot": "ur5", "current": 0.1, "mass": 0.1}
+    tables = {"next_recordings": [known | {"after": after, "force": f} for after, f in rows]}
+    steps = [step for step in next_steps(study(**tables)) if "with 2 kg" in step]
+    assert len(steps) == len(told)
+    assert all(one in step for one, step in zip(told, steps, strict=True))
+
+
+def test_a_joint_unlike_other_arms_is_a_finding() -> None:
+    row = {"robot": "ur5", "step": "friction", "joint": 3.0, "remark": "its friction is 2 times"}
+    found = findings(study(remarks=[row | {"code": "unlike other arms"}]))
+    assert "On ur5, joint 3: its friction is 2 times." in found
 
 
 def test_a_joint_that_never_moved_has_no_friction() -> None:

@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import yaml
@@ -15,16 +14,18 @@ from rich.progress import Progress
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
+from ur5lib.excitation.bands import Next, Outlook
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import summary_of, write_files
-from ur5lib.excitation.objective import Task, Worth
-from ur5lib.excitation.problem import Maps, Noise, Problem, build_problem, nominal_maps
+from ur5lib.excitation.objective import STEP, Task, Worth
+from ur5lib.excitation.posterior import Fitted, Recorded
+from ur5lib.excitation.posterior import problem_after as posterior
+from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
+from ur5lib.excitation.trajectory import Path as Designed
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.currents import JointFit
 from ur5lib.identification.population import population_of
-from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification
 from ur5lib.pipeline.records.motion import Motion
@@ -36,7 +37,6 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.population import population_files
 from ur5lib.strict import read_yaml
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.metrics import NORMAL95
 
 BEFORE = (
     "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
@@ -44,8 +44,6 @@ BEFORE = (
 )
 SHOWN = Console(stderr=True)
 MAX_PRINTED = 6  # parameters whose standard errors are printed
-KEPT = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's coefficients
-ROUNDS = 4  # iterations, after which predicted standard errors are within 3 % of the study's
 
 
 @dataclass(frozen=True)
@@ -82,10 +80,14 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     save(drawing, drawn)
     command = f"ur5 record STUDY NAME --move {folder}/trajectory.csv --speed 1"
     before = [] if options.payload is None else [_mounting(options.payload)]
-    page = excitation_page(asked, [*before, BEFORE], command, planned, task.problem, worth, drawn)
+    outlook = outlook_of(options, task, planned.path)
+    page = excitation_page(
+        asked, [*before, BEFORE], command, planned, task.problem, worth, outlook, drawn
+    )
     write_html(page, folder / "excitation.html")
     yield from planned.margins.lines()
     yield from _worth_lines(task.problem, worth)
+    yield from _band_lines(outlook)
     yield from before
     yield f"{folder} written; next: {command}"
 
@@ -108,19 +110,44 @@ def _mounting(load: Payload) -> str:
 
 def task_of(options: ExciteOptions) -> Task:
     """Return the task of the design: limits, problem, question, information so far, duration."""
-    study = None if options.results is None else FinishedStudy(options.results)
-    arm = described(options.robot) if study is None else study.arm(options.robot)
+    study, arm = _arm(options)
     cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
     bare, seeks_load = LinkModel(arm, arm.fullest_model()), options.question == "payload"
     if study is None:
         problem = build_problem(arm, bare, nominal_maps(arm), seeks_load)
         earlier = problem.prior
     else:
-        problem, earlier = problem_after(arm, bare, study, seeks_load)
+        problem, earlier, _ = problem_after(arm, study, seeks_load)
     problem = problem.of_model(cell.model.parameters)
     return Task(
         cell, problem, QUESTIONS[options.question](problem, cell.model), earlier, options.seconds
     )
+
+
+def _arm(options: ExciteOptions) -> tuple[FinishedStudy | None, Robot]:
+    """Return the study of earlier recordings, if any, and the arm as it is known."""
+    if options.results is None:
+        return None, described(options.robot)
+    study = FinishedStudy(options.results)
+    return study, study.arm(options.robot)
+
+
+def outlook_of(options: ExciteOptions, task: Task, path: Designed) -> list[Next]:
+    """Return the bands as they are, and after the designed motion and other recordings.
+
+    Empty without a fit to earlier recordings, from which the bands come.
+    """
+    study, arm = _arm(options)
+    if study is None:
+        return []
+    problem, earlier, fitted = problem_after(arm, study, has_payload=False)
+    if not fitted.fit.joints:
+        return []
+    outlook, (_, states) = Outlook(arm, problem, fitted), path.sampled(1 / STEP)
+    Y = task.cell.model.regressor(*states[:3])
+    told = problem.of_model(task.cell.model.parameters).information(Y, states.qd, STEP)
+    others = outlook.candidates(options.seconds)
+    return [*outlook.ranked(earlier, [("this motion", told), *others])]
 
 
 def known_load(mass: float, *center: float) -> Payload:
@@ -171,92 +198,36 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
         yield f"this motion would hardly lower the first of these errors: {LOAD}"
 
 
-class Recorded(NamedTuple):
-    """Independent states of a recording: link model with its payload and mounting, regressor Y
-    (N, 6, 66), velocities (N, 6) [rad/s].
-    """
-
-    model: LinkModel
-    Y: Array
-    qd: Array
+def _band_lines(outlook: Sequence[Next]) -> Iterator[str]:
+    """Yield the bands before and after recordings."""
+    if outlook:
+        yield "half of the 95 % bands of a force in contact, a current and a load, on average:"
+    for row in outlook:
+        yield f"  {row.after:<46}{row.force:>7.2f} N {row.current:>7.4f} A {row.mass:>6.3f} kg"
 
 
 def problem_after(
-    arm: Robot, model: LinkModel, study: FinishedStudy, has_payload: bool
-) -> tuple[Problem, Array]:
-    """Return the problem of an arm that a study identified, and the information (P, P) so far.
+    arm: Robot, study: FinishedStudy, has_payload: bool
+) -> tuple[Problem, Array, Fitted]:
+    """Return the problem of an arm that a study identified, the information (P, P) so far, and
+    what was fitted.
 
-    arm: as identified; has_payload: whether a load is estimated. The noise of the currents is
-    scaled to the study's standard errors, which include correlated residuals and differences
-    between recordings. Raises InputError where a file is missing.
+    arm: as identified; has_payload: whether a load is estimated. Raises InputError where a file is
+    missing.
     """
-    friction, base = (
-        study.parameters(Friction, arm.name, "friction"),
-        study.parameters(Identification, arm.name, "identification"),
-    )
+    friction = study.parameters(Friction, arm.name, "friction")
+    base = study.parameters(Identification, arm.name, "identification")
     known = study.configuration()
     population = population_of(population_files(known.settings.friction.population), known.study)
-    problem = build_problem(arm, model, _maps(arm, friction, base), has_payload, population)
-    recordings = [*_recorded(arm, study, sorted({*friction.from_, *base.from_}))]
-    if friction.from_:
-        problem = _as_observed(problem, recordings, _observed(friction))
-    return problem, _information(problem, recordings)
+    names = sorted({*friction.from_, *base.from_})
+    fitted = Fitted(friction.fit, friction.parameters, base.noise, len(friction.from_))
+    recordings = [_recorded(arm, study, name) for name in names]
+    return *posterior(arm, fitted, recordings, has_payload, population), fitted
 
 
-def _maps(arm: Robot, friction: Friction, base: Identification) -> Maps:
-    """Return the fitted maps from torque and motion to currents, with noise; else nominal ones."""
-    nominal = nominal_maps(arm)
-    torque = nominal.noise.torque if base.noise is None else base.noise
-    if not friction.from_:
-        return Maps(nominal.coefficients, Noise(torque, nominal.noise.current))
-    fit = friction.fit
-    bands = np.array([joint.band_moving for joint in fit.joints]) / NORMAL95
-    current = np.where(np.isfinite(bands), bands, nominal.noise.current)
-    return Maps(np.array([_kept(joint) for joint in fit.joints]), Noise(torque, current))
-
-
-def _kept(joint: JointFit) -> list[float]:
-    """Return a joint's coefficients of KEPT; zero for a term that the fit does not have."""
-    fitted = dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
-    return [fitted.get(name, 0.0) for name in KEPT]
-
-
-def _observed(friction: Friction) -> Array:
-    """Return a study's standard errors (6, 5) of KEPT, NaN for a missing term."""
-    errors = {(row.joint, row.name): row.std_error for row in friction.parameters}
-    return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in range(1, 7)])
-
-
-def _recorded(arm: Robot, study: FinishedStudy, names: Sequence[str]) -> Iterator[Recorded]:
-    """Yield the states of recordings."""
-    for name in names:
-        robot = arm.carrying(study.payload(name))
-        robot = robot.mounted(study.recording(name).known_gravity())
-        model = LinkModel(robot, robot.fullest_model())
-        motion = study.record(Motion, name)
-        every = max(1, round(INDEPENDENT / float(np.median(np.diff(motion.time)))))
-        states = np.stack([motion.q, motion.qd, motion.qdd])[:, ::every]
-        q, qd, qdd = states[:, np.isfinite(states).all(axis=(0, 2))]
-        yield Recorded(model, model.regressor(q, qd, qdd), qd)
-
-
-def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Array) -> Problem:
-    """Return the problem with the noise of currents scaled to the observed standard errors (6, 5).
-
-    One factor for each joint: the median over its five parameters, at least 1.
-    """
-    noise, factor = problem.noise, np.ones(6)
-    for _ in range(ROUNDS):
-        errors = problem.standard_errors(_information(problem, recordings))
-        predicted = errors[problem.of_currents].reshape(6, 5)
-        factor = np.maximum(factor * np.nanmedian(observed / predicted, axis=1), 1)
-        problem = replace(problem, noise=replace(noise, current=noise.current * factor))
-    return problem
-
-
-def _information(problem: Problem, recordings: Sequence[Recorded]) -> Array:
-    """Return the information (P, P) of the prior and of recordings."""
-    information = problem.prior.copy()
-    for model, Y, qd in recordings:
-        information += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT)
-    return information
+def _recorded(arm: Robot, study: FinishedStudy, name: str) -> Recorded:
+    """Return the states of a recording."""
+    gravity = study.recording(name).known_gravity()
+    motion = study.record(Motion, name)
+    robot = arm.carrying(study.payload(name)).mounted(gravity)
+    return Recorded.along(robot, motion.time, np.stack([motion.q, motion.qd, motion.qdd]))

@@ -132,6 +132,17 @@ class Problem:
             J[:, 6:, self.of_payload] = Y[..., LINK_6] * gain[..., None]
         return J / np.concatenate([self.noise.torque, self.noise.current])[:, None]
 
+    def rows_with_load(self, Y: Array, qd: Array) -> Array:
+        """Return ∂currents/∂(θ, p) over their noise (N, 6, P + 10), p a load's ten parameters."""
+        theta = np.concatenate([self.theta, np.zeros(10)])
+        return replace(self, theta=theta, has_payload=True).rows(theta, Y, qd)[:, 6:]
+
+    def friction_current(self, Y: Array, qd: Array) -> Array:
+        """Return the part (N, 6) [A] of the nominal current that friction takes."""
+        a, b = self.theta[self.of_currents].reshape(6, 5).T[:2]
+        current = self.measured(self.theta, Y, qd)[:, 6:] * self.noise.current
+        return np.asarray(current - a * self.torque(Y) - b)
+
     def pull_back(self, Y: Array, qd: Array, sensitivity: Array) -> tuple[Array, Array]:
         """Return ∂f/∂Y (N, 6, 66) and ∂f/∂q̇ (N, 6) from ∂f/∂J (N, 12, P), J at the nominal θ."""
         theta, columns = self.theta, self.base.columns

@@ -7,12 +7,20 @@ friction can be any torque up to breakaway: a fitted share of the friction befor
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import chdtrc, stdtrit
 
 from ur5lib.errors import Remark, remark
-from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
+from ur5lib.identification.estimation import (
+    Estimate,
+    beside_fuller,
+    estimate_together,
+    of_prior,
+    physical,
+)
+from ur5lib.identification.population import Typical
 from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.regression import DRAWS, half_width, spread
 from ur5lib.identification.samples import (
@@ -41,6 +49,9 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations
+UNUSUAL = 1e-3  # chance below which a joint is unlike others
+RAREST = 1e-6  # chance below which a normal distribution says nothing
+FRICTION = ("coulomb", "viscous")  # that is compared with other arms
 VAGUE = 1e3  # relative error that lets a value count for nothing
 # A torque constant contradicts the known one beyond both. In right recordings of two arms, it is
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
@@ -110,7 +121,10 @@ class CurrentFit:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One fitted value in SI units; joint 1 to 6; interval: 95 %."""
+    """One fitted value in SI units; joint 1 to 6; interval: 95 %.
+
+    prior_share, arm_share, day_share, run_share: of what is known of it, see `shares_of_knowledge`.
+    """
 
     joint: int
     name: str
@@ -118,6 +132,9 @@ class Parameter:
     std_error: float
     interval: tuple[float, float]
     prior_share: float
+    arm_share: float
+    day_share: float
+    run_share: float
     determined: bool
 
 
@@ -163,7 +180,7 @@ def _expected_joint(mean: Array, covariance: Array, drawn: Array) -> JointFit:
     """Return a joint with BASE from its coefficients' mean (P,), covariance, and draws (B, P)."""
     return JointFit(
         terms=BASE,
-        estimate=Estimate(mean, np.ones_like(mean), drawn, spread(physical(drawn))),
+        estimate=Estimate(mean, of_prior(len(mean)), drawn, spread(physical(drawn))),
         presliding=PRESLIDING[0],
         reversal_errors=(),
         held=HELD * float(mean[2]),
@@ -227,37 +244,90 @@ def _fit_with(
     estimates = [*map(beside_fuller, estimates, fuller_estimates)]
     each = zip(samples, terms, alone, estimates, errors, strict=True)
     joints = [_joint_fit(*joint) for joint in each]
-    for joint, found in unlike_others(joints, prior):
+    for joint, found in unlike_others(_untold(joints, samples, prior, seed), prior):
         joints[joint] = replace(joints[joint], remarks=(*joints[joint].remarks, found))
     return CurrentFit(tuple(joints), units, len(np.unique(record_days(records))))
+
+
+def _untold(
+    joints: Sequence[JointFit], samples: Sequence[Samples], prior: Prior, seed: int
+) -> list[JointFit]:
+    """Return the joints with friction as the recordings alone show it.
+
+    Typical friction would pull the torque constant along: more current is more friction or a
+    smaller constant.
+    """
+    typical = {name: known for name, known in prior.typical.items() if name not in FRICTION}
+    terms, alone = [joint.terms for joint in joints], replace(prior, typical=typical)
+    estimates, _ = estimate_together(samples, terms, alone, seed)
+    errors = [
+        np.maximum(own.std_error, one.estimate.std_error)
+        for own, one in zip(estimates, joints, strict=True)
+    ]
+    found = zip(joints, estimates, errors, strict=True)
+    return [replace(one, estimate=replace(own, std_error=error)) for one, own, error in found]
 
 
 def unlike_others(joints: Sequence[JointFit], prior: Prior) -> Iterator[tuple[int, Remark]]:
     """Yield joints whose friction differs from what other arms and its own arm's joints have.
 
-    Joint j deviates from its prediction by the others by (C⁻¹ y)ⱼ / √(C⁻¹)ⱼⱼ standard deviations, y
-    being the logarithms of friction over its typical value and C their covariance. With further
-    terms, Coulomb and viscous friction are only a part of it, and not compared.
+    The squared deviations of Coulomb and viscous friction add up. With further terms, both are only
+    a part of friction, and not compared. odds: one in so many joints differs as much by chance.
     """
-    for name in ("coulomb", "viscous"):
-        if (known := prior.typical.get(name)) is None:
-            continue
+    compared = [
+        _Compared.of(joints, name, known)
+        for name in FRICTION
+        if (known := prior.typical.get(name)) is not None
+    ]
+    # the farthest first, which then no longer shifts what is expected of the others
+    while compared:
+        deviation = np.array([own.deviation() for own in compared])  # (2, n)
+        freedom = sum(own.error < VAGUE for own in compared)
+        chance = chdtrc(np.maximum(freedom, 1), (deviation**2).sum(axis=0))
+        joint = int(np.argmin(chance))
+        if chance[joint] > UNUSUAL:
+            break
+        farthest = compared[int(np.argmax(np.abs(deviation[:, joint])))]
+        words = {"parameter": farthest.name, "ratio": float(np.exp(farthest.value[joint]))}
+        odds = round(1 / max(float(chance[joint]), RAREST))
+        yield joint, remark("unlike other arms", **words, arms=farthest.arms, odds=odds)
+        for own in compared:
+            own.value[joint], own.error[joint] = 0.0, VAGUE
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """Friction of an arm's joints beside its typical value.
+
+    value, error: logarithm of the ratio (n,) and its standard error, VAGUE where incomparable;
+    spread: covariance (n, n) of such logarithms among arms; arms: how many were measured.
+    """
+
+    name: str
+    value: Array
+    error: Array
+    spread: Array
+    arms: int
+
+    @classmethod
+    def of(cls, joints: Sequence[JointFit], name: str, known: Typical) -> Self:
+        """Return what was fitted to joints beside what is typical."""
         place = joints[0].names().index(name)
         value = np.array([physical(one.estimate.coefficients)[place] for one in joints])
         error = np.array([one.estimate.std_error[place] for one in joints])
         comparable = np.array([one.terms == BASE for one in joints]) & (value > 0)
-        ratio = np.where(comparable, value / known.mean, 1.0)
+        ratio = np.log(np.where(comparable, value / known.mean, 1.0))
         error = np.where(comparable, error / value, VAGUE)
         spread = known.covariance / np.outer(known.mean, known.mean)
-        # the farthest first, which then no longer shifts what is expected of the others
-        while True:
-            precision = np.linalg.inv(spread + np.diag(error**2))
-            deviation = np.abs(precision @ np.log(ratio)) / np.sqrt(np.diag(precision))
-            joint = int(np.argmax(deviation))
-            if deviation[joint] <= CONFLICT:
-                break
-            yield joint, remark("unlike other arms", parameter=name, ratio=float(ratio[joint]))
-            ratio[joint], error[joint] = 1.0, VAGUE
+        return cls(name, ratio, error, spread, known.arms)
+
+    def deviation(self) -> Array:
+        """Return each joint's deviation (n,) from its prediction by the others.
+
+        (C⁻¹ y)ⱼ / √(C⁻¹)ⱼⱼ, in standard deviations, y being the values and C their covariance.
+        """
+        precision = np.linalg.inv(self.spread + np.diag(self.error**2))
+        return np.asarray(precision @ self.value / np.sqrt(np.diag(precision)))
 
 
 def fit_without_each_path(
@@ -383,11 +453,13 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
         estimate = model.estimate
         values = physical(estimate.coefficients)
         half = half_width(estimate.std_error, fit.units, estimate.prior_share)
-        columns = (values, estimate.std_error, values - half, values + half, estimate.prior_share)
-        for name, value, error, low, high, share in zip(model.names(), *columns, strict=True):
+        columns = (values, estimate.std_error, values - half, values + half, *estimate.shares)
+        for name, *own in zip(model.names(), *columns, strict=True):
+            value, error, low, high, prior, arm, day, run = own
             # of a torque constant, the sign must be determined, too
-            known = bool(share < UNDETERMINED and (name != "torque_constant" or low > 0))
-            rows.append(Parameter(joint, name, value, error, (low, high), share, known))
+            known = bool(prior < UNDETERMINED and (name != "torque_constant" or low > 0))
+            shares = prior, arm, day, run
+            rows.append(Parameter(joint, name, value, error, (low, high), *shares, known))
     return rows
 
 

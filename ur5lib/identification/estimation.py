@@ -21,22 +21,27 @@ from ur5lib.identification.regression import (
 from ur5lib.identification.samples import Samples
 from ur5lib.identification.selection import regress_samples
 from ur5lib.robots.friction import Term
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
 
 
 @dataclass(frozen=True)
 class Estimate:
     """The coefficients of one joint.
 
-    coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; prior_share: (P,),
-    share of the variance from the prior; replicates: (B, P), of the bootstrap over recordings;
-    std_error: (P,), of `physical` values.
+    coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
+    what is known of them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
+    recordings; std_error: (P,), of `physical` values.
     """
 
     coefficients: Array
-    prior_share: Array
+    shares: Array
     replicates: Array
     std_error: Array
+
+    @property
+    def prior_share(self) -> Array:
+        """Return the share (P,) of the variance from the prior."""
+        return self.shares[0]
 
 
 def estimate_together(
@@ -55,8 +60,11 @@ def estimate_together(
     for joint in samples:
         unit[joint.block] = joint.unit
     units = len(np.unique(unit[unit >= 0]))
-    # the estimate from all blocks, and the prior's share of its variance
-    solution, share = _solve(sums, np.ones((1, count)), whole)
+    # the estimate from all blocks, and where it comes from
+    solution, precision = _solve(sums, np.ones((1, count)), whole)
+    prior_share = np.diag(np.linalg.solve(precision, whole.precision))
+    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
+    recordings = _recordings(samples, count)
     # replicates: the prior's mean is drawn, too
     known = replace(prior, pinned=()).over(terms)
     root = np.linalg.cholesky(np.linalg.inv(known.precision))
@@ -66,11 +74,48 @@ def estimate_together(
     by_block, _ = _solve(sums, draw_blocks(unit, generator), drawn_prior)  # (B, P)
     # each joint's part, with standard errors in physical units
     estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
-    for own in map(slice, [0, *ends[:-1]], ends):
+    for own, equations in zip(map(slice, [0, *ends[:-1]], ends), sums, strict=True):
         drawn = physical(by_unit[:, own]), physical(by_block[:, own])
         error = standard_error(*drawn, units)
-        estimates.append(Estimate(solution[0, own], share[own], by_unit[:, own], error))
+        told = prior_share[own], covariance[own, own], equations
+        shares = shares_of_knowledge(*told, *recordings)
+        estimates.append(Estimate(solution[0, own], shares, by_unit[:, own], error))
     return estimates, units
+
+
+def shares_of_knowledge(
+    prior_share: Array, covariance: Array, equations: Array, record: Labels, day: Labels
+) -> Array:
+    """Return the shares (4, P) of what is known of a joint's coefficients, with the sum one.
+
+    From the prior; recordings of other days than the recording r that tells most; others of its
+    day; r. The prior's share is the diagonal of M⁻¹ Λ (Rodgers 2000), Λ its information and M that
+    of all; the rest is divided as the recordings' parts of the variance, the diagonals of
+    M⁻¹ I M⁻¹. covariance: M⁻¹ (P, P) of the joint; equations: `block_sums`; record, day: (count,)
+    labels of the blocks.
+    """
+    each = np.einsum("ij,bjk,ki->bi", covariance, equations[..., :-1], covariance)  # (count, P)
+    recordings = [record == label for label in np.unique(record)]
+    told = np.array([each[blocks].sum(axis=0) for blocks in recordings])  # (R, P)
+    whole = told.sum(axis=0)
+    told *= np.divide(1 - prior_share, whole, out=np.zeros_like(whole), where=whole > 0)
+    days = np.array([day[blocks].max() for blocks in recordings])
+    same = days[:, None] == days[told.argmax(axis=0)]
+    of_day, run = (told * same).sum(axis=0), told.max(axis=0)
+    return np.stack([prior_share, (told * ~same).sum(axis=0), of_day - run, run])
+
+
+def of_prior(count: int) -> Array:
+    """Return the shares (4, P) of P coefficients without any recording."""
+    return np.stack([np.ones(count), *np.zeros((3, count))])
+
+
+def _recordings(samples: Sequence[Samples], count: int) -> tuple[Labels, Labels]:
+    """Return the labels (count,) of each block's recording and day, zero without samples."""
+    record, day = np.zeros((2, count), dtype=np.int64)
+    for joint in samples:
+        record[joint.block], day[joint.block] = joint.record, joint.day
+    return record, day
 
 
 def beside_fuller(estimate: Estimate, fuller: Estimate) -> Estimate:
@@ -111,7 +156,7 @@ def _normal_equations(
 
 
 def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, Array]:
-    """Return the coefficients (B, P) of all joints, and the prior's share (P,) of the first draw.
+    """Return the coefficients (B, P) of all joints, and the precision (P, P) of the first draw.
 
     sums: (count, P_j, P_j + 1) of each joint; counts: (B, count), of the blocks in each draw.
     """
@@ -123,5 +168,4 @@ def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, 
         here = slice(start, start + joint.shape[1])
         information[:, here, here], right[:, here] = drawn[..., :-1], drawn[..., -1]
         start = here.stop
-    share = np.diag(np.linalg.solve(information[0] + prior.precision, prior.precision))
-    return posterior_mean(information, right, prior), share
+    return posterior_mean(information, right, prior), information[0] + prior.precision

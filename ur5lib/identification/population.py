@@ -78,11 +78,12 @@ class Spread:
 class Typical:
     """A trait of an arm's joints before any recording: mean (n,) and covariance (n, n), SI units.
 
-    Of the torque constant, it is relative to the family's.
+    Of the torque constant, it is relative to the family's. arms: how many were measured.
     """
 
     mean: Array
     covariance: Array
+    arms: int = 0
 
 
 Population = Mapping[str, Spread]
@@ -122,7 +123,7 @@ def typical_arm(population: Population, torque_max: Array) -> dict[str, Typical]
             mean = scale = np.exp(mean)
         else:
             mean = scale * mean
-        found[name] = Typical(mean, covariance * np.outer(scale, scale))
+        found[name] = Typical(mean, covariance * np.outer(scale, scale), spread.arms)
     return found
 
 

@@ -66,7 +66,7 @@ class Prior:
             std *= PINNED
         own = slice(joint, joint + 1)
         typical = {
-            name: Typical(known.mean[own], known.covariance[own, own])
+            name: Typical(known.mean[own], known.covariance[own, own], known.arms)
             for name, known in self.typical.items()
         }
         return JointPrior(float(inverse), float(std), float(self.torque_max[joint]), typical)

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ur5lib.dynamics.flange import link_frames
+from ur5lib.excitation.bands import Next
 from ur5lib.excitation.design import Design
 from ur5lib.excitation.objective import Worth
 from ur5lib.excitation.problem import Problem
@@ -112,13 +113,14 @@ def excitation_page(
     found: Design,
     problem: Problem,
     worth: Worth,
+    outlook: Sequence[Next],
     drawing: File,
 ) -> Document:
     """Return the page of a trajectory.
 
     asked: robot, question and seed; before: the steps before recording, one sentence each;
     command: the command that records it; found: the trajectory; worth: predicted standard errors;
-    drawing: the figure.
+    outlook: bands after it and other recordings, if any are known; drawing: the figure.
     """
     motion = Picture(
         "Angles, amplitudes of their harmonics, largest shares of the limits, standard errors "
@@ -131,7 +133,10 @@ def excitation_page(
     sections = [
         Section(
             "What it would determine",
-            [Paragraph([_worst(problem, worth), Reference("parameters"), " lists all."])],
+            [
+                Paragraph([_worst(problem, worth), Reference("parameters"), " lists all."]),
+                *([_outlook(outlook)] if outlook else []),
+            ],
         ),
         Section("The motion", [motion, Items(found.margins.lines()[len(found.margins.used) :])]),
         Section("How to record it", [Items([*before]), Code(command)]),
@@ -187,6 +192,20 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
         "of the prior means that no recording determines the parameter."
     )
     return Table(caption, header, rows, "parameters", DATA)
+
+
+def _outlook(outlook: Sequence[Next]) -> Table:
+    """Return the bands as they are, and after this motion and others."""
+    rows = [
+        [Cell(row.after), *map(Cell, map(_short, (row.force, row.current, row.mass)))]
+        for row in outlook
+    ]
+    header = ["recording", "force in contact [N]", "current [A]", "load [kg]"]
+    caption = (
+        "Half of the 95 % bands as they are now and after one more recording, the narrowest force "
+        "first."
+    )
+    return Table(caption, header, rows, "outlook")
 
 
 def _short(value: float) -> str:

@@ -1,16 +1,20 @@
 """Currents over torques as in Figures 6.1 and 6.2, friction of an arm, residuals of its fit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from typing import Self
 
+import matplotlib
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from ur5lib.identification.currents import CurrentFit, predict
+from ur5lib.identification.currents import CurrentFit, Parameter, predict
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.pipeline.published_constants import CurrentTorque
 from ur5lib.report.charts import residual_panels, scatter_panels
-from ur5lib.report.house_style import Drawing, nothing_to_draw
+from ur5lib.report.house_style import HOUSE_STYLE, WIDTH, Drawing, nothing_to_draw
 from ur5lib.robots.description import CurrentToTorque
 from ur5lib.timeseries.arrays import Array
 
@@ -54,6 +58,47 @@ class MovingSamples:
         nothing, names = np.full((1, joints), np.nan), [field.name for field in fields(cls)]
         arrays = ([nothing, *(getattr(part, name) for part in parts)] for name in names)
         return cls(*map(np.concatenate, arrays))
+
+
+KNOWN_FROM = {  # the shares of a parameter's knowledge, and their colours
+    "prior_share": ("other arms and the maker", "#BBBBBB"),
+    "arm_share": ("other days", "#0072B2"),
+    "day_share": ("other recordings of the day", "#56B4E9"),
+    "run_share": ("the one recording that tells most", "#E69F00"),
+}
+SYMBOLS = {"torque_constant": "k", "offset": "b", "coulomb": "Coulomb"}  # on a narrow axis
+
+
+def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
+    """Draw a bar of shares for each parameter, in a panel for each joint."""
+    if not parameters:
+        return nothing_to_draw()
+    data = pd.DataFrame([asdict(row) for row in parameters])[["joint", "name", *KNOWN_FROM]]
+    with matplotlib.rc_context(HOUSE_STYLE):
+        rows = -(-data["joint"].nunique() // 3)
+        figure = Figure(figsize=(WIDTH, 1.3 * rows + 0.3), layout="constrained")
+        axes = figure.subplots(rows, 3, sharex=True, squeeze=False).ravel()
+        for empty in axes[data["joint"].nunique() :]:
+            empty.set_visible(False)
+        for axis, (joint, own) in zip(axes, data.groupby("joint"), strict=False):
+            _draw_shares(axis, own)
+            axis.set_title(f"joint {joint}", fontsize=8)
+        figure.supxlabel("share of what is known [%]", fontsize=7.5)
+        bars, labels = axes[0].get_legend_handles_labels()
+        figure.legend(bars, labels, loc="outside upper center", frameon=False, ncols=4, fontsize=7)
+    return Drawing(figure, data)
+
+
+def _draw_shares(axis: Axes, own: pd.DataFrame) -> None:
+    """Draw the shares of a joint's parameters."""
+    shares = 100 * own[[*KNOWN_FROM]].to_numpy()
+    ends = shares.cumsum(axis=1)
+    for (label, color), width, end in zip(KNOWN_FROM.values(), shares.T, ends.T, strict=True):
+        axis.barh(range(len(own)), width, 0.75, end - width, color=color, label=label)
+    axis.set_yticks(range(len(own)), [SYMBOLS.get(name, name) for name in own["name"]])
+    axis.set_xlim(0, 100)
+    axis.invert_yaxis()
+    axis.grid(visible=False)
 
 
 def friction_figures(

@@ -85,6 +85,30 @@ rule fit_friction:
         run_step(rule, input, output, params, log)
 
 
+rule rank_recordings:
+    input:
+        motion=fitted_results("motion.parquet"),
+        loads=fitted_results("torques.json"),
+        friction=parameter("friction.json"),
+        identification=parameter("identification.json"),
+        arm=parameter("arm.yaml"),
+        population=own(*population_files(SETTINGS.friction.population)),
+    output:
+        ranking=parameter("next_recordings.csv"),
+    log:
+        **traces("rank_recordings", "{robot}"),
+    group:
+        in_cluster("fits")
+    params:
+        code=code("rank_recordings", *shipped(*population_files(SETTINGS.friction.population))),
+        population=SETTINGS.friction.population,
+        recordings=fitted_on,
+        gravities=fitted_gravities,
+        study=STUDY.study,
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule estimate_payload:
     input:
         signals=result("signals.parquet"),

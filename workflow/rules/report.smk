@@ -16,7 +16,13 @@ TRACKING_FIGURES = ["positions", "velocities"]
 OLDER_FIGURES = ["positions_older", "velocities_older", "torques_older"]
 MODEL_FIGURES = ["frames", "models"]
 CURRENT_FIGURES = ["current_torque_printed", "current_torque_friction_printed"]
-FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
+FRICTION_FIGURES = [
+    "knowledge",
+    "current_torque",
+    "current_torque_friction",
+    "friction",
+    "residuals",
+]
 COMPARED = [
     "quality",
     "parameters",

@@ -10,7 +10,7 @@ from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.friction_figures import MovingSamples, friction_figures
+from ur5lib.report.friction_figures import MovingSamples, friction_figures, knowledge_bars
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record
@@ -30,6 +30,7 @@ def draw_friction(input: Any, output: Any, params: Any) -> None:
             if record is not None:
                 parts.append(MovingSamples.from_record(record, fit, smooth))
     samples = MovingSamples.joined(parts, len(constant))
+    save(knowledge_bars(friction.parameters), output.knowledge)
     figures = friction_figures(samples, constant, known, friction.senses_torque())
     for name, figure in figures.items():
         save(figure, output[name])

@@ -79,6 +79,7 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
 
 
 MOST = 3  # steps that a reader remembers
+NARROWER = 0.95  # of the band of forces, from which on a recording is worth naming
 MANY_LOST = 0.1  # share of lost frames from which a recording is worth repeating
 CONTRADICTIONS = ("unlikely constant", "current against constant")  # codes of remarks
 ASKING = ("no motion", "one path", "few paths")  # codes of remarks that ask for a recording
@@ -162,6 +163,15 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
         yield say("steps.validate")
     if results.tables["force_mae"].empty and not touched(results):
         yield say("steps.pushes")
+    yield from narrowing(results)
+
+
+def narrowing(results: Results) -> Iterator[Sentence]:
+    """Name the recording of each arm that would narrow the band of forces most, if by enough."""
+    for robot, rows in results.tables["next_recordings"].groupby("robot", sort=False):
+        now, best = rows[rows["after"] == "now"].iloc[0], rows.loc[rows["force"].idxmin()]
+        if best["force"] < NARROWER * now["force"]:
+            yield say("steps.narrower", robot=robot, now=now, best=best)
 
 
 def other_motions(results: Results) -> Iterator[Sentence]:
@@ -187,6 +197,7 @@ def findings(results: Results) -> list[Sentence]:
         *nearest_model(results),
         *comparison.rebuilt(results),
         *loads_found(results),
+        *unlike_others(results),
         *counted(results),
         *elsewhere(results),
         *loads_taken_up(results),
@@ -254,6 +265,13 @@ def loads_found(results: Results) -> Iterator[Sentence]:
     """Report the recordings with an undeclared load."""
     for row in loaded(results)[:MOST_SHOWN].itertuples():
         yield say("findings.load", row=row)
+
+
+def unlike_others(results: Results) -> Iterator[Sentence]:
+    """Report the joints whose friction differs from that of other arms by more than chance."""
+    rows = results.rows("remarks", code="unlike other arms")
+    for row in rows[:MOST_SHOWN].itertuples():
+        yield say("findings.unlike", row=row)
 
 
 def loads_taken_up(results: Results) -> Iterator[Sentence]:

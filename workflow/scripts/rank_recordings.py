@@ -1,0 +1,40 @@
+"""What another recording of an arm is worth: the bands before and after it, in a user's units."""
+
+from typing import Any
+
+import numpy as np
+
+from ur5lib.excitation.bands import Next, Outlook
+from ur5lib.excitation.posterior import Fitted, Recorded, problem_after
+from ur5lib.identification.population import population_of
+from ur5lib.pipeline.carried import Carried
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.models import Identification
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.robots.description import load_robot
+from ur5lib.robots.population import population_files
+from ur5lib.tables import read_record, write_rows
+
+SECONDS = 20.0  # of the recordings that may come next, as `ur5 excite` designs them
+
+
+def rank_recordings(input: Any, output: Any, params: Any) -> None:
+    arm, friction = load_robot(input.arm), read_record(Friction, input.friction)
+    base = read_record(Identification, input.identification)
+    population = input.population or population_files(params.population)
+    rows = list[Next]()
+    if friction.fit.joints and len(arm.joints) == 6:  # of more, no motion is designed
+        fitted = Fitted(friction.fit, friction.parameters, base.noise, len(friction.from_))
+        recordings = []
+        files = zip(params.recordings, params.gravities, input.motion, input.loads, strict=True)
+        for name, gravity, motion_file, load in files:
+            if name in {*friction.from_, *base.from_}:
+                motion, carried = Motion.read(motion_file), read_record(Carried, load)
+                robot = arm.carrying(carried.payload).mounted(gravity)
+                states = np.stack([motion.q, motion.qd, motion.qdd])
+                recordings.append(Recorded.along(robot, motion.time, states))
+        known = population_of(population, params.study)
+        problem, earlier = problem_after(arm, fitted, recordings, False, known)
+        outlook = Outlook(arm, problem, fitted)
+        rows = [*outlook.ranked(earlier, outlook.candidates(SECONDS))]
+    write_rows(Next, rows, output.ranking)
