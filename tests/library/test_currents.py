@@ -21,9 +21,9 @@ from tests.library.current_study import (
 )
 from tests.made_tables import table
 from ur5lib.identification.currents import (
-    MOVING,
     CONFLICT,
     FOLDS,
+    MOVING,
     CurrentFit,
     JointFit,
     band,
