@@ -46,6 +46,8 @@ def test_friction_is_that_of_other_arms(unfitted: Path) -> None:
 
 
 def test_forces_in_contact_are_better_than_zero_and_inside_their_band(unfitted: Path) -> None:
+    """All contacts of one recording may be inside; of all recordings, not more than promised."""
+    inside = []
     for name in TOUCHED:
         folder = unfitted / "recordings" / name
         forces = Forces.read(folder / "forces.parquet")
@@ -54,7 +56,9 @@ def test_forces_in_contact_are_better_than_zero_and_inside_their_band(unfitted: 
         during = in_contact(np.linalg.norm(true, axis=1)) & np.isfinite(force).all(axis=1)
         error = np.abs(force - true)[during]
         assert error.mean() < 0.8 * np.abs(true[during]).mean(), name
-        assert 0.90 <= (error <= NORMAL95 * std[during]).mean() <= 0.99, name
+        inside.append(error <= NORMAL95 * std[during])
+        assert inside[-1].mean() >= 0.90, name
+    assert np.concatenate(inside).mean() <= 0.99
 
 
 def test_each_arm_is_judged_by_the_others(thesis_results: Path) -> None:
