@@ -197,7 +197,10 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
 def _outlook(outlook: Sequence[Next]) -> Table:
     """Return the bands as they are, and after this motion and others."""
     rows = [
-        [Cell(row.after), *map(Cell, map(_short, (row.force, row.current, row.mass)))]
+        [
+            Cell(row.after),
+            *(Cell(significant(own, 3)) for own in (row.force, row.current, row.mass)),
+        ]
         for row in outlook
     ]
     header = ["recording", "force in contact [N]", "current [A]", "load [kg]"]
