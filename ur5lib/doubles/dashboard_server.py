@@ -4,7 +4,8 @@ Source: Universal Robots' dashboard server guide, CB-Series and e-Series.
 """
 
 from asyncio import StreamReader, StreamWriter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from itertools import repeat
 
 from ur5lib.doubles.control_box import ControlBox
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
@@ -62,13 +63,8 @@ def _play(box: ControlBox) -> str:
         return "Starting program"
     if not box.loaded or box.safety_mode != SafetyMode.NORMAL:
         return "Failed to execute: play"
-    box.run(_idle())
+    box.run(repeat(None))
     return "Starting program"
-
-
-def _idle() -> Iterator[None]:
-    while True:
-        yield
 
 
 def _stop(box: ControlBox) -> str:

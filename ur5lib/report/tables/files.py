@@ -16,14 +16,11 @@ TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 def recordings(source: Source) -> Iterator[Row]:
     """Yield a recording's size, duration, time steps, devices and moving joints."""
     quality: Quality = source["quality"]
-    yield {
+    yield vars(quality) | {
         "rows_read": quality.rows,
         "jitter_s": quality.jitter_s["99 %"],
         "devices": " ".join(quality.devices),
         "moving_joints": " ".join(map(str, moving_joints(source["signals"]))),
-        "duration_s": quality.duration_s,
-        "frames": quality.frames,
-        "longest_step_s": quality.longest_step_s,
     }
 
 

@@ -52,12 +52,7 @@ def contact_errors(source: Source) -> Iterator[Row]:
 def sensed(source: Source) -> Iterator[Row]:
     """Yield the largest reading of a force sensor, and its contacts."""
     if felt := source["forces"].felt:
-        yield {
-            "largest_force_n": felt.largest,
-            "at_s": felt.at_s,
-            "share_in_contact": felt.contact,
-            "contacts": felt.contacts,
-        }
+        yield vars(felt) | {"largest_force_n": felt.largest, "share_in_contact": felt.contact}
 
 
 def ablation(source: Source) -> Iterator[Row]:
@@ -91,10 +86,8 @@ def _by_class(row: Row, found: Detected, pushes: Row) -> Iterator[Row]:
     past = found.causal.classes if found.causal else [None] * len(found.classes)
     for offline, online in zip(found.classes, past, strict=True):
         yield row | {
+            **vars(offline),
             "force_class_n": offline.force,
-            "contacts": offline.contacts,
-            "found": offline.found,
-            "recall": offline.recall,
             "median_delay_s": offline.median_delay,
             "causal_delay_s": online and online.median_delay,
             "causal_found": online and online.found,
