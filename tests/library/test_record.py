@@ -1,6 +1,7 @@
 """`ur5 record`: what it asks, refuses, and leaves behind."""
 
 import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,6 @@ from ur5lib.robots.rtde_variables import RuntimeState
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.reading import read_study
 from ur5lib.tables import read_json
-
-pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
 HOME = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 STUDY = """\
@@ -77,7 +76,13 @@ def said(console: Console) -> str:
 # From the devices to the study
 
 
-@pytest.mark.usefixtures("controller_ports")
+def on_an_emulated_arm(test: Callable[..., None]) -> Callable[..., None]:
+    """A test in real time, alone on the ports of a controller."""
+    marked: Callable[..., None] = pytest.mark.usefixtures("controller_ports")(test)
+    return pytest.mark.slow(pytest.mark.real_time(marked))
+
+
+@on_an_emulated_arm
 def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> None:
     pytest.importorskip("serial")
     screen = console()
@@ -119,7 +124,7 @@ def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
     assert starts == pytest.approx({n: one["offset_s"] for n, one in clocks.items()}, abs=0.002)
 
 
-@pytest.mark.usefixtures("controller_ports")
+@on_an_emulated_arm
 def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> None:
     pytest.importorskip("rtde_control")
     time = np.arange(0, 4, 0.02)
@@ -139,7 +144,7 @@ def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> N
     assert "- name: swing" in said(screen)
 
 
-@pytest.mark.usefixtures("controller_ports")
+@on_an_emulated_arm
 def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     """By a hand that pulls again and again, from before freedrive until after it."""
     pytest.importorskip("rtde_control")
@@ -158,7 +163,7 @@ def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     assert "the motion ended early" not in said(screen)
 
 
-@pytest.mark.usefixtures("controller_ports")
+@on_an_emulated_arm
 def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("rtde_control")
     np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
@@ -171,7 +176,7 @@ def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatc
         assert not Path("raw").exists()
 
 
-@pytest.mark.usefixtures("controller_ports")
+@on_an_emulated_arm
 def test_what_cannot_be_planned_is_refused_before_anything_moves(study: Path) -> None:
     """A line through a singularity, and a wait between commands of a file that has none."""
     np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
@@ -187,7 +192,7 @@ def test_what_cannot_be_planned_is_refused_before_anything_moves(study: Path) ->
         assert not Path("raw").exists()
 
 
-@pytest.mark.usefixtures("controller_ports")
+@on_an_emulated_arm
 def test_the_page_is_followed_word_for_word(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -229,7 +234,7 @@ def expect_moves(moved: pd.DataFrame) -> None:
     assert np.linalg.norm(beside, axis=1).max() < 0.002
 
 
-@pytest.mark.usefixtures("controller_ports")
+@on_an_emulated_arm
 def test_the_arm_stops_when_a_device_dies(study: Path) -> None:
     """One that this program moves; the others are recorded on."""
     pytest.importorskip("rtde_control")
