@@ -30,8 +30,6 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.sampling import interpolated
 
 TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
-FAST = "Movement_No4_Acc"
-STANDSTILL = "Movement_No10_Standstill_ForceSensor_All"
 PERIOD = 0.008
 K0, K1 = np.full(6, 400.0), np.full(6, 30.0)
 PRINTED_POSITION = {  # Table 5.5 [1e-4 rad]
@@ -43,11 +41,6 @@ PRINTED_VELOCITY = {  # Table 5.5 [1e-4 rad/s]
     "A": [28, 35, 33, 111, 63, 148],
     "B": [28, 35, 33, 110, 63, 148],
     "C": [26, 31, 31, 85, 56, 129],
-}
-PRINTED_TORQUE = {  # Table 5.6 [Nm], joints 1 to 3
-    "A": [0.3227, 1.8140, 1.9529],
-    "B": [0.2973, 0.6082, 1.1918],
-    "C": [0.2959, 0.5860, 1.2439],
 }
 
 
@@ -366,16 +359,3 @@ def test_rounded_lengths_would_raise_the_errors_of_joint_2(
         torque = LinkModel(rounded, model).inverse_dynamics(*states)
         rise = mean_absolute_error(torque, moment) - mean_absolute_error(loop.torque[model], moment)
         assert 0.0045 < rise[1] < 0.0095
-
-
-def test_fast_moves_determine_gains(real_ur5: RealStudy) -> None:
-    for joint in estimate_gains(recorded(real_ur5.recording(FAST)))[:4]:
-        assert joint.position.determined
-        assert joint.velocity.determined
-
-
-def test_an_arm_at_rest_determines_no_gain(real_ur5: RealStudy) -> None:
-    """Whatever the loop, a target that stays is followed exactly, but for noise."""
-    for joint in estimate_gains(recorded(real_ur5.recording(STANDSTILL))):
-        assert not joint.position.determined
-        assert not joint.velocity.determined
