@@ -1,16 +1,15 @@
 """Torques of two real arms of seven joints: base parameters beside FIGAROH's, and friction.
 
-    python -m benchmarks.seven_joints <folder>          (in the project's environment)
-    pip install figaroh==1.0.2                          (in an environment of its own)
-    python benchmarks/figaroh/identification.py results/figaroh/xmate          (and .../lbr-med)
     python -m benchmarks.seven_joints <folder>
 
-<folder> has `rokae-xmate7`: filtering/data/excit of
+The folder has `rokae-xmate7`: filtering/data/excit of
 YanjunLIU-ac/Dynamic_Parameter_Identification_for_Rokae_xMate on GitHub, at d5855f4 (20 s at 1 kHz
 with motor torques and joint-torque sensors), and `kuka-lbr-med`: src/test/measurements.csv of
 lbr-stack/dynamic_parameter_identification, at 58b4d88 (torques without stamps). Each part of a
 recording is predicted by a fit to its other parts: links, rotors, and each joint's offset, Coulomb
 and viscous friction. Draws docs/seven_joints.svg, and tries intervals for the missing stamps.
+Writes results/figaroh/xmate/ and results/figaroh/lbr-med/ for
+`benchmarks/figaroh/identification.py`, whose answers are scored, too, where they lie there already.
 """
 
 from collections.abc import Mapping, Sequence

@@ -363,11 +363,12 @@ def singularities(
     """Print the share of joint space near shoulder, elbow and wrist singularities."""
     from rich.console import Console
 
-    from ur5lib.commands.exported import described
+    from ur5lib.commands.exported import described, expect_ur
     from ur5lib.dynamics.flange import flange_kinematics
     from ur5lib.force.singularities import map_singularities, sample_joints
 
     arm = described(robot)
+    expect_ur(arm, "ur5 singularities")
     q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
     with Console(stderr=True).status(f"trying {count} configurations"):
         singular = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)

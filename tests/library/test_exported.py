@@ -9,7 +9,11 @@ import numpy as np
 import pinocchio
 import pytest
 import yaml
+from typer.testing import CliRunner
 
+from tests.library.test_from_urdf import made_up, saved
+from ur5lib.cli import app
+from ur5lib.commands.described import describe_urdf
 from ur5lib.commands.exported import exported
 from ur5lib.commands.replay import inverse_dynamics
 from ur5lib.dynamics.link_model import LinkModel
@@ -17,6 +21,7 @@ from ur5lib.errors import InputError
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
+from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.timeseries.arrays import Array
@@ -28,8 +33,8 @@ FRICTION = JointFriction(np.arange(1.0, 7.0), np.linspace(0.5, 3, 6))
 GRAVITY = np.array([1.0, -2.0, 9.0])
 
 
-def motion() -> Motion:
-    q, qd, qdd = STATES
+def motion(joints: int = 6) -> Motion:
+    q, qd, qdd = STATES[..., np.arange(joints) % 6]
     time, std = 0.008 * np.arange(40), 0 * q
     known = {"q": q, "qd": qd, "qdd": qdd, "q_std": std, "qd_std": std, "qdd_std": std}
     known["motor_qd"] = qd
@@ -39,7 +44,7 @@ def motion() -> Motion:
 def replayed(robot: Robot, friction: JointFriction | None, folder: Path) -> Array:
     file = folder / "arm.xml"
     file.write_text(mjcf(robot, f"{robot.chosen_model}+rotors", friction))
-    return inverse_dynamics(file, motion(), GRAVITY)
+    return inverse_dynamics(file, motion(len(robot.joints)), GRAVITY)
 
 
 @pytest.mark.parametrize("name", ["ur5e", "ur10e", "ur20"])
@@ -48,6 +53,29 @@ def test_its_torques_are_this_project_s(name: str, tmp_path: Path) -> None:
     robot = robot.carrying(Payload(mass=1.5, center_of_mass=(0.02, 0.0, 0.1)))
     expected = LinkModel(robot, f"{robot.chosen_model}+rotors").inverse_dynamics(*STATES)
     np.testing.assert_allclose(replayed(robot, None, tmp_path), expected, rtol=1e-4, atol=1e-3)
+
+
+def test_an_arm_of_seven_joints_is_exported(tmp_path: Path) -> None:
+    robot = robot_from_urdf(saved(made_up(7), tmp_path))[0].mounted(GRAVITY)
+    bodies, states = rigid_bodies(robot, "maker"), motion(7)
+    expected = LinkModel(robot, "maker").inverse_dynamics(states.q, states.qd, states.qdd)
+    for text in (mjcf(robot, "maker", None), urdf(robot, bodies)):
+        (tmp_path / "arm.xml").write_text(text)
+        found = inverse_dynamics(tmp_path / "arm.xml", states, GRAVITY)
+        np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-3)
+    assert from_sdf(sdf(robot, "maker", None), 7).nv == 7
+    with pytest.raises(InputError, match="7 degrees of freedom instead of 6"):
+        inverse_dynamics(tmp_path / "arm.xml", motion(), GRAVITY)
+
+
+@pytest.mark.parametrize("command", [["singularities"], ["excite", "--write", "designed"]])
+def test_what_is_for_the_axes_of_a_ur_is_refused(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    describe_urdf(saved(made_up(7), tmp_path), None, None, "mine")
+    with pytest.raises(InputError, match=f"`ur5 {command[0]}` .* mine with its 7 joints"):
+        CliRunner().invoke(app, [*command, "--robot", "mine"], catch_exceptions=False)
 
 
 def test_its_friction_is_coulomb_and_viscous(tmp_path: Path) -> None:
@@ -92,13 +120,13 @@ def placed(pose: str) -> pinocchio.SE3:
     return pinocchio.SE3(pinocchio.rpy.rpyToMatrix(roll, pitch, yaw), np.array(position))
 
 
-def from_sdf(text: str) -> pinocchio.Model:
+def from_sdf(text: str, joints: int = 6) -> pinocchio.Model:
     """The arm of an SDF text, each link turned about the z axis of the frame that it stands in."""
     arm, model = ElementTree.fromstring(text).find("model"), pinocchio.Model()
     assert arm is not None
     frames = {frame.get("name"): frame.findtext("pose", "") for frame in arm.iter("frame")}
     below = pinocchio.SE3.Identity()
-    for k in range(1, 7):
+    for k in range(1, joints + 1):
         joint, link = arm.find(f"joint[@name='joint_{k}']"), arm.find(f"link[@name='link_{k}']")
         assert joint is not None
         assert link is not None

@@ -25,6 +25,7 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.currents import fit_currents, predict
+from ur5lib.identification.payload import estimate_payload
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml
@@ -201,6 +202,13 @@ def test_currents_are_fitted() -> None:
         np.testing.assert_allclose(own.estimate.coefficients, other.estimate.coefficients)
     predicted = predict(fit, records[0])
     np.testing.assert_allclose(predicted, seventh(predict(expected, six[0])))
+    # a load on all of them, and the friction that it adds
+    per_load = np.stack([np.cos(records[0].q), np.sin(2 * records[0].q)], axis=2)
+    heavy = replace(records[0], torque=records[0].torque + per_load @ [2.0, 0.3])
+    found = estimate_payload(
+        fit, replace(records[0], current=predict(fit, heavy)), per_load, smooth
+    )
+    np.testing.assert_allclose(found.parameters, [2.0, 0.3], atol=0.01)
 
 
 def test_its_description_is_read_back(tmp_path: Path) -> None:

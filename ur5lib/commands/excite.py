@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from rich.console import Console
 from rich.progress import Progress
 
-from ur5lib.commands.exported import described
+from ur5lib.commands.exported import described, expect_ur
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.excitation.bands import Next, Outlook
@@ -111,6 +111,7 @@ def _mounting(load: Payload) -> str:
 def task_of(options: ExciteOptions) -> Task:
     """Return the task of the design: limits, problem, question, information so far, duration."""
     study, arm = _arm(options)
+    expect_ur(arm, "ur5 excite")
     cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
     bare, seeks_load = LinkModel(arm, arm.fullest_model()), options.question == "payload"
     if study is None:

@@ -27,7 +27,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     """Yield lines of a table: root mean square errors [Nm] of low-passed torques in motion against
     the torque of the currents, by a model file, the maker's model and the study's prediction.
 
-    file: MJCF or URDF of six joints, as MuJoCo reads them, with the recording's payload; results:
+    file: MJCF or URDF of the arm, as MuJoCo reads them, with the recording's payload; results:
     results/<study>; name: of the recording. Raises InputError for missing results.
     """
     study = FinishedStudy(results)
@@ -49,7 +49,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     }
     slow = partial(zero_phase_lowpass, rate=1 / signals.period, order=ORDER, cutoff=CUTOFF)
     still = np.abs(motion.qd) < DEAD_ZONE
-    yield f"{'torque error [Nm], joint':<40}" + "".join(f"{joint:>9}" for joint in range(1, 7))
+    yield f"{'torque error [Nm], joint':<40}" + "".join(f"{k:>9}" for k in arm.joint_numbers)
     for label, torque in compared.items():
         error = by_segment(slow, measured - torque, signals.segment)
         error[still] = np.nan
@@ -59,18 +59,19 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
 
 
 def inverse_dynamics(file: Path, motion: Motion, gravity: Array) -> Array:
-    """Return the inverse dynamics (N, 6) [Nm] of a model file along a motion, by MuJoCo.
+    """Return the inverse dynamics (N, n) [Nm] of a model file along a motion, by MuJoCo.
 
     gravity: (3,) [m/s²], base frame. Raises InputError where MuJoCo cannot read the file, or the
-    model does not have six joints.
+    model does not have the motion's n joints.
     """
     try:
         model = mujoco.MjModel.from_xml_path(str(file))
     except ValueError as error:
         raise InputError(f"{file} cannot be read by MuJoCo ({error}); name MJCF or URDF") from error
-    if model.nv != 6:
-        raise InputError(f"{file} has {model.nv} degrees of freedom instead of 6")
+    if model.nv != motion.q.shape[1]:
+        raise InputError(f"{file} has {model.nv} degrees of freedom instead of {motion.q.shape[1]}")
     model.opt.disableflags |= DISABLED
+    model.opt.gravity = gravity  # a URDF has none
     data, torque = mujoco.MjData(model), np.empty_like(motion.q)
     states = zip(motion.q, motion.qd, motion.qdd, strict=True)
     for row, (data.qpos, data.qvel, data.qacc) in zip(torque, states, strict=True):
