@@ -244,6 +244,9 @@ def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     drawing = health_figure(*results.tables.values())
     assert len(drawing.figure.axes) == 36
     assert {*drawing.data["quantity"]} == {*UNITS, "temperature"}
+    assert "[A]" in "".join(axis.get_ylabel() for axis in drawing.figure.axes)
+    sensed = health_figure(*results.tables.values(), sensed=True).figure
+    assert not any("A]" in axis.get_ylabel() for axis in sensed.axes)
 
 
 def test_dates_on_which_no_joint_could_be_judged_draw_nothing(results: Results) -> None:

@@ -23,6 +23,7 @@ PANELS = {
     "noise": "noise [A]",
     "temperature": "temperature [°C]",
 }
+SENSED = {"torque_constant": "gain [Nm/Nm]", "noise": "noise [Nm]"}  # of torques, not currents
 HEIGHT = 7.4  # inches, of six rows of panels
 MARKS = ("o", "s", "^", "v", "D", "P", "X", "*")
 SMALL: Any = {"axes.titlesize": 7.5, "xtick.labelsize": 6.5}
@@ -30,11 +31,12 @@ SLOWEST = 0.003  # rad/s, where the axis of speeds begins
 PALE: Any = SHADE | {"alpha": 0.06}  # a drift, which lasts all the time
 
 
-def health_figure(dates: pd.DataFrame, changes: pd.DataFrame) -> Drawing:
+def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, sensed: bool = False) -> Drawing:
     """Draw a row of panels per quantity, a column per joint.
 
-    dates, changes: health.csv, health_changes.csv.
+    dates, changes: health.csv, health_changes.csv; sensed: whether the joints sense torque.
     """
+    labels = PANELS | SENSED if sensed else PANELS
     rows = _with_temperatures(dates)
     if rows.empty:
         return nothing_to_draw()
@@ -47,7 +49,7 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame) -> Drawing:
                 here = (changes["quantity"] == quantity) & (changes["joint"] == joint)
                 for change in changes[here].itertuples():
                     _mark(axis, change)
-            row[0].set_ylabel(PANELS[quantity].replace(" [", "\n["), fontsize=6.5)
+            row[0].set_ylabel(labels[quantity].replace(" [", "\n["), fontsize=6.5)
         _label(figure, len(shown))
     return Drawing(figure, rows)
 

@@ -187,6 +187,7 @@ rule track_health:
 
 rule draw_health:
     input:
+        arm=parameter("described.yaml"),
         health=parameter("health.csv"),
         changes=parameter("health_changes.csv"),
     output:

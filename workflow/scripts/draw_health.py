@@ -4,8 +4,10 @@ from typing import Any
 
 from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.house_style import save
+from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_csv
 
 
 def draw_health(input: Any, output: Any, params: Any) -> None:
-    save(health_figure(read_csv(input.health), read_csv(input.changes)), output.health)
+    sensed = load_robot(input.arm).senses_torque()
+    save(health_figure(read_csv(input.health), read_csv(input.changes), sensed), output.health)
