@@ -18,8 +18,7 @@ from ur5lib.excitation.posterior import Fitted
 from ur5lib.excitation.problem import CORRELATED, LINK_6, Problem, random_states
 from ur5lib.excitation.questions import PREDICTED_ACCELERATION, PREDICTED_SPEED
 from ur5lib.identification.base_parameters import prior_width
-from ur5lib.identification.currents import BETWEEN_DAYS
-from ur5lib.identification.regression import USUAL
+from ur5lib.identification.currents import BETWEEN_DAYS, MOVING
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -119,7 +118,7 @@ class Outlook:
 
         The quantile of Student's t falls with their number.
         """
-        count = USUAL + self._fitted.recordings
+        count = MOVING.recordings + self._fitted.recordings
         quantiles = stdtrit(np.array([count, count + further]), 0.975)
         known = np.array([joint.band_moving for joint in self._fitted.fit.joints]) / NORMAL95
         known = np.where(np.isfinite(known), known, self._problem.noise.current)
