@@ -30,7 +30,7 @@ from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.friction_fit import fitted_friction
-from ur5lib.pipeline.imu import imu_samples
+from ur5lib.pipeline.imu_samples import imu_samples
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.pipeline.imu import imu_samples
+from ur5lib.pipeline.imu_samples import imu_samples
 from ur5lib.pipeline.records.accelerations import (
     AccelerationErrors,
     Accelerations,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.pipeline.imu import all_imu_samples
+from ur5lib.pipeline.imu_samples import all_imu_samples
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import calibrate_without_each

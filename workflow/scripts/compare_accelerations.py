@@ -12,7 +12,7 @@ from ur5lib.pipeline.end_effector import (
     compared,
     differences,
 )
-from ur5lib.pipeline.imu import has_valid_imu
+from ur5lib.pipeline.imu_samples import has_valid_imu
 from ur5lib.pipeline.records.accelerations import Accelerations, ImuComparison
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import FusedMotion, Motion

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from ur5lib.pipeline.imu import fused_record, has_valid_imu, imu_model, no_fused_motion
+from ur5lib.pipeline.fused_motion import fused_record, imu_model, no_fused_motion
+from ur5lib.pipeline.imu_samples import has_valid_imu
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion, MotionAccount, MotionNoise
 from ur5lib.pipeline.records.signals import Signals
