@@ -695,6 +695,7 @@ OF_THESIS: dict[str, Expected] = {
 }
 ALSO_OF_THESIS = ["rows lost, many", "rows lost in turn", "misaligned rows", "text", "gzip"]
 ALSO_OF_THESIS += ["cut inside a number", "empty", "UTF-16", "an empty column", "empty cells"]
+ALSO_OF_THESIS += ["clock reset", "a block repeated", "stale data"]  # joined by their stamps
 IN_ALL_FILES = [kind for kind in OF_ROBOT if "time" in kind or "seconds" in kind]
 IN_ALL_FILES += ["thousandths", "clock reset", "a block repeated", "stale data"]
 IN_ALL_FILES += ["rows lost, many", "rows lost in turn", "misaligned rows"]
