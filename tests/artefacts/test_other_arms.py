@@ -13,6 +13,7 @@ from ur5lib.identification.currents import parameters
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.tables import read_record
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
 TOUCHED = [
@@ -45,20 +46,30 @@ def test_friction_is_that_of_other_arms(unfitted: Path) -> None:
     assert not any(row.determined for row in parameters(friction.fit))
 
 
-def test_forces_in_contact_are_better_than_zero_and_inside_their_band(unfitted: Path) -> None:
-    """All contacts of one recording may be inside; of all recordings, not more than promised."""
-    inside = []
-    for name in TOUCHED:
-        folder = unfitted / "recordings" / name
-        forces = Forces.read(folder / "forces.parquet")
-        true = SensorWrenches.read(folder / "sensor.parquet").wrench["compensated"][:, :3]
-        force, std = forces.wrench["Fmap"][:, :3], forces.std["Fmap"][:, :3]
-        during = in_contact(np.linalg.norm(true, axis=1)) & np.isfinite(force).all(axis=1)
-        error = np.abs(force - true)[during]
-        assert error.mean() < 0.8 * np.abs(true[during]).mean(), name
-        inside.append(error <= NORMAL95 * std[during])
-        assert inside[-1].mean() >= 0.90, name
-    assert np.concatenate(inside).mean() <= 0.99
+def errors_in_contact(unfitted: Path, name: str) -> tuple[Array, Array, Array]:
+    """Return the true force, the error and half of the 95 % band (N, 3) [N] while touched."""
+    folder = unfitted / "recordings" / name
+    forces = Forces.read(folder / "forces.parquet")
+    true = SensorWrenches.read(folder / "sensor.parquet").wrench["compensated"][:, :3]
+    force, std = forces.wrench["Fmap"][:, :3], forces.std["Fmap"][:, :3]
+    during = in_contact(np.linalg.norm(true, axis=1)) & np.isfinite(force).all(axis=1)
+    return true[during], np.abs(force - true)[during], NORMAL95 * std[during]
+
+
+@pytest.mark.parametrize("name", TOUCHED)
+def test_forces_in_contact_are_better_than_zero(unfitted: Path, name: str) -> None:
+    true, error, half = errors_in_contact(unfitted, name)
+    assert error.mean() < 0.8 * np.abs(true).mean()
+    assert (error <= half).mean() >= 0.90
+
+
+TOO_WIDE = pytest.mark.xfail(strict=True, reason="all of its 8 s in contact are inside the band")
+
+
+@pytest.mark.parametrize("name", [*TOUCHED[:2], pytest.param(TOUCHED[2], marks=TOO_WIDE)])
+def test_bands_of_forces_are_no_wider_than_promised(unfitted: Path, name: str) -> None:
+    _, error, half = errors_in_contact(unfitted, name)
+    assert (error <= half).mean() <= 0.99
 
 
 def test_each_arm_is_judged_by_the_others(thesis_results: Path) -> None:
