@@ -126,6 +126,7 @@ def test_what_make_bench_runs_is_there() -> None:
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
     other = {
         "gpu",  # which few machines have
+        "drawn_arms",
         "accelerometer",
         "contact_link",
         "motion",

@@ -81,5 +81,8 @@ def _coloured(svg: str, index: int) -> str:
 
 
 def _data_uri(path: str) -> str:
-    """Return a figure as a data URI, as text: base64 would be a third larger."""
-    return "data:image/svg+xml," + quote(Path(path).read_text(encoding="utf-8"), safe=PLAIN)
+    """Return a figure as a data URI, as text: base64 would be a third larger, and line breaks cost
+    three characters each.
+    """
+    text = " ".join(Path(path).read_text(encoding="utf-8").split())
+    return "data:image/svg+xml," + quote(text, safe=PLAIN)
