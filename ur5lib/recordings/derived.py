@@ -77,6 +77,7 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
     if np.isnan(constants).any():
         add_finding(findings, "robot", "no currents", "warning", len(table), arm=arm.name)
         return table
-    known = {"name": name, "constants": constants.tolist(), "arm": arm.name}
-    add_finding(findings, "robot", "currents from torques", "note", len(table), **known)
+    if name == TORQUE:
+        known = {"constants": constants.tolist(), "arm": arm.name}
+        add_finding(findings, "robot", "currents from torques", "note", len(table), **known)
     return table.assign(**named(channel(table, name) / constants, CURRENT))
