@@ -54,6 +54,8 @@ def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(
         name = f"{names[row.parameter]} of joint {row.joint}"
         assert 0.7 < before[name] / row.std_error < 1.4
         assert after[name] < before[name]
-        assert after[name] < alone[name] / 2  # of what other arms and the maker tell
+        # of what other arms and the maker tell, which of load friction is much
+        share = 0.5 if row.parameter == "torque_constant" else 0.7
+        assert after[name] < share * alone[name]
     ratio = np.array([after[name] / before[name] for name in before])
     assert (ratio < 1 + 1e-9).all()
