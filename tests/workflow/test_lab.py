@@ -152,8 +152,8 @@ def files_of(folder: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in files if path.is_file()}
 
 
-@pytest.mark.slow  # installs all that the package depends on, and builds a study
-def test_from_the_wheel_to_a_report_by_pipx(wheel: Path, tmp_path: Path) -> None:
+@pytest.mark.slow  # installs all that the package depends on, and builds the demonstration
+def test_from_the_wheel_to_the_first_report_by_pipx(wheel: Path, tmp_path: Path) -> None:
     """With the packages alone that the wheel asks for; nothing is written beside the library."""
     lock = PROJECT / "requirements.lock"
     pipx = [sys.executable, "-m", "pipx", "install", "--quiet", "--include-deps", wheel]
@@ -163,9 +163,8 @@ def test_from_the_wheel_to_a_report_by_pipx(wheel: Path, tmp_path: Path) -> None
     before = files_of(library)
     here = Installed(tmp_path, tmp_path)
     lab = here.lab("mylab")
-    small_study(lab)
-    assert "report: results/made/report.html" in here.run("snakemake", folder=lab)
-    assert (lab / "results" / "made" / "report.pdf").stat().st_size > 10_000
+    assert "report: results/demo/report.html" in here.run("snakemake", folder=lab)
+    assert (lab / "results" / "demo" / "report.pdf").stat().st_size > 10_000
     assert files_of(library) == before
 
 
