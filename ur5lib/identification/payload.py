@@ -162,12 +162,15 @@ def estimate_payload(
     rows = moving & np.isfinite(explained).all(axis=2) & np.isfinite(scale)
     block = np.repeat(blocks(record)[::every, None], rows.shape[1], axis=1)[rows]
     columns = (explained / scale[:, None])[rows]
+    axes, told = _axes(columns)
+    along = columns @ told
 
     def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
         carried = replace(record, torque=record.torque + regressor @ start)
         unexplained = smooth(record.current - predict(drawn, carried), record)[::every]
         torque = (unexplained * torque_constants(drawn) / scale)[rows] + columns @ start
-        return _solution(columns, torque, block, count, known)
+        found = _solution(along, torque, block, count, axes @ known)
+        return np.asarray(axes.T @ found)
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
     nothing = np.zeros(regressor.shape[2])
@@ -193,20 +196,24 @@ def estimate_payload(
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 
-def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
-    """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean.
+def _axes(columns: Array) -> tuple[Array, Array]:
+    """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (P, P) along
+    them, zero for an axis that the data do not tell, as of an arm that moves in a plane.
 
-    What the columns do not tell, as of an arm that moves in a plane, keeps that mean: solved
-    together, rounding would let precise data outweigh the prior there.
+    What is not told then keeps the prior's mean: solved together, rounding would let precise data
+    outweigh the prior there.
     """
-    repeated = np.repeat(np.arange(len(block)), count[block])
     size = columns.shape[1]
     triangle = np.linalg.qr(np.concatenate([columns, np.zeros((size, size))]), mode="r")
     _, length, axes = np.linalg.svd(triangle)
-    rows = columns[repeated] @ np.where(length > DEPENDENT * length[0], axes.T, 0.0)
-    wide = Normal(axes @ known, np.eye(size) / WIDE**2)
-    found = regress(rows, torque[repeated], block[repeated], wide).coefficients
-    return np.asarray(axes.T @ found)
+    return axes, np.where(length > DEPENDENT * length[0], axes.T, 0.0)
+
+
+def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
+    """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean."""
+    repeated = np.repeat(np.arange(len(block)), count[block])
+    wide = Normal(known, np.eye(columns.shape[1]) / WIDE**2)
+    return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients
 
 
 def _drawn(fit: CurrentFit, generator: np.random.Generator) -> CurrentFit:

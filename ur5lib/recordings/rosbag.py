@@ -124,7 +124,6 @@ def _topic_arrays(
     """Return the arrays of a topic, of the messages about the joints that most of them name."""
     usual = _usual_names(messages)
     kept = [m for m in messages if frozenset(m.names) == frozenset(usual)]
-
     log, about = Log(path, "robot", findings), {"topic": topic, "joints": usual}
     log.add("other messages", "note", len(messages) - len(kept), "", **about)
     if joint_order(usual) is None:
