@@ -24,11 +24,11 @@ from scipy.signal import lfilter
 from ur5lib.commands.population import CLEAR
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.condition import joint_conditions
+from ur5lib.identification.current_regression import expected_fit, fit_currents
 from ur5lib.identification.currents import (
     BETWEEN_DAYS,
+    BETWEEN_RUNS,
     CurrentFit,
-    expected_fit,
-    fit_currents,
     parameters,
     torque_constants,
 )
@@ -43,7 +43,6 @@ from ur5lib.timeseries.profiles import fourier_terms, resting_series
 
 ROBOTS = ("ur3e", "ur5e", "ur10e")  # in turn
 DAYS, RUNS = 3, 2  # of an arm; of a day
-BETWEEN_RUNS = 0.03  # relative, of a joint's friction; of days it is BETWEEN_DAYS
 NOISE, MEMORY = 0.1, 0.5  # of Coulomb friction; s, over which it is correlated
 SECONDS, PERIOD, HARMONICS = 30.0, 0.1, 12
 SPEED, PATHS = 1.2, 12  # rad/s, the largest of each joint; drawn paths, shared among the arms

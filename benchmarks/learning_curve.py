@@ -38,14 +38,8 @@ from benchmarks.harness.options import built, study_options
 from benchmarks.leave_out import Fold, Recording, read_study, refusal, unseen
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.detection import in_contact
-from ur5lib.identification.currents import (
-    CurrentFit,
-    band,
-    expected_fit,
-    fit_currents,
-    parameters,
-    predict,
-)
+from ur5lib.identification.current_regression import expected_fit, fit_currents
+from ur5lib.identification.currents import CurrentFit, band, parameters, predict
 from ur5lib.identification.population import fit_population
 from ur5lib.identification.samples import Record, record_days
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients

@@ -22,14 +22,8 @@ import numpy as np
 from benchmarks.current_prediction import read_arms
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.currents import (
-    CurrentFit,
-    band,
-    expected_fit,
-    fit_currents,
-    parameters,
-    predict,
-)
+from ur5lib.identification.current_regression import expected_fit, fit_currents
+from ur5lib.identification.currents import CurrentFit, band, parameters, predict
 from ur5lib.identification.population import fit_population
 from ur5lib.identification.samples import Record
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants

@@ -22,14 +22,8 @@ from tests.library.current_study import (
 from tests.made_tables import empty, table
 from ur5lib.errors import remark
 from ur5lib.force.residual_model import Residuals
-from ur5lib.identification.currents import (
-    CurrentFit,
-    constants_doubt,
-    fit_currents,
-    fit_without_each_path,
-    parameters,
-    torque_constants,
-)
+from ur5lib.identification.current_regression import fit_currents, fit_without_each_path
+from ur5lib.identification.currents import CurrentFit, constants_doubt, parameters, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, design

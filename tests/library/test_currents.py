@@ -20,20 +20,25 @@ from tests.library.current_study import (
     with_noise,
 )
 from tests.made_tables import table
-from ur5lib.identification.currents import (
+from ur5lib.identification.current_regression import (
     CONFLICT,
     FOLDS,
     MOVING,
+    band_of_recordings,
+    fit_currents,
+    fit_without_each_path,
+)
+from ur5lib.identification.currents import (
+    BETWEEN_DAYS,
+    BETWEEN_RUNS,
     CurrentFit,
     JointFit,
     band,
-    band_of_recordings,
     breakaway_torque,
-    fit_currents,
-    fit_without_each_path,
     friction_current,
     parameters,
     predict,
+    unseen_difference,
 )
 from ur5lib.identification.estimation import (
     Estimate,
@@ -236,6 +241,17 @@ def test_standard_errors_hold_what_a_further_term_changes() -> None:
     wider = beside_fuller(own, fuller)
     np.testing.assert_allclose(wider.std_error, [3.0, 5.0])
     np.testing.assert_array_equal(wider.coefficients, own.coefficients)
+
+
+def test_friction_is_no_surer_than_days_and_recordings_differ() -> None:
+    """Recordings told half of the 2 Nm of Coulomb friction; four days leave half the difference."""
+    told = Estimate(
+        np.array([0.1, 0.2, 0.2]), np.array([[0.0, 0.0, 0.5]]), np.empty(0), np.zeros(3)
+    )
+    day = np.hypot(BETWEEN_DAYS, BETWEEN_RUNS)
+    np.testing.assert_allclose(unseen_difference(told, 1, 1), [0.0, 0.0, day])
+    np.testing.assert_allclose(unseen_difference(told, 4, 4), [0.0, 0.0, day / 2])
+    assert unseen_difference(told, 1, 4)[2] > BETWEEN_DAYS
 
 
 # Choosing

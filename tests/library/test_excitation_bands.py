@@ -7,7 +7,8 @@ import pytest
 
 from ur5lib.excitation.bands import Next, Outlook
 from ur5lib.excitation.posterior import Fitted, problem_after
-from ur5lib.identification.currents import expected_fit, parameters
+from ur5lib.identification.current_regression import expected_fit
+from ur5lib.identification.currents import parameters
 from ur5lib.identification.population import fit_population
 from ur5lib.pipeline.current_samples import prior_of
 from ur5lib.robots.description import POPULATION, load_robot, robot_path

@@ -37,7 +37,7 @@ def fit(doubt: float = 0.0) -> CurrentFit:
         replicates = np.tile(exact, (500, 1))
         replicates[:, 0] *= drawn
         estimate = Estimate(exact, 0 * exact, replicates, 0 * exact)
-        joints.append(JointFit(terms, estimate, 3e-4, (), 0.0, 0.1, 0.1, ()))
+        joints.append(JointFit(terms, estimate, 3e-4, (), 0.0, 0.1, 0.1, 0 * exact, ()))
     return CurrentFit(tuple(joints), len(SEEDS))
 
 

@@ -19,7 +19,8 @@ from tests.library.current_study import (
 )
 from tests.made_tables import gathered
 from ur5lib.identification.condition import UNITS, joint_conditions
-from ur5lib.identification.currents import CurrentFit, fit_currents
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import Record, design
 from ur5lib.identification.validation import Scores

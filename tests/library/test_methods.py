@@ -22,7 +22,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.identification import (
     base_parameters,
     closed_loop,
-    currents,
+    current_regression,
     payload,
     prior,
     regression,
@@ -36,7 +36,7 @@ from ur5lib.timeseries.arrays import Array
 
 PRIOR = ContactPrior()
 WAYS = sorted(friction.PRESLIDING)
-COUNTED = {8: "eight", 5: "five", 4: "four", 3: "three", 2: "two"}
+COUNTED = {10: "ten", 8: "eight", 5: "five", 4: "four", 3: "three", 2: "two"}
 
 
 def percent(share: float) -> str:
@@ -75,11 +75,11 @@ def statements() -> Iterator[str]:
     yield f"s₀ = −{-selection.HELD:g} c"
     yield f"σ₀ = {percent(prior.NOISE)} of the largest torque"
     yield f"counts as n₀ = {regression.USUAL:g} blocks"
-    moving, resting = currents.MOVING, currents.RESTING
+    moving, resting = current_regression.MOVING, current_regression.RESTING
     yield f"u = {moving.error:g}, n₀ = {moving.recordings:g} in motion"
     yield f"u = {resting.error:g}, n₀ = {resting.recordings:g} at rest"
     yield f"of less than {selection.FEWEST * samples.STEP:g} s are taken together"
-    yield f"with more than {'ten' if currents.FOLDS == 10 else currents.FOLDS} paths"
+    yield f"with more than {COUNTED[current_regression.FOLDS]} paths"
     yield f"{percent(payload.GEARS)} of the mass for the gears"
     yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"
     yield f"prior width {percent(payload.JOINTS)})"

@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 from tests.library.current_study import make_record, prior, smooth, with_noise
-from ur5lib.identification.currents import CurrentFit, fit_currents, predict
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.currents import CurrentFit, predict
 from ur5lib.identification.payload import (
     Load,
     PayloadEstimate,

@@ -8,11 +8,13 @@ import pytest
 import yaml
 
 from ur5lib.errors import InputError
-from ur5lib.identification.currents import JointFit, expected_fit, parameters, unlike_others
+from ur5lib.identification.current_regression import expected_fit
+from ur5lib.identification.currents import JointFit, parameters
 from ur5lib.identification.estimation import physical
 from ur5lib.identification.population import KINDS, fit_population, typical_arm
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal, posterior_mean
+from ur5lib.identification.unlike_others import unlike_others
 from ur5lib.pipeline.current_samples import prior_of
 from ur5lib.report.findings import in_words
 from ur5lib.robots.description import POPULATION, load_robot, robot_path

@@ -14,7 +14,8 @@ from tests.library.current_study import (
     smooth,
     with_noise,
 )
-from ur5lib.identification.currents import CurrentFit, fit_currents
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.population import Typical
 from ur5lib.identification.prior import JointPrior
 from ur5lib.identification.samples import (

@@ -24,7 +24,8 @@ from ur5lib.identification.base_parameters import (
     stack,
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
-from ur5lib.identification.currents import fit_currents, predict
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.currents import predict
 from ur5lib.identification.payload import estimate_payload
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from tests.library.current_study import CONSTANT, FRICTION, make_record, prior, smooth, with_noise
-from ur5lib.identification.currents import CurrentFit, fit_currents, parameters, predict
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.currents import CurrentFit, parameters, predict
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.friction_fit import temperatures_differ
 from ur5lib.robots.description import load_robot, robot_path

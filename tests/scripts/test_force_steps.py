@@ -17,7 +17,8 @@ from ur5lib.errors import remark
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
-from ur5lib.identification.currents import breakaway_torque, fit_currents
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.currents import breakaway_torque
 from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, judged_load
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.pipeline.carried import Carried

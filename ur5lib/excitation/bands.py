@@ -18,7 +18,8 @@ from ur5lib.excitation.posterior import Fitted
 from ur5lib.excitation.problem import CORRELATED, LINK_6, Problem, random_states
 from ur5lib.excitation.questions import PREDICTED_ACCELERATION, PREDICTED_SPEED
 from ur5lib.identification.base_parameters import prior_width
-from ur5lib.identification.currents import BETWEEN_DAYS, MOVING
+from ur5lib.identification.current_regression import MOVING
+from ur5lib.identification.currents import BETWEEN_DAYS
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95

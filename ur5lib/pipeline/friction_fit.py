@@ -6,16 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.errors import RefusalError, remark
-from ur5lib.identification.currents import (
-    CurrentFit,
+from ur5lib.identification.current_regression import (
     expected_fit,
     fit_currents,
     fit_without_each_path,
-    parameters,
-    predict,
     too_small,
-    torque_constants,
 )
+from ur5lib.identification.currents import CurrentFit, parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, record_paths
 from ur5lib.identification.validation import (

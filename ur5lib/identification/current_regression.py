@@ -1,0 +1,269 @@
+"""Regression of motor currents on motion: torque constants, offsets and friction of all joints.
+
+The regression target is the current, because it is noisy: i = (τ + τ_friction - b) / k is linear
+in 1/k, b/k and the friction coefficients over k, which are fitted to samples in motion. At rest,
+friction can be any torque up to breakaway: a fitted share of the friction before the stop remains.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ur5lib.errors import Remark, remark
+from ur5lib.identification.currents import (
+    CurrentFit,
+    JointFit,
+    constants_doubt,
+    torque_constants,
+    unseen_difference,
+)
+from ur5lib.identification.estimation import (
+    Estimate,
+    beside_fuller,
+    estimate_together,
+    of_prior,
+    physical,
+)
+from ur5lib.identification.prior import JointPrior, Prior
+from ur5lib.identification.regression import DRAWS, spread
+from ur5lib.identification.samples import (
+    FEW,
+    Record,
+    Samples,
+    Smooth,
+    apart_from,
+    joint_samples,
+    record_days,
+    record_paths,
+)
+from ur5lib.identification.selection import (
+    FEWEST,
+    HELD,
+    choose_reversal,
+    choose_terms,
+    held_current,
+    left_out_residuals,
+)
+from ur5lib.identification.unlike_others import unlike_others, without_others
+from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+CONFLICT = 3.0  # prior standard deviations
+# A torque constant contradicts the known one beyond both. In right recordings of two arms, it is
+# up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
+DEVIATIONS, RATIO = 5.0, 1.75
+FOLDS = 10  # of cross-fitting, at most
+NONE = np.empty(0), np.empty(0, np.int64)  # residuals of no recording, and their labels
+
+
+@dataclass(frozen=True)
+class Usual:
+    """Usual root mean square error of a recording that was left out, in units of Coulomb friction,
+    and the number of recordings that it counts as.
+    """
+
+    error: float
+    recordings: float
+
+
+# Of most likelihood by the joints of four arms: from 0.08 (UR10e) to 0.6 (UR3) in motion.
+MOVING, RESTING = Usual(0.13, 1.3), Usual(0.37, 4.0)
+
+
+def fit_currents(
+    records: Sequence[Record],
+    smooth: Smooth,
+    prior: Prior,
+    family: Sequence[Term] = FAMILY,
+    seed: int = 0,
+) -> CurrentFit:
+    """Fit all joints to contact-free recordings; select friction terms by cross-validation.
+
+    smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
+    A joint whose current does not follow its torque keeps the known torque constant.
+    """
+    fit = _fit_with(records, smooth, prior, family, seed)
+    lost = np.flatnonzero(too_large(fit, prior)).tolist()
+    if not lost:
+        return fit
+    alone, known = torque_constants(fit), 1 / prior.inverse_constant.mean
+    fit = _fit_with(records, smooth, replace(prior, pinned=tuple(lost)), family, seed)
+    joints = list(fit.joints)
+    for joint in lost:
+        found = {"alone": float(alone[joint]), "known": float(known[joint])}
+        remarks = *joints[joint].remarks, remark("current against constant", **found)
+        joints[joint] = replace(joints[joint], contradicted=found["alone"], remarks=remarks)
+    return replace(fit, joints=tuple(joints))
+
+
+def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
+    """Return what a prior with a population expects of each joint, without any recording."""
+    terms = [BASE] * len(prior.torque_max)
+    whole = prior.over(terms)
+    covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
+    drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, DRAWS)
+    size = len(whole.mean) // len(terms)
+    parts = [slice(start, start + size) for start in range(0, len(whole.mean), size)]
+    joints = (_expected_joint(whole.mean[p], covariance[p, p], drawn[:, p]) for p in parts)
+    return CurrentFit(tuple(joints), 0)
+
+
+def _expected_joint(mean: Array, covariance: Array, drawn: Array) -> JointFit:
+    """Return a joint with BASE from its coefficients' mean (P,), covariance, and draws (B, P)."""
+    return JointFit(
+        terms=BASE,
+        estimate=Estimate(mean, of_prior(len(mean)), drawn, spread(physical(drawn))),
+        presliding=PRESLIDING[0],
+        reversal_errors=(),
+        held=HELD * float(mean[2]),
+        band_moving=band_of_recordings(*NONE, MOVING, float(mean[2])),
+        band_rest=band_of_recordings(*NONE, RESTING, float(mean[2])),
+        unseen=np.zeros(len(mean)),
+        remarks=(),
+        doubt=covariance,
+    )
+
+
+def too_large(fit: CurrentFit, prior: Prior) -> Mask:
+    """Return which torque constants (6,) are far larger than known, or negative.
+
+    The current then hardly follows the joint's torque. The deviation is that of k, since 1/k
+    cannot be far below its known value; one that is less certain than the known k counts as far.
+    """
+    inverse, known, std = _beside_known(fit, prior)
+    far = 1 / inverse - 1 / known > DEVIATIONS * std / known**2
+    vague = constants_doubt(fit) / np.abs(inverse) > std / known**2
+    return (inverse <= 0) | ((far | vague) & (inverse < known / RATIO))
+
+
+def too_small(fit: CurrentFit, prior: Prior) -> Mask:
+    """Return which torque constants (6,) are far smaller than known: a unit or arm is wrong."""
+    inverse, known, std = _beside_known(fit, prior)
+    return (inverse - known > DEVIATIONS * std) & (inverse > RATIO * known)
+
+
+def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
+    """Return 1/k (6,) [A/Nm] as fitted, as known, and the standard deviation of the latter."""
+    std = [prior.of_joint(joint).std for joint in range(len(fit.joints))]
+    return 1 / torque_constants(fit), prior.inverse_constant.mean, np.array(std)
+
+
+def _fit_with(
+    records: Sequence[Record],
+    smooth: Smooth,
+    prior: Prior,
+    family: Sequence[Term],
+    seed: int,
+) -> CurrentFit:
+    """Return the fit under a prior as it is."""
+    alone = [prior.of_joint(joint) for joint in range(len(prior.torque_max))]
+    # how the friction of each joint reverses, with the least error on paths left out
+    ways = (*PRESLIDING, KARNOPP)
+    tried = [joint_samples(records, smooth, family, [way] * len(alone)) for way in ways]
+    by_joint = zip(zip(*tried, strict=True), alone, strict=True)
+    chosen = [choose_reversal(dahl, karnopp, own) for (*dahl, karnopp), own in by_joint]
+    samples, errors = zip(*chosen, strict=True)
+    # friction terms of each joint, then the coefficients of all joints
+    terms = [choose_terms(*pair) for pair in zip(samples, alone, strict=True)]
+    estimates, units = estimate_together(samples, terms, prior, seed)
+    # standard errors of the fit with the terms that are always considered
+    fuller = [(*own, *(term for term in CONSIDERED if term not in own)) for own in terms]
+    fuller_estimates, _ = estimate_together(samples, fuller, prior, seed)
+    estimates = [*map(beside_fuller, estimates, fuller_estimates)]
+    each = zip(samples, terms, alone, estimates, errors, strict=True)
+    joints = [_joint_fit(*joint) for joint in each]
+    for joint, found in unlike_others(without_others(joints, samples, prior, seed), prior):
+        joints[joint] = replace(joints[joint], remarks=(*joints[joint].remarks, found))
+    return CurrentFit(tuple(joints), units, len(np.unique(record_days(records))))
+
+
+def fit_without_each_path(
+    records: Sequence[Record], smooth: Smooth, prior: Prior, family: Sequence[Term] = FAMILY
+) -> list[tuple[list[str], CurrentFit]]:
+    """Cross-fit: return fits without some paths and days, each with the recordings that it judges.
+
+    A prediction that judges a recording comes from a fit without its path, and without its day if
+    other days have enough paths. There are at most FOLDS fits: of many paths, several are left out
+    together; with a single path, there is none.
+    """
+    path, day = record_paths(records), record_days(records)
+    if path.max(initial=0) == 0:
+        return []
+    judged: dict[tuple[str, ...], list[str]] = {}  # by the recordings to fit
+    for fold in range(min(FOLDS, path.max() + 1)):
+        out = path % FOLDS == fold
+        kept = apart_from(out, path, day)
+        judged.setdefault(tuple(_names(records, kept)), []).extend(_names(records, out))
+    known = {record.name: record for record in records}
+    return [
+        (names, fit_currents([known[name] for name in kept], smooth, prior, family))
+        for kept, names in judged.items()
+    ]
+
+
+def _names(records: Sequence[Record], chosen: Mask) -> list[str]:
+    """Return the names of the recordings in a mask (R,)."""
+    return [record.name for record, own in zip(records, chosen, strict=True) if own]
+
+
+def _joint_fit(
+    samples: Samples,
+    terms: tuple[Term, ...],
+    prior: JointPrior,
+    estimate: Estimate,
+    reversal_errors: tuple[float, ...],
+) -> JointFit:
+    """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
+    coefficients = estimate.coefficients
+    residual, doubt = left_out_residuals(samples, terms, prior), None
+    if not np.isfinite(residual[samples.moving]).any():  # no motion is left out
+        doubt = np.cov(estimate.replicates.T)
+    if not np.isfinite(residual).any():  # a single path: residuals of the fit itself
+        residual = samples.current - samples.design(terms) @ coefficients
+    moving, coulomb = samples.moving, max(0.0, float(coefficients[2]))
+    return JointFit(
+        terms,
+        estimate,
+        samples.presliding,
+        reversal_errors,
+        held_current(samples, terms, coefficients),
+        band_of_recordings(residual[moving], samples.record[moving], MOVING, coulomb),
+        band_of_recordings(residual[~moving], samples.record[~moving], RESTING, coulomb),
+        unseen_difference(estimate, *_counts(samples.day[moving], samples.record[moving])),
+        _remarks(samples, estimate, prior),
+        doubt,
+    )
+
+
+def _counts(*labels: Labels) -> list[int]:
+    """Return how many days, recordings, ... have samples, at least one."""
+    return [max(1, len(np.unique(own))) for own in labels]
+
+
+def band_of_recordings(residual: Array, record: Labels, usual: Usual, coulomb: float) -> float:
+    """Return half of the 95 % band [A] of one more recording; coulomb: friction [A].
+
+    Recordings have errors of different size: their variance is s² ν / χ²(ν). If all are too short,
+    they are taken together.
+    """
+    each = [residual[record == one] for one in np.unique(record)]
+    long = [errors for errors in each if len(errors) >= FEWEST] or [residual]
+    squares = [float(np.mean(errors**2)) for errors in long if len(errors) >= FEWEST]
+    count = usual.recordings + len(squares)
+    variance = (usual.recordings * (usual.error * coulomb) ** 2 + sum(squares)) / count
+    return float(stdtrit(count, 0.975) * np.sqrt(variance))
+
+
+def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[Remark, ...]:
+    """Return the doubts about the fit of a joint."""
+    moved = len(np.unique(samples.path[samples.moving]))
+    remarks = []
+    if moved < FEW:
+        code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
+        remarks.append(remark(code, paths=moved))
+    away = abs(estimate.coefficients[0] - prior.inverse) / prior.std
+    if away > CONFLICT:
+        remarks.append(remark("unlikely constant", deviations=float(away)))
+    return tuple(remarks)

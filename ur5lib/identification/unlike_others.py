@@ -1,0 +1,103 @@
+"""Joints whose friction differs from what other arms and the arm's other joints have."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from scipy.special import chdtrc
+
+from ur5lib.errors import Remark, remark
+from ur5lib.identification.currents import JointFit
+from ur5lib.identification.estimation import estimate_together, physical
+from ur5lib.identification.population import Typical
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.samples import Samples
+from ur5lib.robots.friction import BASE
+from ur5lib.timeseries.arrays import Array
+
+UNUSUAL = 1e-3  # chance below which a joint is unlike others
+RAREST = 1e-6  # chance below which a normal distribution says nothing
+FRICTION = ("coulomb", "viscous")  # that is compared with other arms
+VAGUE = 1e3  # relative error that lets a value count for nothing
+
+
+def without_others(
+    joints: Sequence[JointFit], samples: Sequence[Samples], prior: Prior, seed: int
+) -> list[JointFit]:
+    """Return the joints with friction as the recordings alone show it.
+
+    Typical friction would pull the torque constant along: more current is more friction or a
+    smaller constant.
+    """
+    typical = {name: known for name, known in prior.typical.items() if name not in FRICTION}
+    terms, alone = [joint.terms for joint in joints], replace(prior, typical=typical)
+    estimates, _ = estimate_together(samples, terms, alone, seed)
+    errors = [
+        np.maximum(own.std_error, one.estimate.std_error)
+        for own, one in zip(estimates, joints, strict=True)
+    ]
+    found = zip(joints, estimates, errors, strict=True)
+    return [replace(one, estimate=replace(own, std_error=error)) for one, own, error in found]
+
+
+def unlike_others(joints: Sequence[JointFit], prior: Prior) -> Iterator[tuple[int, Remark]]:
+    """Yield joints whose friction differs from what other arms and its own arm's joints have.
+
+    The squared deviations of Coulomb and viscous friction add up. With further terms, both are only
+    a part of friction, and not compared. odds: one in so many joints differs as much by chance.
+    """
+    compared = [
+        _Compared.of(joints, name, known)
+        for name in FRICTION
+        if (known := prior.typical.get(name)) is not None
+    ]
+    # the farthest first, which then no longer shifts what is expected of the others
+    while compared:
+        deviation = np.array([own.deviation() for own in compared])  # (2, n)
+        freedom = sum(own.error < VAGUE for own in compared)
+        chance = chdtrc(np.maximum(freedom, 1), (deviation**2).sum(axis=0))
+        joint = int(np.argmin(chance))
+        if chance[joint] > UNUSUAL:
+            break
+        farthest = compared[int(np.argmax(np.abs(deviation[:, joint])))]
+        words = {"parameter": farthest.name, "ratio": float(np.exp(farthest.value[joint]))}
+        odds = round(1 / max(float(chance[joint]), RAREST))
+        yield joint, remark("unlike other arms", **words, arms=farthest.arms, odds=odds)
+        for own in compared:
+            own.value[joint], own.error[joint] = 0.0, VAGUE
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """Friction of an arm's joints beside its typical value.
+
+    value, error: logarithm of the ratio (n,) and its standard error, VAGUE where incomparable;
+    spread: covariance (n, n) of such logarithms among arms; arms: how many were measured.
+    """
+
+    name: str
+    value: Array
+    error: Array
+    spread: Array
+    arms: int
+
+    @classmethod
+    def of(cls, joints: Sequence[JointFit], name: str, known: Typical) -> Self:
+        """Return what was fitted to joints beside what is typical."""
+        place = joints[0].names().index(name)
+        value = np.array([physical(one.estimate.coefficients)[place] for one in joints])
+        error = np.array([one.std_error()[place] for one in joints])
+        comparable = np.array([one.terms == BASE for one in joints]) & (value > 0)
+        ratio = np.log(np.where(comparable, value / known.mean, 1.0))
+        error = np.where(comparable, error / value, VAGUE)
+        spread = known.covariance / np.outer(known.mean, known.mean)
+        return cls(name, ratio, error, spread, known.arms)
+
+    def deviation(self) -> Array:
+        """Return each joint's deviation (n,) from its prediction by the others.
+
+        (C⁻¹ y)ⱼ / √(C⁻¹)ⱼⱼ, in standard deviations, y being the values and C their covariance.
+        """
+        precision = np.linalg.inv(self.spread + np.diag(self.error**2))
+        return np.asarray(precision @ self.value / np.sqrt(np.diag(precision)))
