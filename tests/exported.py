@@ -9,7 +9,7 @@ import pandas as pd
 import scipy.io
 from mcap.reader import make_reader
 
-from ur5lib.exporting.recordings import channels
+from ur5lib.commands.convert import channels
 from ur5lib.finished import FinishedStudy
 
 Tables = dict[str, pd.DataFrame]  # `time` as index, units in attrs["units"]

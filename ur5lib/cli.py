@@ -201,8 +201,8 @@ def compare(
     junit: Annotated[Path | None, typer.Option(help="JUnit XML file to write")] = None,
 ) -> None:
     """List what changed between two results by more than its error."""
-    from ur5lib.comparing.topics import TOPICS, lines, write_junit
-    from ur5lib.comparing.topics import compare as compare_results
+    from ur5lib.commands.compare import TOPICS, lines, write_junit
+    from ur5lib.commands.compare import compare as compare_results
 
     topics = [topic for topic in fail_on.split(",") if topic]
     unknown = [topic for topic in topics if topic not in TOPICS]
@@ -328,7 +328,7 @@ def convert(
     ] = None,
 ) -> None:
     """Write a study's signals, motion, currents and forces, with bands, for MATLAB or Foxglove."""
-    from ur5lib.exporting.recordings import write_recordings
+    from ur5lib.commands.convert import write_recordings
 
     _print(write_recordings(results, recordings or [], to, into))
 
@@ -367,8 +367,7 @@ def singularities(
     from ur5lib.dynamics.flange import flange_kinematics
     from ur5lib.force.singularities import map_singularities, sample_joints
 
-    arm = described(robot)
-    expect_ur(arm, "ur5 singularities")
+    arm = expect_ur(described(robot), "ur5 singularities")
     q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
     with Console(stderr=True).status(f"trying {count} configurations"):
         singular = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)

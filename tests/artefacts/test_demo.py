@@ -16,8 +16,8 @@ from tests.artefacts.documents import (
 )
 from tests.conftest import PROJECT, Workflow
 from tests.library.test_benchmarks import run_benchmark
+from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
-from ur5lib.exporting.recordings import write_recordings
 from ur5lib.importing.files import import_files
 from ur5lib.tables import read_csv, read_json
 

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.excitation_loop import PRECISION
 from tests.conftest import Workflow, copy_project
 from tests.library.test_benchmarks import run_benchmark
-from ur5lib.commands.excite import ExciteOptions, known_load, task_of
+from ur5lib.commands.excite import ExciteOptions, earlier, known_load, task_of
 from ur5lib.excitation.design import Effort, design
 from ur5lib.tables import read_csv
 
@@ -39,7 +39,7 @@ def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(
     monkeypatch.chdir(thesis_results.parents[1])
     load = known_load(2.0, 0.06, 0.0, 0.05)
     options = ExciteOptions("ur5", 10.0, "undetermined", thesis_results, 0.0, None, 0, load)
-    task = task_of(options)
+    task = task_of(options, *earlier(options))
     found = design(task, 0, SHORT)
     assert found.margins.broken() == []
     alone, before, after = (

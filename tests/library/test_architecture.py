@@ -22,12 +22,10 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "steps": {"errors", "lab"},
     "datasets": {"errors", "strict", "tables"},
     "tables": {"channels", "errors", "timeseries"},
-    "exporting": {"errors", "finished", "tables"},
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recorder": BASE,
     "doubles": BASE | {"recorder", "stand"},
-    "comparing": BASE | {"finished"},
     "excitation": BASE | {"dynamics", "identification"},
     "pipeline": BASE | ROOMS,
     "report": BASE | ROOMS | {"excitation", "lab", "pipeline"},
@@ -37,9 +35,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | ROOMS
     | {"datasets", "doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},
     "importing": BASE | {"commands", "dynamics", "recordings", "study"},
-    "cli": BASE
-    | {"commands", "comparing", "datasets", "dynamics", "exporting", "force", "importing", "lab"}
-    | {"study"},
+    "cli": BASE | {"commands", "datasets", "dynamics", "force", "importing", "lab", "study"},
 }
 LIGHT = ("repair_frames", "set_threshold", "ablate_forces", "make_tables", "draw_figures")
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then

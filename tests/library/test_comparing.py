@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ur5lib.cli import app
-from ur5lib.comparing.topics import COLUMNS, TOPICS, compare, lines, rows, write_junit
+from ur5lib.commands.compare import COLUMNS, TOPICS, compare, lines, rows, write_junit
 from ur5lib.errors import InputError
 
 STD = 0.5

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.stand_seeds import MOTION, fitted_map, rotors, taken
 from tests.made_tables import empty, table
-from ur5lib.comparing.topics import TOPICS, Comparison, compare
+from ur5lib.commands.compare import TOPICS, Comparison, compare
 from ur5lib.robots.description import load_robot, robot_path
 
 pytestmark = pytest.mark.slow

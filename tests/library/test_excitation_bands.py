@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ur5lib.excitation.bands import Next, Outlook
-from ur5lib.excitation.posterior import Fitted, problem_after
+from ur5lib.excitation.posterior import Earlier, Fitted, problem_after
 from ur5lib.identification.current_regression import expected_fit
 from ur5lib.identification.currents import parameters
 from ur5lib.identification.population import fit_population
@@ -24,7 +24,7 @@ def outlook(recordings: int, days: int) -> tuple[Outlook, Array]:
     arm, population = load_robot(robot_path("ur5e")), fit_population(read_measured(POPULATION))
     fit = replace(expected_fit(prior_of(arm, [], population)), days=days)
     fitted = Fitted(fit, parameters(fit), None, recordings)
-    problem, earlier = problem_after(arm, fitted, [], False, population)
+    problem, earlier = problem_after(arm, Earlier(fitted, [], population), has_payload=False)
     return Outlook(arm, problem, fitted), earlier
 
 

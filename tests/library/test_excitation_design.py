@@ -18,7 +18,7 @@ from benchmarks.excitation import (
     unseen_error,
     worth,
 )
-from ur5lib.commands.excite import ExciteOptions, task_of
+from ur5lib.commands.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import Design, Effort, design, feasible, free_postures, random_path
 from ur5lib.excitation.objective import Objective, Task
@@ -38,7 +38,8 @@ RANDOM, CELLS, SEEDS = 10, 6, 300
 
 @functools.cache
 def task(robot: str = "ur5e", question: str = "model", seconds: float = 20.0) -> Task:
-    return task_of(ExciteOptions(robot, seconds, question, None, TABLE, None, 0))
+    options = ExciteOptions(robot, seconds, question, None, TABLE, None, 0)
+    return task_of(options, *earlier(options))
 
 
 @functools.cache

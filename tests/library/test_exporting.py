@@ -9,8 +9,8 @@ import pytest
 from scipy.io import loadmat
 
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
+from ur5lib.commands.convert import TABLES, channels, write_recordings
 from ur5lib.errors import InputError
-from ur5lib.exporting.recordings import TABLES, channels, write_recordings
 from ur5lib.finished import FinishedStudy
 from ur5lib.tables import columns, write_json, write_table
 

@@ -10,17 +10,18 @@ from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.pipeline.closed_loop import published_gains, simulated, tracking_of
-from ur5lib.pipeline.explained_errors import explained_accelerations, loop_error
-from ur5lib.pipeline.explanations import AccelerationError, LoopError
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.recordings.quality import StartOffset
 from ur5lib.report.compose import shown_table
+from ur5lib.report.explained_errors import explained_accelerations, loop_error
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared, judged
 from ur5lib.report.recording_figures import filtered_first_figure
 from ur5lib.report.reference import (
+    AccelerationError,
     Erratum,
     Lookup,
+    LoopError,
     Printed,
     PrintedTable,
     Reference,

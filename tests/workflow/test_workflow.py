@@ -196,7 +196,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/report/verdicts/force.py", DOCUMENTED),
         ("ur5lib/report/contents.yaml", DOCUMENTED),
         ("ur5lib/report/sentences.yaml", DOCUMENTED),
-        ("ur5lib/comparing/topics.py", {"compare_studies": 1} | DOCUMENT),
+        ("ur5lib/commands/compare.py", {"compare_studies": 1} | DOCUMENT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py",
          jobs("draw_figures", "draw_tracking") | DRAWINGS | DOCUMENT),

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import yaml
 from pydantic import ValidationError
 from rich.console import Console
@@ -18,8 +17,7 @@ from ur5lib.excitation.bands import Next, Outlook
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import summary_of, write_files
 from ur5lib.excitation.objective import STEP, Task, Worth
-from ur5lib.excitation.posterior import Fitted, Recorded
-from ur5lib.excitation.posterior import problem_after as posterior
+from ur5lib.excitation.posterior import Earlier, Fitted, Recorded, problem_after
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
@@ -36,7 +34,6 @@ from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.population import population_files
 from ur5lib.strict import read_yaml
-from ur5lib.timeseries.arrays import Array
 
 BEFORE = (
     "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
@@ -69,7 +66,8 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
         raise InputError(f"--question {options.question!r}: give one of {', '.join(QUESTIONS)}")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
-    task = task_of(options)
+    arm, known = earlier(options)
+    task = task_of(options, arm, known)
     planned = _design(task, options.seed, effort)
     worth = Worth.along(task, planned.path)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
@@ -80,7 +78,7 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     save(drawing, drawn)
     command = f"ur5 record STUDY NAME --move {folder}/trajectory.csv --speed 1"
     before = [] if options.payload is None else [_mounting(options.payload)]
-    outlook = outlook_of(options, task, planned.path)
+    outlook = outlook_of(options.seconds, arm, known, task, planned.path)
     page = excitation_page(
         asked, [*before, BEFORE], command, planned, task.problem, worth, outlook, drawn
     )
@@ -108,47 +106,54 @@ def _mounting(load: Payload) -> str:
     )
 
 
-def task_of(options: ExciteOptions) -> Task:
-    """Return the task of the design: limits, problem, question, information so far, duration."""
-    study, arm = _arm(options)
-    expect_ur(arm, "ur5 excite")
-    cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
-    bare, seeks_load = LinkModel(arm, arm.fullest_model()), options.question == "payload"
-    if study is None:
-        problem = build_problem(arm, bare, nominal_maps(arm), seeks_load)
-        earlier = problem.prior
-    else:
-        problem, earlier, _ = problem_after(arm, study, seeks_load)
-    problem = problem.of_model(cell.model.parameters)
-    return Task(
-        cell, problem, QUESTIONS[options.question](problem, cell.model), earlier, options.seconds
+def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
+    """Return the arm as it is known, and what a study of earlier recordings knows of it, if any.
+
+    Raises InputError for another arm than a UR, and where a file of the study is missing.
+    """
+    if options.results is None:
+        return expect_ur(described(options.robot), "ur5 excite"), None
+    study = FinishedStudy(options.results)
+    arm = expect_ur(study.arm(options.robot), "ur5 excite")
+    friction = study.parameters(Friction, arm.name, "friction")
+    base = study.parameters(Identification, arm.name, "identification")
+    known = study.configuration()
+    return arm, Earlier(
+        fitted=Fitted(friction.fit, friction.parameters, base.noise, len(friction.from_)),
+        recordings=[_recorded(arm, study, n) for n in sorted({*friction.from_, *base.from_})],
+        population=population_of(population_files(known.settings.friction.population), known.study),
     )
 
 
-def _arm(options: ExciteOptions) -> tuple[FinishedStudy | None, Robot]:
-    """Return the study of earlier recordings, if any, and the arm as it is known."""
-    if options.results is None:
-        return None, described(options.robot)
-    study = FinishedStudy(options.results)
-    return study, study.arm(options.robot)
+def task_of(options: ExciteOptions, arm: Robot, known: Earlier | None) -> Task:
+    """Return the task of the design: limits, problem, question, information so far, duration."""
+    cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
+    bare, seeks_load = LinkModel(arm, arm.fullest_model()), options.question == "payload"
+    if known is None:
+        problem = build_problem(arm, bare, nominal_maps(arm), seeks_load)
+        information = problem.prior
+    else:
+        problem, information = problem_after(arm, known, seeks_load)
+    problem = problem.of_model(cell.model.parameters)
+    question = QUESTIONS[options.question](problem, cell.model)
+    return Task(cell, problem, question, information, options.seconds)
 
 
-def outlook_of(options: ExciteOptions, task: Task, path: Designed) -> list[Next]:
-    """Return the bands as they are, and after the designed motion and other recordings.
+def outlook_of(
+    seconds: float, arm: Robot, known: Earlier | None, task: Task, path: Designed
+) -> list[Next]:
+    """Return the bands as they are, and after the designed motion and others of some seconds.
 
     Empty without a fit to earlier recordings, from which the bands come.
     """
-    study, arm = _arm(options)
-    if study is None:
+    if known is None or not known.fitted.fit.joints:
         return []
-    problem, earlier, fitted = problem_after(arm, study, has_payload=False)
-    if not fitted.fit.joints:
-        return []
-    outlook, (_, states) = Outlook(arm, problem, fitted), path.sampled(1 / STEP)
+    problem, information = problem_after(arm, known, has_payload=False)
+    outlook, (_, states) = Outlook(arm, problem, known.fitted), path.sampled(1 / STEP)
     Y = task.cell.model.regressor(*states[:3])
     told = problem.of_model(task.cell.model.parameters).information(Y, states.qd, STEP)
-    others = outlook.candidates(options.seconds)
-    return [*outlook.ranked(earlier, [("this motion", told), *others])]
+    others = outlook.candidates(seconds)
+    return [*outlook.ranked(information, [("this motion", told), *others])]
 
 
 def known_load(mass: float, *center: float) -> Payload:
@@ -207,28 +212,9 @@ def _band_lines(outlook: Sequence[Next]) -> Iterator[str]:
         yield f"  {row.after:<46}{row.force:>7.2f} N {row.current:>7.4f} A {row.mass:>6.3f} kg"
 
 
-def problem_after(
-    arm: Robot, study: FinishedStudy, has_payload: bool
-) -> tuple[Problem, Array, Fitted]:
-    """Return the problem of an arm that a study identified, the information (P, P) so far, and
-    what was fitted.
-
-    arm: as identified; has_payload: whether a load is estimated. Raises InputError where a file is
-    missing.
-    """
-    friction = study.parameters(Friction, arm.name, "friction")
-    base = study.parameters(Identification, arm.name, "identification")
-    known = study.configuration()
-    population = population_of(population_files(known.settings.friction.population), known.study)
-    names = sorted({*friction.from_, *base.from_})
-    fitted = Fitted(friction.fit, friction.parameters, base.noise, len(friction.from_))
-    recordings = [_recorded(arm, study, name) for name in names]
-    return *posterior(arm, fitted, recordings, has_payload, population), fitted
-
-
 def _recorded(arm: Robot, study: FinishedStudy, name: str) -> Recorded:
     """Return the states of a recording."""
     gravity = study.recording(name).known_gravity()
     motion = study.record(Motion, name)
     robot = arm.carrying(study.payload(name)).mounted(gravity)
-    return Recorded.along(robot, motion.time, np.stack([motion.q, motion.qd, motion.qdd]))
+    return Recorded.along(robot, motion.time, motion.q, motion.qd, motion.qdd)

@@ -77,13 +77,14 @@ def described(robot: str) -> Robot:
     return load_robot(robot_path(robot))
 
 
-def expect_ur(arm: Robot, command: str) -> None:
-    """Raise InputError where a command knows arms of a UR's six joints alone."""
+def expect_ur(arm: Robot, command: str) -> Robot:
+    """Return an arm. Raises InputError where a command knows arms of a UR's six joints alone."""
     if len(arm.joints) != 6 or not arm.denavit_hartenberg:
         raise InputError(
             f"`{command}` knows arms with the axes of a UR alone, not {arm.name} with its "
             f"{len(arm.joints)} joints"
         )
+    return arm
 
 
 def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFriction | None:

@@ -55,16 +55,12 @@ def listing() -> Iterator[str]:
     yield UNTRIED
 
 
-def read_checksums(path: Path) -> dict[str, str]:
-    """Read the SHA-256 of each file from a list written by `sha256sum`."""
-    lines = (line.split(maxsplit=1) for line in path.read_text(encoding="utf-8").splitlines())
-    return {file: checksum for checksum, file in lines}
-
-
 def _with_checksums(name: str, dataset: Dataset) -> Dataset:
     if dataset.archive is None:
         return dataset
-    checksums = read_checksums(FOLDER / "checksums" / f"{name}.sha256")
+    listed = (FOLDER / "checksums" / f"{name}.sha256").read_text(encoding="utf-8")
+    lines = (line.split(maxsplit=1) for line in listed.splitlines())  # as sha256sum writes them
+    checksums = {file: checksum for checksum, file in lines}
     return dataset.model_copy(update={"checksums": checksums})
 
 

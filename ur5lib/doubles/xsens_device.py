@@ -97,7 +97,8 @@ class XsensDevice(Emulated):
             mtdata.SAMPLE_TIME_FINE: ticks.to_bytes(4, "big"),
         }
         items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
-        return encode_message(mtdata.MTDATA2, b"".join(_item(*item) for item in items))
+        parts = (name.to_bytes(2, "big") + bytes([len(data)]) + data for name, data in items)
+        return encode_message(mtdata.MTDATA2, b"".join(parts))
 
     def send(self, part: bytes) -> None:
         """Write bytes; unread ones are lost, as on a serial line."""
@@ -155,10 +156,6 @@ class XsensDevice(Emulated):
         }
         accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
         self.send(encode_message(xsens.SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
-
-
-def _item(name: int, data: bytes) -> bytes:
-    return name.to_bytes(2, "big") + bytes([len(data)]) + data
 
 
 def encode_vector(name: int, reading: Array) -> bytes:

@@ -29,14 +29,14 @@ class Recorded(NamedTuple):
     qd: Array
 
     @classmethod
-    def along(cls, robot: Robot, time: Array, motion: Array) -> Self:
+    def along(cls, robot: Robot, time: Array, *motion: Array) -> Self:
         """Return the states of a recording every INDEPENDENT, without unknown ones.
 
-        robot: mounted, with its payload; time: (N,) [s]; motion: q, q̇, q̈ (3, N, 6).
+        robot: mounted, with its payload; time: (N,) [s]; motion: q, q̇, q̈, (N, 6) each.
         """
         model = LinkModel(robot, robot.fullest_model())
         every = max(1, round(INDEPENDENT / float(np.median(np.diff(time)))))
-        states = motion[:, ::every]
+        states = np.stack(motion)[:, ::every]
         q, qd, qdd = states[:, np.isfinite(states).all(axis=(0, 2))]
         return cls(model, model.regressor(q, qd, qdd), qd)
 
@@ -69,13 +69,15 @@ class Fitted:
         return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in range(1, 7)])
 
 
-def problem_after(
-    arm: Robot,
-    fitted: Fitted,
-    recordings: Sequence[Recorded],
-    has_payload: bool,
-    population: Population | None,
-) -> tuple[Problem, Array]:
+class Earlier(NamedTuple):
+    """What is known of an arm from a study's recordings, and from other arms."""
+
+    fitted: Fitted
+    recordings: Sequence[Recorded]
+    population: Population | None
+
+
+def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Problem, Array]:
     """Return the problem of an arm that a study identified, and the information (P, P) so far.
 
     arm: as identified; has_payload: whether a load is estimated. The noise of the currents is
@@ -83,10 +85,10 @@ def problem_after(
     between recordings.
     """
     model = LinkModel(arm, arm.fullest_model())
-    problem = build_problem(arm, model, fitted.maps(arm), has_payload, population)
-    if fitted.recordings:
-        problem = _as_observed(problem, recordings, fitted.observed())
-    return problem, _information(problem, recordings)
+    problem = build_problem(arm, model, known.fitted.maps(arm), has_payload, known.population)
+    if known.fitted.recordings:
+        problem = _as_observed(problem, known.recordings, known.fitted.observed())
+    return problem, _information(problem, known.recordings)
 
 
 def _kept(joint: JointFit) -> list[float]:

@@ -61,7 +61,8 @@ def audit(
             free = free or found[0].seconds
             rows += _controller_rows(*found)
     if currents:
-        rows += [_current_row(currents)]
+        known = currents.carried, currents.std_error, "kg", currents.configured
+        rows.append(row("mass_by_currents", "", *known, 0.0))
     return Audit(free, rows if free >= FEW else [])
 
 
@@ -143,12 +144,6 @@ def _controller_rows(reading: FreeReading, left: SensorErrors) -> Iterator[Audit
     """Yield the zero of the controller's force, and the weight that it still contains."""
     yield from _wrench_rows("zero", reading.bias, reading.std()[0], ZERO)
     yield row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS)
-
-
-def _current_row(load: JudgedLoad) -> AuditRow:
-    """Return the mass on the flange by the motor currents, beside the one that was declared."""
-    known = load.carried, load.std_error, "kg", load.configured
-    return row("mass_by_currents", "", *known, 0.0)
 
 
 def _wrench_rows(

@@ -66,7 +66,10 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
-        findings += _check_sensor(device, record.table, arm)
+        if device == "force":
+            findings += check_force_sensor(record.table)
+        else:
+            findings += check_imu(record.table, arm.mounting.imu_full_scale)
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -97,12 +100,6 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
             f"{robot.source}: has actual_q_0 to actual_q_{count - 1}, but {arm.name} has {joints} "
             "joints; name its arm in the study"
         )
-
-
-def _check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
-    if device == "force":
-        return check_force_sensor(table)
-    return check_imu(table, arm.mounting.imu_full_scale)
 
 
 def _unbounded(arm: Robot) -> list[str]:

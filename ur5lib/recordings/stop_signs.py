@@ -59,7 +59,8 @@ def stop_signs(
     configured: the payload that the controller was given; declared: the one that the study gives;
     fitted: whether the recording has the role `fit`.
     """
-    exchanged = [*exchanged_channels(robot)]
+    channels = [*_motion(robot), *_current(robot)]
+    exchanged = [contradiction("exchanged channels", name=name) for name in channels]
     contradictions = _contradictions(robot, arm, configured, declared, fitted)
     return [*exchanged, *islice(contradictions, 1)]  # others follow from the first
 
@@ -92,12 +93,6 @@ def _contradictions(
         yield from strange_currents(robot, means, loaded, step, driven)
     if fitted:  # elsewhere, the fit finds an undeclared load
         yield from undeclared_load(means, arm.carrying(configured), loaded)
-
-
-def exchanged_channels(robot: pd.DataFrame) -> Iterator[Finding]:
-    """Find targets and measurements of a repaired robot table that are exchanged."""
-    for name in [*_motion(robot), *_current(robot)]:
-        yield contradiction("exchanged channels", name=name)
 
 
 def _received(robot: pd.DataFrame, name: str) -> Array:

@@ -46,7 +46,8 @@ def scatter_panels(
                 axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
             if fitted is not None:
                 axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOTS)
-            xlabel, ylabel = (_in_math(label.format(joint + 1)) for label in axes)
+            labels = (label.format(joint + 1) for label in axes)
+            xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", label) for label in labels)
             axis.set(xlabel=xlabel, ylabel=ylabel)
     columns = {axes[0]: x, axes[1]: y} | ({} if fitted is None else {f"fitted {axes[1]}": fitted})
     data = {
@@ -55,11 +56,6 @@ def scatter_panels(
         for name, column in columns.items()
     }
     return Drawing(figure, pd.DataFrame(data))
-
-
-def _in_math(label: str) -> str:
-    """Return a label whose symbols have their joint as a subscript."""
-    return re.sub(r"(\w)_(\d)", r"$\1_\2$", label)
 
 
 def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Drawing:

@@ -4,7 +4,7 @@ singular stretches shaded.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import matplotlib
@@ -101,8 +101,8 @@ def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
                 _draw_panel(below[i], thin, thin.errors or {}, i)
                 below[i].set_ylabel(f"$\\Delta$ [{panels[i].unit}]")
         for starts, ends, style, _ in spans:
-            for axis in [*above, *below]:
-                _shade(axis, starts, ends, style)
+            for axis, (start, end) in product([*above, *below], zip(starts, ends, strict=True)):
+                axis.axvspan(start, end, **style)
         _legend(figure, thin, [(style, name) for starts, _, style, name in spans if len(starts)])
     styles = tuple(style for _, style in thin.series.values())
     return Drawing(figure, _data(thin, panels), styles)
@@ -159,10 +159,10 @@ def _draw_panel(
 def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> None:
     """Draw one legend for all panels; a style with a colour per joint shows them all."""
     handles: Any = {}  # lines, or several of one label, which the stubs do not know
-    for label, (_, style) in {**traces.series, **_unlike(traces)}.items():
+    for label, (_, style) in [*traces.series.items(), *(traces.errors or {}).items()]:
         count = next(iter(traces.series.values()))[0].shape[1]
         lines = tuple(STYLES[style].line(i) for i in range(count))
-        handles[label] = lines if style.startswith("joint") else lines[0]
+        handles.setdefault(label, lines if style.startswith("joint") else lines[0])
     if traces.band:
         handles["95 % band"] = Patch(**BAND)
     handles |= {name: Patch(**style) for style, name in spans}
@@ -175,11 +175,6 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
         handlelength=2.5,
     )
-
-
-def _unlike(traces: Traces) -> Series:
-    """Return the errors with a label that no series has."""
-    return {k: v for k, v in (traces.errors or {}).items() if k not in traces.series}
 
 
 def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
@@ -213,11 +208,6 @@ def _stretches(time: Array, where: Mask) -> tuple[Array, Array]:
     """Return the times at which stretches begin and end."""
     first, end = runs(np.isfinite(time) & (where == 1)).T
     return time[first], time[end - 1]
-
-
-def _shade(axis: Axes, starts: Array, ends: Array, style: Any) -> None:
-    for start, end in zip(starts, ends, strict=True):
-        axis.axvspan(start, end, **style)
 
 
 def _widen(axis: Axes) -> None:

@@ -39,7 +39,8 @@ def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time
     """
     match plan:
         case Standstill():
-            targets = _standstill(plan, time)
+            still = np.zeros((len(time), len(plan.posture)))
+            targets = Targets(still + plan.posture, still, still)
         case Movej():
             targets = _movej(plan, time - REST)
         case Fourier():
@@ -90,11 +91,6 @@ def _expect_within_limits(targets: Targets, robot: Robot) -> None:
                     f"the trajectory takes joint {joint + 1} of {robot.name} to {peak:.3g} {unit}, "
                     f"beyond its limit of {limit:.3g}; choose a slower or smaller motion"
                 )
-
-
-def _standstill(plan: Standstill, time: Array) -> Targets:
-    still = np.zeros((len(time), len(plan.posture)))
-    return Targets(still + plan.posture, still, still)
 
 
 # Way-points

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.comparing.topics import COLUMNS, compare, rows
+from ur5lib.commands.compare import COLUMNS, compare, rows
 from ur5lib.tables import write_csv
 
 

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from ur5lib.pipeline.explained_errors import explained_accelerations
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
+from ur5lib.report.explained_errors import explained_accelerations
 from ur5lib.report.house_style import save
 from ur5lib.report.recording_figures import filtered_first_figure
 from ur5lib.report.reference import read_reference

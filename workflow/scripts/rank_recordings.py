@@ -2,10 +2,8 @@
 
 from typing import Any
 
-import numpy as np
-
 from ur5lib.excitation.bands import Next, Outlook
-from ur5lib.excitation.posterior import Fitted, Recorded, problem_after
+from ur5lib.excitation.posterior import Earlier, Fitted, Recorded, problem_after
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.records.friction import Friction
@@ -31,10 +29,10 @@ def rank_recordings(input: Any, output: Any, params: Any) -> None:
             if name in {*friction.from_, *base.from_}:
                 motion, carried = Motion.read(motion_file), read_record(Carried, load)
                 robot = arm.carrying(carried.payload).mounted(gravity)
-                states = np.stack([motion.q, motion.qd, motion.qdd])
-                recordings.append(Recorded.along(robot, motion.time, states))
-        known = population_of(population, params.study)
-        problem, earlier = problem_after(arm, fitted, recordings, False, known)
+                states = motion.q, motion.qd, motion.qdd
+                recordings.append(Recorded.along(robot, motion.time, *states))
+        known = Earlier(fitted, recordings, population_of(population, params.study))
+        problem, information = problem_after(arm, known, has_payload=False)
         outlook = Outlook(arm, problem, fitted)
-        rows = [*outlook.ranked(earlier, outlook.candidates(SECONDS))]
+        rows = [*outlook.ranked(information, outlook.candidates(SECONDS))]
     write_rows(Next, rows, output.ranking)

@@ -70,20 +70,6 @@ def compare_estimates(
     return [Comparison(topic, *row) for row in zip(names, *texts, *verdicts, strict=True)]
 
 
-def compare_errors(
-    topic: str, rows: pd.DataFrame, names: Sequence[str], unit: str
-) -> list[Comparison]:
-    """Compare errors that have no interval; they have changed if their ratio exceeds WORSE.
-
-    rows: one pair of errors each, `value_a` (before) and `value_b` (after); names: of each row.
-    """
-    changed = _ratio(rows["value_a"].to_numpy(float), rows["value_b"].to_numpy(float)) > WORSE
-    return [
-        Comparison(topic, name, f"{a:.3g} {unit}", f"{b:.3g} {unit}", bool(is_new), bool(is_new))
-        for name, a, b, is_new in zip(names, rows["value_a"], rows["value_b"], changed, strict=True)
-    ]
-
-
 def _ratio(before: Array, after: Array) -> Array:
     """Return the ratio, at least 1, of the larger to the smaller error; 1 where both are zero."""
     low, high = np.minimum(before, after), np.maximum(before, after)
@@ -140,9 +126,13 @@ def currents(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare the errors of predicted currents below 2 Hz."""
     rows = _both(before, after, "current_rmse", ["model", "recording", "joint"])
     rows = rows[rows["model"] == "fitted"]
-    rows = rows.rename(columns={"rmse_2hz_a": "value_a", "rmse_2hz_b": "value_b"})
+    errors = rows["rmse_2hz_a"], rows["rmse_2hz_b"]
+    changed = _ratio(*(side.to_numpy(float) for side in errors)) > WORSE  # they have no interval
     names = [f"{r.recording}, joint {r.joint}" for r in rows.itertuples()]
-    return compare_errors("currents", rows, names, "A")
+    return [
+        Comparison("currents", name, f"{a:.3g} A", f"{b:.3g} A", bool(is_new), bool(is_new))
+        for name, a, b, is_new in zip(names, *errors, changed, strict=True)
+    ]
 
 
 def force(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:

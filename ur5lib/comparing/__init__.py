@@ -1,1 +1,0 @@
-"""Comparison of the results of two studies: numbers that changed by more than their error."""

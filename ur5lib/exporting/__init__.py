@@ -1,1 +1,0 @@
-"""Recordings of a finished study as files of other programs: `ur5 convert`."""
