@@ -112,7 +112,7 @@ def import_(
 def record(
     study: Annotated[Path, typer.Argument(help="study with `devices`, e.g. config.yaml")],
     name: Annotated[str, typer.Argument(help="name of the recording")],
-    role: Annotated[str, typer.Option(help="fit, validate or contact")] = "contact",
+    role: Annotated[Literal["fit", "validate", "contact"], typer.Option()] = "contact",
     seconds: Annotated[
         float | None, typer.Option(help="length; default: until the motion ends or Ctrl-C", min=1)
     ] = None,
@@ -145,7 +145,7 @@ def record(
 
     options = RecordOptions(
         name,
-        _role(role),
+        role,
         seconds,
         tuple(without or ()),
         move,
@@ -163,13 +163,6 @@ def record(
 def _print(lines: Iterable[object]) -> None:
     for line in lines:
         typer.echo(line)
-
-
-def _role(role: str) -> Literal["fit", "validate", "contact"]:
-    for known in ("fit", "validate", "contact"):
-        if role == known:
-            return known
-    raise InputError(f"--role {role!r}: give fit, validate or contact")
 
 
 @app.command()

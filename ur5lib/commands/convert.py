@@ -7,18 +7,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
+from ur5lib.recordings.array_files import optional_import
 from ur5lib.tables import write_aside, write_csv
-
-if TYPE_CHECKING:
-    from mcap.writer import Writer
-
 
 DIGITS = 12
 TABLES = ("signals", "motion", "currents", "forces", "sensor")
@@ -116,16 +113,11 @@ def write_mcap(contents: Contents, path: Path) -> None:
     units. Time stamps count from 1970, or from the recording's start if its date is unknown.
     Raises InputError where the file cannot be written, or the package `mcap` is missing.
     """
-    try:
-        from mcap.writer import Writer
-    except ImportError as error:
-        raise InputError(
-            "MCAP needs the package mcap; install it by pip install --editable '.[formats]'"
-        ) from error
+    mcap = optional_import("mcap.writer")
 
     def write(aside: Path) -> None:
         with aside.open("wb") as stream:
-            writer = Writer(stream)
+            writer = mcap.Writer(stream)
             writer.start()
             _write_messages(writer, contents)
             writer.finish()
@@ -133,7 +125,7 @@ def write_mcap(contents: Contents, path: Path) -> None:
     write_aside(path, write)
 
 
-def _write_messages(writer: "Writer", contents: Contents) -> None:
+def _write_messages(writer: Any, contents: Contents) -> None:
     """Write the samples of all tables in the order of their time stamps, as players expect."""
     topics = {name: _add_topic(writer, name, table) for name, table in contents.tables.items()}
     rows = [_messages(table) for table in contents.tables.values()]
@@ -144,7 +136,7 @@ def _write_messages(writer: "Writer", contents: Contents) -> None:
             writer.add_message(topic, stamp, message, stamp, number)
 
 
-def _add_topic(writer: "Writer", name: str, table: pd.DataFrame) -> int:
+def _add_topic(writer: Any, name: str, table: pd.DataFrame) -> int:
     schema = json.dumps(schema_of(table)).encode()
     number = writer.register_schema(f"ur5lib.{name}", "jsonschema", schema)
     return int(writer.register_channel(f"/{name}", "json", number))

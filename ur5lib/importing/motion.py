@@ -1,7 +1,7 @@
 """The blocks that are positions and velocities: the latter are derivatives of the former."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,18 @@ class ImportedMotion:
         measured = {"actual_q": self.position, "actual_qd": self.velocity}
         every = measured | self.targets
         return {name: [block] for name, block in every.items() if block is not None}
+
+    def beside(self, file: Contents, meanings: Collection[str]) -> list[Block]:
+        """Return other blocks of the joints on the positions' clock, by meaning or nameless."""
+        own = [id(block) for blocks in self.channels().values() for block in blocks]
+        return [
+            block
+            for block in file.blocks
+            if block.clock == self.position.clock
+            and block.rows.shape[1] == file.joints
+            and id(block) not in own
+            and (block.meaning() in meanings or block.is_nameless())
+        ]
 
     def in_si(self) -> dict[str, Array]:
         """Return the measured positions and velocities (N, n) [rad, rad/s]."""

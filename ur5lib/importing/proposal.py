@@ -75,7 +75,8 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
         return _of_serial_arm(file, possible, moving, evidence)
     clock = moving.position.clock
     efforts = {
-        f"effort{k}": as_amperes(block, evidence) for k, block in enumerate(_efforts(file, moving))
+        f"effort{k}": as_amperes(block, evidence)
+        for k, block in enumerate(moving.beside(file, EFFORTS))
     }
     wrench = _wrench(file, clock)
     means = _means(file, moving, efforts, wrench)
@@ -120,19 +121,6 @@ def _of_serial_arm(
     _report_columns(file, evidence)
     order = tuple(range(file.joints))
     return Proposal(file, moving.position.clock, arm, order, channels, units, evidence)
-
-
-def _efforts(file: Contents, moving: ImportedMotion) -> list[Block]:
-    """Return the blocks that may be currents or torques."""
-    motion_blocks = [block for blocks in moving.channels().values() for block in blocks]
-    return [
-        block
-        for block in file.blocks
-        if block.clock == moving.position.clock
-        and block.rows.shape[1] == 6
-        and not any(block is other for other in motion_blocks)
-        and (block.meaning() in EFFORTS or block.is_nameless())
-    ]
 
 
 def _turn(

@@ -50,19 +50,10 @@ def arm_and_torque(
 
     Raises InputError where several arms explain the torques as well, or nothing tells the arm.
     """
-    motion = [block for blocks in moving.channels().values() for block in blocks]
-    torques = [
-        block
-        for block in file.blocks
-        if block.clock == moving.position.clock
-        and block.rows.shape[1] == file.joints
-        and (block.meaning() in TORQUES or block.is_nameless())
-        and not any(block is other for other in motion)
-    ]
     tried = [
         Explained(name, signed, left(described(name), *_means(file, moving, signed)))
         for name in arms
-        for block in torques
+        for block in moving.beside(file, TORQUES)
         for signed in (block, block.scaled(np.full(file.joints, -1.0)))
     ]
     ranked = sorted(tried, key=lambda one: one.left)

@@ -4,17 +4,15 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Self
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ur5lib.identification.currents import CurrentFit, Parameter, predict
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.pipeline.published_constants import CurrentTorque
 from ur5lib.report.charts import residual_panels, scatter_panels
-from ur5lib.report.house_style import HOUSE_STYLE, WIDTH, Drawing, nothing_to_draw
+from ur5lib.report.house_style import Drawing, house_style, nothing_to_draw
 from ur5lib.robots.description import CurrentToTorque
 from ur5lib.timeseries.arrays import Array
 
@@ -74,10 +72,9 @@ def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
     if not parameters:
         return nothing_to_draw()
     data = pd.DataFrame([asdict(row) for row in parameters])[["joint", "name", *KNOWN_FROM]]
-    with matplotlib.rc_context(HOUSE_STYLE):
-        rows = -(-data["joint"].nunique() // 3)
-        figure = Figure(figsize=(WIDTH, 1.3 * rows + 0.3), layout="constrained")
-        axes = figure.subplots(rows, 3, sharex=True, squeeze=False).ravel()
+    rows = -(-data["joint"].nunique() // 3)
+    with house_style(1.3 * rows + 0.3, rows, 3, sharex=True) as (figure, panels):
+        axes = panels.flat
         for empty in axes[data["joint"].nunique() :]:
             empty.set_visible(False)
         for axis, (joint, own) in zip(axes, data.groupby("joint"), strict=False):

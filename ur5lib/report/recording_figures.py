@@ -227,7 +227,10 @@ def packet_figure(signals: Signals) -> Drawing:
         above, middle, below = panels[:, 0]
         above.sharex(middle)
         above.plot(time, steps, ".", color=RECEIVED, markersize=2.5, rasterized=True)
-        _draw_speed(middle, signals)
+        if signals.actual_qd is not None:
+            fastest = np.abs(signals.actual_qd).max(axis=1)
+            middle.plot(signals.time, fastest, color=SPEED, linewidth=0.8)
+        middle.set_ylabel("speed [rad/s]")
         _enlarge(below, time, steps, lost, time[late[0]])
         for axis in (above, below):
             axis.set(ylabel="step [ms]", ylim=(-0.05 * steps.max(), 1.1 * steps.max()))
@@ -235,13 +238,6 @@ def packet_figure(signals: Signals) -> Drawing:
             axis.set_xlabel("time [s]")
         below.legend(loc="upper left", frameon=False, ncols=2)
     return Drawing(figure, pd.DataFrame({"time [s]": time, "step to this frame [ms]": steps}))
-
-
-def _draw_speed(axis: Axes, signals: Signals) -> None:
-    """Draw the speed of the fastest joint, where velocities were recorded."""
-    if signals.actual_qd is not None:
-        axis.plot(signals.time, np.abs(signals.actual_qd).max(axis=1), color=SPEED, linewidth=0.8)
-    axis.set_ylabel("speed [rad/s]")
 
 
 def _enlarge(axis: Axes, time: Array, steps: Array, lost: Array, at: float) -> None:

@@ -1,10 +1,11 @@
 """The summary of a study as data: `results.json`, and its schema."""
 
 from itertools import pairwise
+from typing import Annotated
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from ur5lib.report.document import Document, Heading, Items, Number, State, Verdict, Verdicts
+from ur5lib.report.document import Document, Heading, Items, Number, State, Verdicts
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Stated
 from ur5lib.strict import Strict
@@ -19,13 +20,20 @@ class StatedSentence(Strict):
     numbers: list[Stated]
 
 
-class Judged(Strict):
+def _stated(text: str) -> StatedSentence:
+    return StatedSentence(text=str(text), numbers=list(getattr(text, "numbers", ())))
+
+
+Words = Annotated[StatedSentence, BeforeValidator(_stated)]
+
+
+class Judged(Strict, from_attributes=True):
     """A verdict: one topic and whether its result can be used; docs/report.md has the rules."""
 
     topic: str
     state: State
-    sentence: StatedSentence
-    evidence: StatedSentence
+    sentence: Words
+    evidence: Words
     numbers: list[Number]
 
 
@@ -33,7 +41,7 @@ class Listed(Strict):
     """A list under its heading."""
 
     heading: str
-    sentences: list[StatedSentence]
+    sentences: list[Words]
 
 
 class Summary(Strict):
@@ -58,13 +66,10 @@ def summary(document: Document, results: Results) -> dict[str, object]:
         "simulated": [each["name"] for each in recordings if each.get("simulate")],
         "commit": results.commit,
         "verdicts": [
-            _judged(verdict)
-            for block in blocks
-            if isinstance(block, Verdicts)
-            for verdict in block.verdicts
+            verdict for block in blocks if isinstance(block, Verdicts) for verdict in block.verdicts
         ],
         "lists": [
-            Listed(heading=above.heading, sentences=[_stated(text) for text in block.items])
+            {"heading": above.heading, "sentences": block.items}
             for above, block in pairwise(blocks)
             if isinstance(above, Heading) and isinstance(block, Items)
         ],
@@ -75,17 +80,3 @@ def summary(document: Document, results: Results) -> dict[str, object]:
 def summary_schema() -> dict[str, object]:
     """Return the JSON schema of a summary."""
     return Summary.model_json_schema(by_alias=True)
-
-
-def _judged(verdict: Verdict) -> Judged:
-    return Judged(
-        topic=verdict.topic,
-        state=verdict.state,
-        sentence=_stated(verdict.sentence),
-        evidence=_stated(verdict.evidence),
-        numbers=list(verdict.numbers),
-    )
-
-
-def _stated(text: str) -> StatedSentence:
-    return StatedSentence(text=str(text), numbers=list(getattr(text, "numbers", ())))

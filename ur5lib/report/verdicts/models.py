@@ -6,7 +6,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE
-from ur5lib.report.document import Number, State, Verdict
+from ur5lib.report.document import Number, Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.models import STOP
@@ -91,21 +91,16 @@ def judge_constants(results: Results) -> Verdict | None:
     shares = rows.groupby("joint")["prior_share"].max()
     ratio = rows["value"] / rows["known"]
     farthest = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
+    sure = (rows["determined"] == "yes").all() and rows["contradicted"].isna().all()
     return Verdict(
         topic=CONSTANTS,
-        state=_state(rows),
+        state="good" if sure else "usable",
         sentence=say("constants.verdict", parts=_parts(rows)),
         evidence=say("constants.evidence", row=farthest),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
         numbers=(_number(farthest),),
     )
-
-
-def _state(rows: pd.DataFrame) -> State:
-    """Return good if the data determine every constant, and none contradicts the known value."""
-    determined = (rows["determined"] == "yes").all()
-    return "good" if determined and rows["contradicted"].isna().all() else "usable"
 
 
 def _parts(rows: pd.DataFrame) -> list[Sentence]:

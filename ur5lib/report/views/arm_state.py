@@ -84,16 +84,15 @@ def _by_axis(results: Results, robot: str) -> Iterator[Sentence]:
     rows = results.rows("observability", robot=robot)
     rows = rows[rows["quantity"].str.startswith("smallest_push_95_")]
     limits = [
-        (say("observed.rest", slowest=slowest), joined(map(_limit, pushes.itertuples()), ", "))
-        for slowest, pushes in rows.groupby("speed_low")
+        (
+            say("observed.rest", slowest=slowest),
+            # the axis is the last letter of a push's quantity
+            joined((say("observed.limit", row=row, most=MOST) for row in part.itertuples()), ", "),
+        )
+        for slowest, part in rows.groupby("speed_low")
     ]
     if limits:
         yield say("observed.missed", robot=robot, limits=limits)
-
-
-def _limit(row: Any) -> Sentence:
-    """Return a push with its standard error and axis, the last letter of its quantity."""
-    return say("observed.limit", row=row, most=MOST)
 
 
 def pushes(results: Results) -> pd.DataFrame:

@@ -204,10 +204,8 @@ def score(results: Results, estimate: str) -> Score | None:
 
 def claim(results: Results) -> Iterator[Sentence]:
     """Report whether the claim holds, and why not."""
-    claimed = score(results, CLAIMED)
-    if claimed is None:
-        return
-    yield say("claim.judged", claimed=claimed)
+    if (claimed := score(results, CLAIMED)) is not None:
+        yield say("claim.judged", claimed=claimed)
 
 
 def scores(results: Results) -> list[str]:

@@ -196,11 +196,11 @@ def findings(results: Results) -> list[Sentence]:
         *stop_signs(results),
         *nearest_model(results),
         *comparison.rebuilt(results),
-        *loads_found(results),
-        *unlike_others(results),
+        *_each("findings.load", loaded(results)),
+        *_each("findings.unlike", results.rows("remarks", code="unlike other arms")),
         *counted(results),
         *elsewhere(results),
-        *loads_taken_up(results),
+        *_each("findings.load taken up", results.rows("contacts", estimate="Fmap", kind="load")),
         *readings(results),
         *_detection(results),
         *claim(results),
@@ -216,12 +216,17 @@ def findings(results: Results) -> list[Sentence]:
 def stop_signs(results: Results) -> Iterator[Sentence]:
     """Report the contradictions because of which no forces are stated."""
     rows = results.rows("quality", severity="stop")
-    for row in rows[:MOST_SHOWN].itertuples():
-        yield say("findings.stop recording", row=row)
+    yield from _each("findings.stop recording", rows)
     if len(rows) > MOST_SHOWN:
         yield say("findings.stop signs", count=len(rows))
     for row in results.rows("remarks", step=STOP).itertuples():
         yield say("findings.stop arm", row=row)
+
+
+def _each(template: str, rows: pd.DataFrame) -> Iterator[Sentence]:
+    """Report the first few rows of a table, a sentence each."""
+    for row in rows[:MOST_SHOWN].itertuples():
+        yield say(template, row=row)
 
 
 def left_out(results: Results) -> list[Sentence]:
@@ -259,25 +264,6 @@ def nearest_model(results: Results) -> Iterator[Sentence]:
     else:
         words = {"near": compared.near, "differ": compared.differ, "unseen": compared.unseen}
         yield say("models.nearest", best=[*map(named, compared.best)], **words)
-
-
-def loads_found(results: Results) -> Iterator[Sentence]:
-    """Report the recordings with an undeclared load."""
-    for row in loaded(results)[:MOST_SHOWN].itertuples():
-        yield say("findings.load", row=row)
-
-
-def unlike_others(results: Results) -> Iterator[Sentence]:
-    """Report the joints whose friction differs from that of other arms by more than chance."""
-    rows = results.rows("remarks", code="unlike other arms")
-    for row in rows[:MOST_SHOWN].itertuples():
-        yield say("findings.unlike", row=row)
-
-
-def loads_taken_up(results: Results) -> Iterator[Sentence]:
-    """Report the loads that the arm picked up during a run."""
-    for row in results.rows("contacts", estimate="Fmap", kind="load")[:MOST_SHOWN].itertuples():
-        yield say("findings.load taken up", row=row)
 
 
 def _detection(results: Results) -> Iterator[Sentence]:
