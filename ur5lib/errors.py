@@ -2,6 +2,7 @@
 
 import unicodedata
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 UNSEEN = {"Zl", "Zp"}  # separators; besides all of "C": controls, marks of direction, surrogates
@@ -49,6 +50,16 @@ def reason(error: ValueError) -> Remark:
     if isinstance(error, RefusalError):
         return error.remark
     return remark("other reason", reason=str(error))
+
+
+def optional(module: str, purpose: str, extra: str) -> Any:
+    """Return a module of an extra of ur5lib. Raises InputError where it is not installed."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise InputError(
+            f"{purpose} needs the extra `{extra}`; install it: pip install 'ur5lib[{extra}]'"
+        ) from error
 
 
 def printable(text: str) -> str:

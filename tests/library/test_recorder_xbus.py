@@ -160,34 +160,22 @@ def test_an_inconsistent_sample_is_none(data: str) -> None:
 
 def test_mtdata_of_the_first_generation() -> None:
     numbers = [0.5, -1.0, 9.75, 0.25, 0.0, -0.125, 0.5, 0.25, -0.75]
-    sample = decode_mtdata(struct.pack(">9fH", *numbers, 65535), 0x2, 0x1)
+    sample = decode_mtdata(struct.pack(">9fH", *numbers, 65535))
     assert sample is not None
     assert sample.counter == 65535
     assert [*sample.row()[2:]] == numbers
-    warm = decode_mtdata(struct.pack(">10fH", 30.0, *numbers, 1), 0x3, 0x1)
-    assert warm is not None
-    assert [*warm.row()[2:]] == numbers
 
 
-def test_mtdata_without_a_quantity_and_in_fixed_point() -> None:
-    data = struct.pack(">6iH", *(round(n * 2**20) for n in [1, 2, 3, -4, 5, 6.5]), 8)
-    sample = decode_mtdata(data, 0x2, 0x1 | 0x20 | 0x100)
-    assert sample is not None
-    assert sample.acceleration == (1, 2, 3)
-    assert sample.magnetic_field == (-4, 5, 6.5)
-    assert all(math.isnan(number) for number in sample.rate_of_turn)
-
-
-@pytest.mark.parametrize(("mode", "settings"), [(0x6, 0x1), (0x2, 0x0), (0x4000, 0x1)])
-def test_mtdata_in_another_mode_is_none(mode: int, settings: int) -> None:
-    assert decode_mtdata(struct.pack(">9fH", *range(9), 0), mode, settings) is None
+def test_mtdata_of_other_settings_is_none() -> None:
+    assert decode_mtdata(struct.pack(">10fH", *range(10), 0)) is None
+    assert decode_mtdata(struct.pack(">6fH", *range(6), 0)) is None
 
 
 @drawn(STREAMS)
 @given(data=st.binary(max_size=80), draw=DRAWS)
 def test_random_data_never_raises(data: bytes, draw: random.Random) -> None:
     decode_mtdata2(data)
-    decode_mtdata(data, draw.randrange(4), draw.randrange(1024))
+    decode_mtdata(data)
     decode_mtdata2(damaged_stream(SAMPLE[4:-1], draw))
 
 

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, optional
 from ur5lib.finished import FinishedStudy
-from ur5lib.recordings.array_files import optional_import
 from ur5lib.tables import write_aside, write_csv
 
 DIGITS = 12
@@ -113,7 +112,7 @@ def write_mcap(contents: Contents, path: Path) -> None:
     units. Time stamps count from 1970, or from the recording's start if its date is unknown.
     Raises InputError where the file cannot be written, or the package `mcap` is missing.
     """
-    mcap = optional_import("mcap.writer")
+    mcap = optional("mcap.writer", "MCAP", "formats")
 
     def write(aside: Path) -> None:
         with aside.open("wb") as stream:

@@ -14,7 +14,7 @@ from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.identification.payload import JudgedLoad
-from ur5lib.pipeline.force_input import force_input
+from ur5lib.pipeline.force_input import force_input, inputs
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
@@ -104,12 +104,7 @@ def repeat_problem(
     alike: contact-free recordings of `repeated_runs`; cutoff: of the torques [Hz]. Empty where none
     of them is of the same trajectory.
     """
-    free = [
-        force_input(motion, currents.external_torque, currents)
-        for currents, motion in alike
-        if currents.external_torque is not None
-    ]
-    repeated = repeat_aware(fmap.input, free, fmap.model, cutoff)
+    repeated = repeat_aware(fmap.input, inputs(alike), fmap.model, cutoff)
     if repeated is None:
         return {}
     own = replace(fmap.input, torque=repeated.torque, states=repeated.states)

@@ -1,6 +1,6 @@
 """A recording as a force estimate without a sensor uses it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.force_input import ForceInput, Gears, extent
@@ -27,6 +27,19 @@ def force_input(
         currents.load_doubt,
         gears(currents),
     )
+
+
+def inputs(
+    recordings: Iterable[tuple[Currents, Motion]],
+    torque: str = "external_torque",
+    states_of: Callable[[Array, Labels, float], States] = joint_states,
+) -> list[ForceInput]:
+    """Return the inputs of the recordings that have an external torque, a field of `Currents`."""
+    return [
+        force_input(motion, known, currents, states_of)
+        for currents, motion in recordings
+        if (known := getattr(currents, torque)) is not None
+    ]
 
 
 def gears(currents: Currents) -> Gears | None:

@@ -32,7 +32,7 @@ from ur5lib.identification.currents import (
 )
 from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
-from ur5lib.pipeline.force_input import force_input
+from ur5lib.pipeline.force_input import inputs
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
@@ -68,13 +68,8 @@ def residual_models(
     fit, paths = friction.fit, friction.paths
     models, refused = dict[str, ResidualModel](), None
     for name, (field, states_of) in TORQUES.items():
-        inputs = [
-            force_input(motion, torque, currents, states_of)
-            for currents, motion in recordings
-            if (torque := getattr(currents, field)) is not None
-        ]
         try:
-            model = _residual_model(inputs, fit, paths, cutoff)
+            model = _residual_model(inputs(recordings, field, states_of), fit, paths, cutoff)
             models[name] = replace(model, sensed=friction.senses_torque())
         except RefusalError as refusal:  # too little without contact: then no force is estimated
             refused = refusal.remark
@@ -109,13 +104,9 @@ def expected_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
 
 def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
     """Return for how long [s] no joint moves while the external torque is known."""
-    inputs = [
-        force_input(motion, currents.external_torque, currents)
-        for currents, motion in recordings
-        if currents.external_torque is not None
-    ]
     return sum(
-        float((is_still(one.states) & finite_rows(one.torque)).sum() * one.period) for one in inputs
+        float((is_still(one.states) & finite_rows(one.torque)).sum() * one.period)
+        for one in inputs(recordings)
     )
 
 
@@ -128,11 +119,11 @@ def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Itera
 
 
 def _residual_model(
-    inputs: Sequence[ForceInput], fit: CurrentFit, paths: int, cutoff: float
+    runs: Sequence[ForceInput], fit: CurrentFit, paths: int, cutoff: float
 ) -> ResidualModel:
     stretches = [
         Stretch(one.torque[rows], one.states[rows], one.period)
-        for one in inputs
+        for one in runs
         for rows in unbroken(one.segment)
     ]
     model = fit_residual_model(stretches, cutoff, breakaway_torque(fit)).of_few_paths(paths)

@@ -8,8 +8,8 @@ import time
 from collections.abc import Callable
 from typing import Any, Self
 
-from ur5lib.errors import InputError
-from ur5lib.recorder.arm_state import read_state, ur_rtde
+from ur5lib.errors import InputError, optional
+from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import ACCELERATION, SPEED, CommandedMotion
 from ur5lib.timeseries.arrays import Array
 
@@ -48,7 +48,7 @@ class ArmMotion:
         Raises InputError when ur_rtde is not installed or the controller does not answer.
         """
         read_state(self._address)  # fails fast and clearly, where ur_rtde would block
-        rtde_control = ur_rtde("rtde_control", "moving the arm")
+        rtde_control = optional("rtde_control", "moving the arm", "record")
         try:
             self._control = rtde_control.RTDEControlInterface(self._address)
         except (RuntimeError, ValueError) as error:
@@ -140,7 +140,7 @@ class ArmMotion:
             raise MotionError(self._explain(name))
 
     def _is_connected(self) -> bool:
-        """Return whether the controller is connected; otherwise, ur_rtde repeats the last state."""
+        """Return whether the controller is connected; otherwise repeats the last state."""
         return self._control is not None and self._control.isConnected()
 
     def _wait(self, done: Callable[[], bool]) -> None:

@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
-from importlib import import_module
-from typing import Any
 
 import numpy as np
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, optional
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.rtde_arm import PATIENCE, PORT, RtdeClient
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
@@ -68,7 +66,8 @@ def identify(address: str) -> dict[str, str]:
 
     Raises InputError when ur_rtde is not installed or the dashboard does not answer.
     """
-    dashboard = ur_rtde("dashboard_client", "asking the dashboard").DashboardClient(address)
+    ur_rtde = optional("dashboard_client", "asking the dashboard", "record")
+    dashboard = ur_rtde.DashboardClient(address)
     try:
         dashboard.connect()
         identity = {"model": dashboard.getRobotModel(), "firmware": dashboard.polyscopeVersion()}
@@ -88,13 +87,3 @@ def _serial_number(dashboard: object) -> str:
         return str(dashboard.getSerialNumber())  # type: ignore[attr-defined]
     except RuntimeError:
         return ""
-
-
-def ur_rtde(module: str, purpose: str) -> Any:
-    """Return a module of ur_rtde. Raises InputError when it is not installed."""
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise InputError(
-            f"{purpose} needs ur_rtde; install it: pip install 'ur5lib[record]'"
-        ) from error

@@ -22,10 +22,9 @@ PRECISION, GROUP = 0x3, 0xFFF0
 # Three numbers in each precision: float32, fixed point 12.20 and 16.32, float64.
 LAYOUTS: Final = (">3f", ">3i", ">IhIhIh", ">3d")
 
-# Output mode and settings of MTData.
-TEMPERATURE, CALIBRATED = 0x1, 0x2
-SAMPLE_COUNTER = 0x1
-WITHOUT: Final = (0x10, 0x20, 0x40)  # acceleration, rate of turn, magnetic field are not sent
+# Output mode and settings of MTData, and its samples under them: three vectors and the counter.
+CALIBRATED, SAMPLE_COUNTER = 0x2, 0x1
+SAMPLE = struct.Struct(">9fH")
 
 Vector = tuple[float, ...]
 NOTHING: Final = (math.nan, math.nan, math.nan)
@@ -68,24 +67,15 @@ def decode_mtdata2(data: bytes) -> Measurement | None:
     return Measurement(int.from_bytes(counter, "big"), time, *whole)
 
 
-def decode_mtdata(data: bytes, mode: int, settings: int) -> Measurement | None:
-    """Return the sample in an MTData message of a device set to an output mode and settings.
+def decode_mtdata(data: bytes) -> Measurement | None:
+    """Return the sample in an MTData message of CALIBRATED data with the SAMPLE_COUNTER.
 
-    None unless the message consists of the calibrated data and the sample counter, with or without
-    the temperature, which is skipped.
+    None for a message of another size, as other settings have.
     """
-    precision = settings >> 8 & PRECISION
-    size = struct.calcsize(LAYOUTS[precision])
-    at = size // 3 if mode & TEMPERATURE else 0
-    sent = [not settings & absent for absent in WITHOUT]
-    supported = mode & ~TEMPERATURE == CALIBRATED and settings & SAMPLE_COUNTER
-    if not supported or len(data) != at + size * sum(sent) + 2:
+    if len(data) != SAMPLE.size:
         return None
-    vectors = []
-    for is_sent in sent:
-        vectors.append(_numbers(precision, data[at : at + size]) if is_sent else NOTHING)
-        at += size * is_sent
-    return Measurement(int.from_bytes(data[at:], "big"), math.nan, *vectors)
+    *numbers, counter = SAMPLE.unpack(data)
+    return Measurement(counter, math.nan, *(tuple(numbers[k : k + 3]) for k in (0, 3, 6)))
 
 
 def _items(data: bytes) -> dict[int, tuple[int, bytes]]:

@@ -147,4 +147,4 @@ class Xsens:
             return None
         if self._identifier == mtdata.MTDATA2:
             return mtdata.decode_mtdata2(message.data)
-        return mtdata.decode_mtdata(message.data, MODE, SETTINGS)
+        return mtdata.decode_mtdata(message.data)

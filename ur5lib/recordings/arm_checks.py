@@ -56,13 +56,8 @@ def foreign_torque(
     residual = min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
     share = size(residual) / size(torque)
     foreign, most = share > MODELLED, EXPLAINED * size(torque)
-    arms = [
-        *(
-            _fitting_arms(means, torque, arm, most)
-            if foreign
-            else _likelier_arms(means, torque, arm, payloads)
-        )
-    ]
+    known = means, torque, arm
+    arms = [*(_fitting_arms(*known, most) if foreign else _likelier_arms(*known, payloads))]
     if foreign or arms:
         fitting = [
             *arms,

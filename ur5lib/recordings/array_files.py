@@ -1,6 +1,5 @@
 """Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather, text files of a channel."""
 
-import importlib
 import re
 from collections.abc import Callable, Collection, Iterator
 from functools import wraps
@@ -12,7 +11,7 @@ import pyarrow as pa
 import pyarrow.feather as feather
 import pyarrow.parquet as pq
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, optional
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.quality import Finding, Log
 
@@ -22,17 +21,6 @@ LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 HDF5_INSIDE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 BLANK = re.compile(rb"\n[ \t\r]*\n")
-
-
-def optional_import(package: str) -> Any:
-    """Return a package that only some formats need. Raises InputError where it is missing."""
-    try:
-        return importlib.import_module(package)
-    except ImportError as error:
-        raise InputError(
-            f"this format needs the package {package}, which is not installed; install the extra "
-            "`formats`: pip install --editable '.[formats]'"
-        ) from error
 
 
 def damaged(path: Path, kind: str, error: Exception) -> InputError:
@@ -112,7 +100,7 @@ def _column(column: pa.ChunkedArray) -> np.ndarray | None:
 @array_format("hdf5", "an HDF5 file", ".h5", ".hdf5")
 def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the arrays of numbers by their path in the file."""
-    with optional_import("h5py").File(path) as file:
+    with optional("h5py", "HDF5", "formats").File(path) as file:
         names: list[str] = []
         file.visit(names.append)  # follows no link to another file
         paths = names if wanted is None else wanted

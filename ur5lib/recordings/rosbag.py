@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.recordings.array_files import Arrays, array_format, optional_import
+from ur5lib.errors import optional
+from ur5lib.recordings.array_files import Arrays, array_format
 from ur5lib.recordings.quality import Finding, Log
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
@@ -34,8 +35,8 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     [s]. Joints come in the arm's order where the messages name them. Messages that cannot be read
     are skipped and reported. Raises InputError when the file is damaged or no bag.
     """
-    reader = optional_import("rosbags.highlevel").AnyReader
-    types = optional_import("rosbags.typesys")
+    reader = optional("rosbags.highlevel", "a bag", "formats").AnyReader
+    types = optional("rosbags.typesys", "a bag", "formats")
     store = types.get_typestore(types.Stores.ROS2_HUMBLE)
     topics: dict[str, list[Message]] = {}
     lost = Counter[str]()
