@@ -297,6 +297,17 @@ def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
             aside.unlink()
 
 
+def made(folder: Path) -> Path:
+    """Return a folder, made if it does not exist. Raises InputError where it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{folder} cannot be written ({error.strerror}); check its name and the permissions"
+        ) from error
+    return folder
+
+
 def _plain(data: object) -> object:
     if hasattr(data, "model_dump"):
         return _plain(data.model_dump())

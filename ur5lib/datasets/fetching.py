@@ -12,7 +12,7 @@ import requests
 
 from ur5lib.datasets.catalogue import catalogue
 from ur5lib.errors import InputError
-from ur5lib.tables import write_aside
+from ur5lib.tables import made, write_aside
 
 TIMEOUT = 30  # s
 PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
@@ -195,7 +195,7 @@ def _listed(entry: dict[str, Any]) -> Listed:
 
 def _download(file: Listed, target: Path) -> None:
     pooch.get_logger().setLevel("WARNING")
-    with tempfile.TemporaryDirectory(dir=_made(target), prefix=".") as folder:
+    with tempfile.TemporaryDirectory(dir=made(target), prefix=".") as folder:
         try:
             path = pooch.retrieve(
                 file.url,
@@ -210,16 +210,6 @@ def _download(file: Listed, target: Path) -> None:
                 f"and the disk space ({file.size / 1e6:,.0f} MB), and fetch again"
             ) from error
         Path(path).rename(target / file.name)
-
-
-def _made(folder: Path) -> Path:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"{folder} cannot be written ({error.strerror}); check its name and the permissions"
-        ) from error
-    return folder
 
 
 def _copy(file: Listed, source: Path, target: Path) -> None:

@@ -6,7 +6,7 @@ from shlex import quote
 from ur5lib.errors import InputError
 from ur5lib.lab.places import WORKFLOW
 from ur5lib.strict import read_yaml
-from ur5lib.tables import write_bytes, write_text
+from ur5lib.tables import made, write_bytes, write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
 SCHEMA = "# yaml-language-server: $schema=workflow/study.schema.json\n"  # in a clone
@@ -20,12 +20,7 @@ def new_lab(folder: Path) -> str:
     """
     if (folder / "Snakefile").exists():
         raise InputError(f"{folder} has a Snakefile: run snakemake there, or name another folder")
-    try:
-        (folder / "raw").mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"{folder} cannot be written ({error.strerror}); check its name and the permissions"
-        ) from error
+    made(made(folder) / "raw")
     for name, text in _files().items():
         if not (folder / name).exists():
             write_text(text, folder / name)

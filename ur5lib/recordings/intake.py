@@ -66,10 +66,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
-        if device == "force":
-            findings += check_force_sensor(record.table)
-        else:
-            findings += check_imu(record.table, arm.mounting.imu_full_scale)
+        findings += _check_sensor(device, record.table, arm)
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -109,6 +106,12 @@ def _unbounded(arm: Robot) -> list[str]:
     joints = [joint - 1 for joint in arm.endless_joints or []]
     endless = [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
     return endless + (columns(CURRENT, len(arm.joints)) if arm.senses_torque() else [])
+
+
+def _check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
+    if device == "force":
+        return check_force_sensor(table)
+    return check_imu(table, arm.mounting.imu_full_scale)
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:

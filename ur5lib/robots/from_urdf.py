@@ -1,7 +1,6 @@
 """The description of any serial arm of revolute joints, from its URDF."""
 
 import re
-import warnings
 from collections.abc import Iterator
 from contextlib import redirect_stderr
 from io import StringIO
@@ -16,7 +15,8 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import INVALID, Pose, Robot
-from ur5lib.robots.inertia import link_tail, shift_inertia, tensor
+from ur5lib.robots.individual import link_matrix, pose_of
+from ur5lib.robots.inertia import shift_inertia, tensor
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
@@ -50,7 +50,7 @@ def robot_from_urdf(
     description = {
         "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
         "gravity": (start[:3, :3].T @ GRAVITY + 0.0).tolist(),
-        "calibration": [_pose(tail) for tail in tails],
+        "calibration": [pose_of(tail) for tail in tails],
         "joints": [joint.name for joint in joints],
         "motors": {joint.name: _motor(joint) for joint in joints},
         "endless_joints": [k for k, j in enumerate(joints, 1) if j.type == "continuous"] or None,
@@ -194,11 +194,11 @@ def _z_to(axis: Any) -> Array:
 
 def _pose_matrix(origin: Any) -> Array:
     """Return the transform (4, 4) of an `origin`, unity where it is left out."""
-    matrix = np.eye(4)
-    if origin is not None:
-        pose = Pose(position=tuple(origin.xyz or (0, 0, 0)), rpy=tuple(origin.rpy or (0, 0, 0)))
-        matrix[:3, :3], matrix[:3, 3] = link_tail(pose)
-        matrix[:3, :3] = _clean(matrix[:3, :3])
+    if origin is None:
+        return np.eye(4)
+    pose = Pose(position=tuple(origin.xyz or (0, 0, 0)), rpy=tuple(origin.rpy or (0, 0, 0)))
+    matrix = link_matrix(pose)
+    matrix[:3, :3] = _clean(matrix[:3, :3])
     return matrix
 
 
@@ -206,14 +206,6 @@ def _clean(rotation: Array) -> Array:
     """Return a rotation with exact right angles, which files give with few digits."""
     whole = np.round(rotation)
     return np.where(np.abs(rotation - whole) < RIGHT, whole, rotation) + 0.0
-
-
-def _pose(matrix: Array) -> dict[str, list[float]]:
-    """Return a transform (4, 4) as position, and roll, pitch and yaw."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # roll and yaw are one turn where the pitch is 90°
-        angles = Rotation.from_matrix(matrix[:3, :3]).as_euler("ZYX")[::-1]
-    return {"position": matrix[:3, 3].tolist(), "rpy": angles.tolist()}
 
 
 def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Array, Array]:

@@ -7,6 +7,7 @@ the nominal frame.
 """
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -40,7 +41,7 @@ def calibrated(robot: Robot, path: str | Path) -> Robot:
     nominal = chain([link_matrix(pose) for pose in robot.link_poses()])
     frames = [_on_axis(*pair) for pair in zip(axes[:-1], nominal[:-1], strict=True)] + axes[-1:]
     _expect_near(frames, nominal, robot.name, path)
-    steps = [_pose(np.linalg.inv(before) @ after) for before, after in pairwise(frames)]
+    steps = [pose_of(np.linalg.inv(before) @ after) for before, after in pairwise(frames)]
     return robot.model_copy(update={"calibration": tuple(steps)})
 
 
@@ -57,6 +58,17 @@ def link_matrix(pose: Pose) -> Array:
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = link_tail(pose)
     return matrix
+
+
+def pose_of(matrix: Array) -> Pose:
+    """Return a homogeneous transform (4, 4) as position, and roll, pitch and yaw."""
+    from scipy.spatial.transform import Rotation  # slow to import; few arms need it
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # roll and yaw are one turn where the pitch is 90°
+        yaw, pitch, roll = Rotation.from_matrix(matrix[:3, :3]).as_euler("ZYX").tolist()
+    x, y, z = matrix[:3, 3].tolist()
+    return Pose(position=(x, y, z), rpy=(roll, pitch, yaw))
 
 
 def _from_controller(
@@ -138,14 +150,6 @@ def _expect_near(
                 f"{path} puts frame {k} {1000 * away:.3g} mm from where {name} has it; name the "
                 "arm that the calibration belongs to"
             )
-
-
-def _pose(matrix: Array) -> Pose:
-    """Return a homogeneous transform as position, and roll, pitch and yaw."""
-    (x, y, z), R = matrix[:3, 3].tolist(), matrix[:3, :3]
-    roll, yaw = math.atan2(R[2, 1], R[2, 2]), math.atan2(R[1, 0], R[0, 0])
-    pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
-    return Pose(position=(x, y, z), rpy=(roll, pitch, yaw))
 
 
 def individual_robot(
