@@ -1,7 +1,6 @@
 """`ur5 replay`: the torques of a model file along a recording, compared with its currents."""
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 import mujoco
@@ -47,11 +46,13 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
         "this study's prediction": motor_torque(fit, currents.predicted_current),
         "zero": np.zeros_like(measured),
     }
-    slow = partial(zero_phase_lowpass, rate=1 / signals.period, order=ORDER, cutoff=CUTOFF)
+    rate = 1 / signals.period
     still = np.abs(motion.qd) < DEAD_ZONE
     yield f"{'torque error [Nm], joint':<40}" + "".join(f"{k:>9}" for k in arm.joint_numbers)
     for label, torque in compared.items():
-        error = by_segment(slow, measured - torque, signals.segment)
+        error = by_segment(
+            zero_phase_lowpass, measured - torque, signals.segment, rate, ORDER, CUTOFF
+        )
         error[still] = np.nan
         with np.errstate(invalid="ignore"):  # NaN for a joint that rests throughout
             rms = np.sqrt(np.nansum(error**2, axis=0) / np.isfinite(error).sum(axis=0))

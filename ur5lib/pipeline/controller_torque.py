@@ -1,7 +1,6 @@
 """The controller's torque, `target_moment`, as the target of identification."""
 
 from collections.abc import Iterator
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -31,8 +30,7 @@ def torque_states(signals: Signals, motion: Motion) -> States:
     """
     q, qd, qdd = signals.target_q, signals.target_qd, signals.target_qdd
     if q is None or qd is None or qdd is None:
-        change = partial(differentiate, period=signals.period)
-        motor_qdd = by_segment(change, motion.motor_qd, motion.segment)
+        motor_qdd = by_segment(differentiate, motion.motor_qd, motion.segment, signals.period)
         return States((motion.q, motion.motor_qd, motor_qdd), exact=False)
     return States((q, qd, qdd), exact=True)
 
@@ -44,7 +42,7 @@ def comparable(rows: Array, signals: Signals, exact: bool, design: Butterworth) 
     """
     if not exact:
         rate = 1 / signals.period
-        rows = by_segment(lambda x: zero_phase_lowpass(x, rate, *design), rows, signals.segment)
+        rows = by_segment(zero_phase_lowpass, rows, signals.segment, rate, *design)
     return np.where(signals.interpolated[:, None], np.nan, rows)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -162,8 +161,7 @@ def causal_external_torque(
     Arguments as above. The low-pass is of first order, which delays slow changes by 1 / (2π f_c).
     """
     torque = external_torque(constant, record.current, predicted)
-    lowpass = partial(causal_lowpass, rate=1 / record.period, order=1, cutoff=cutoff)
-    return by_segment(lowpass, torque, record.segment)
+    return by_segment(causal_lowpass, torque, record.segment, 1 / record.period, 1, cutoff)
 
 
 def edge(record: Record, cutoff: float) -> int:

@@ -1,7 +1,6 @@
 """A recording as the fit of its motor currents uses it, and the prior of its torque constants."""
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -51,8 +50,8 @@ def smoother(order: int, cutoff: float) -> Smooth:
     """Return a zero-phase low-pass of a recording's samples within its segments; cutoff: [Hz]."""
 
     def smooth(values: Array, record: Record) -> Array:
-        lowpass = partial(zero_phase_lowpass, rate=1 / record.period, order=order, cutoff=cutoff)
-        return by_segment(lowpass, values, record.segment)
+        rate = 1 / record.period
+        return by_segment(zero_phase_lowpass, values, record.segment, rate, order, cutoff)
 
     return smooth
 

@@ -139,13 +139,12 @@ def differences(known: BesideImu, cutoff: float) -> dict[str, Array]:
 
 def derivative(signals: Signals, values: Array) -> Array:
     """Return the time derivative of values (N, M) within the segments."""
-    return by_segment(partial(differentiate, period=signals.period), values, signals.segment)
+    return by_segment(differentiate, values, signals.segment, signals.period)
 
 
 def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Array) -> Array:
     """Return values (N, M), low-passed within the segments."""
-    run = partial(function, rate=1 / signals.period, **design._asdict())
-    return by_segment(run, values, signals.segment)
+    return by_segment(function, values, signals.segment, 1 / signals.period, *design)
 
 
 def acceleration_errors(accelerations: Accelerations) -> dict[str, AccelerationErrors]:

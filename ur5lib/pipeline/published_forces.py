@@ -82,10 +82,10 @@ def _wrenches(
     lowpass: Any,
 ) -> dict[str, Array]:
     """Return Equations 6.8 (F) and 6.9 (F*) of low-passed torques (N, 6) [Nm]."""
-    run = partial(lowpass, rate=1 / signals.period, **settings.design._asdict())
+    rate = 1 / signals.period
     estimates: dict[str, Array] = {}
     for name, torque in {"F": external, "F*": external - friction}.items():
-        smooth = by_segment(run, torque, signals.segment)
+        smooth = by_segment(lowpass, torque, signals.segment, rate, *settings.design)
         wrench = wrench_from_torque(jacobian, smooth, settings.min_singular_value)
         estimates[name] = environment_on_arm(wrench)
     return estimates

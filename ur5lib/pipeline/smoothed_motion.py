@@ -1,7 +1,6 @@
 """Joint motion by the Kalman smoother, as motion.parquet."""
 
 from collections.abc import Mapping
-from functools import partial
 from itertools import accumulate
 
 import numpy as np
@@ -26,7 +25,7 @@ def measured(signals: Signals) -> tuple[Array, Array]:
     """
     q, qd = signals.actual_q.copy(), signals.actual_qd
     if qd is None:
-        qd = by_segment(partial(differentiate, period=signals.period), q, signals.segment)
+        qd = by_segment(differentiate, q, signals.segment, signals.period)
     qd = qd.copy()
     q[signals.interpolated] = qd[signals.interpolated] = np.nan
     return q, qd

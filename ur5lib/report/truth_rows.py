@@ -112,7 +112,7 @@ def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butter
     point = np.array(robot.mounting.imu)
     exact = point_acceleration(robot, true.q, true.qd, true.qdd, point)
     rate = 1 / period(true.time)
-    return by_segment(lambda x: inner_lowpass(x, rate, *design), exact, segment)
+    return by_segment(inner_lowpass, exact, segment, rate, *design)
 
 
 def rigid_torques(robot: Robot, truth: TrueParameters, true: Truth) -> dict[str, Array]:

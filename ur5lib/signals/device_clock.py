@@ -1,7 +1,6 @@
 """The clock of a device: from its gyroscope and the joints' rates, else from start stamps."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,8 +123,7 @@ def _compare(
 
 def _in_band(values: Array, segment: Labels, period: float) -> Array:
     """Low-pass without delay; NaN near the ends of a stretch, where the filter extrapolates."""
-    lowpass = partial(inner_lowpass, rate=1 / period, order=ORDER, cutoff=BAND)
-    return by_segment(lowpass, values, segment)
+    return by_segment(inner_lowpass, values, segment, 1 / period, ORDER, BAND)
 
 
 def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
@@ -255,7 +253,7 @@ def device_clock(
         return stamps, None
     (time, segment, q), (rotation, jacobian) = robot, frames
     # not the controller's velocities, which lag the positions by some ms
-    qd = by_segment(partial(differentiate, period=period(time)), q, segment)
+    qd = by_segment(differentiate, q, segment, period(time))
     omega = np.einsum("nij,nj->ni", jacobian[:, 3:], qd)
     return clock_from_rotation(
         time=time,

@@ -149,8 +149,8 @@ def euler_acceleration(
     angular = np.linalg.solve(rates, jacobian[:, 3:])
     analytical = np.concatenate([jacobian[:, :3], angular], axis=1)  # (N, 6, 6)
     # J̇_a by central differences
-    change = partial(by_segment, partial(differentiate, period=period), segment=segment)
-    analytical_rate = change(values=analytical.reshape(-1, 36)).reshape(-1, 6, 6)
+    columns = analytical.reshape(-1, 36)
+    analytical_rate = by_segment(differentiate, columns, segment, period).reshape(-1, 6, 6)
     return np.einsum("nij,nj->ni", analytical, qdd) + np.einsum("nij,nj->ni", analytical_rate, qd)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -274,7 +273,7 @@ def _slope(record: ImuRecord) -> Array:
     period = float(np.median(step))
     predicted = np.concatenate([record.specific_force, record.angular_rate], axis=1)
     stretch = np.cumsum(step > 1.5 * period, dtype=np.int64)
-    return np.nan_to_num(by_segment(partial(differentiate, period=period), predicted, stretch))
+    return np.nan_to_num(by_segment(differentiate, predicted, stretch, period))
 
 
 def _cross_matrix(vectors: Array) -> Array:

@@ -1,7 +1,5 @@
 """One recording as input of the IMU's calibration."""
 
-from functools import partial
-
 import numpy as np
 
 from ur5lib.signals.end_effector import point_velocity
@@ -29,14 +27,13 @@ def imu_record(
     are left out.
     """
     (rotation, jacobian), (point, gravity), step = frames, place, period(time)
-    lowpass = partial(inner_lowpass, rate=1 / step, **design._asdict())
-    change = partial(differentiate, period=step)
     # not the controller's velocities, which lag the positions, R_6 and J_g by some ms
-    qd = by_segment(change, q, segment)
+    qd = by_segment(differentiate, q, segment, step)
     velocity = point_velocity(rotation, jacobian, qd, point)
     # velocities of frame 6's unit points about its origin, ω × R_6 e, side by side (N, 9)
     turned = np.cross(velocity[:, None, 3:], rotation.swapaxes(1, 2)).reshape(-1, 9)
-    change_of = by_segment(change, np.concatenate([velocity[:, :3], turned], axis=1), segment)
+    moved = np.concatenate([velocity[:, :3], turned], axis=1)
+    change_of = by_segment(differentiate, moved, segment, step)
     acceleration, turning = change_of[:, :3], change_of[:, 3:].reshape(-1, 3, 3)
     # f = R_6ᵀ (a - g0) and ω = R_6ᵀ J_w q̇ in frame 6, both readings, and ∂f/∂r
     sides = [
@@ -45,7 +42,7 @@ def imu_record(
         readings,
         np.einsum("nji,nkj->nik", rotation, turning).reshape(-1, 9),
     ]
-    smooth = by_segment(lowpass, np.concatenate(sides, axis=1), segment)
+    smooth = by_segment(inner_lowpass, np.concatenate(sides, axis=1), segment, 1 / step, *design)
     kept = np.isfinite(smooth).all(axis=1)
     force, rate, accelerometer, gyroscope, *by_place = np.split(smooth[kept], 7, axis=1)
     return ImuRecord(

@@ -44,8 +44,10 @@ def marked(spans: Iterable[tuple[int, int]], count: int) -> Mask:
     return inside
 
 
-def by_segment(function: Callable[[Array], Array], values: Array, segment: Labels) -> Array:
-    """Apply a function of uniform samples to each unbroken stretch on its own.
+def by_segment(
+    function: Callable[..., Array], values: Array, segment: Labels, *settings: float
+) -> Array:
+    """Apply a function of uniform samples, and of settings, to each unbroken stretch on its own.
 
     values: (N, M); segment: (N,) labels. A row with NaN stays NaN and breaks its segment.
     """
@@ -53,7 +55,7 @@ def by_segment(function: Callable[[Array], Array], values: Array, segment: Label
     finite = np.asarray(np.isfinite(values).all(axis=1))
     for stretch in unbroken(segment, finite):
         if finite[stretch.start]:
-            result[stretch] = function(values[stretch])
+            result[stretch] = function(values[stretch], *settings)
     return result
 
 
