@@ -109,7 +109,7 @@ def test_what_is_not_there_is_reported(
 
 def test_a_missing_package_is_reported(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mcap.writer", None)
-    with pytest.raises(InputError, match="pip install --editable"):
+    with pytest.raises(InputError, match="MCAP needs the extra `formats`"):
         exported(results, "mcap")
 
 
