@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from tests.library.test_smoothing import POINT, Motion, kinematics, random_states
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, velocity
+from ur5lib.pipeline.imu_samples import imu_record
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
@@ -17,7 +18,6 @@ from ur5lib.signals.end_effector import (
     point_acceleration,
     point_velocity,
 )
-from ur5lib.signals.imu_record import imu_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.timeseries.sampling import interpolated

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from tests.library.test_end_effector import swings
 from tests.library.test_force_sensor import MOUNTINGS
 from tests.library.test_smoothing import kinematics
+from ur5lib.pipeline.imu_samples import imu_record
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import (
     AS_DRAWN,
@@ -22,7 +23,6 @@ from ur5lib.signals.imu_calibration import (
     level_axes,
     specific_force,
 )
-from ur5lib.signals.imu_record import imu_record
 from ur5lib.timeseries.lowpass import Butterworth
 
 GRAVITY = np.array([0, 0, -9.81])

@@ -8,9 +8,12 @@ from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import BY_HOST, BY_MOTION, Clock
+from ur5lib.signals.end_effector import point_velocity
 from ur5lib.signals.imu_calibration import ImuRecord
-from ur5lib.signals.imu_record import imu_record
-from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
+from ur5lib.timeseries.sampling import differentiate
+from ur5lib.timeseries.segments import by_segment, period
 
 
 def has_valid_imu(clocks: Mapping[str, Clock]) -> bool:
@@ -49,3 +52,51 @@ def all_imu_samples(
         for name, gravity, signals, kinematics, clocks in recordings
         if has_valid_imu(clocks)
     }
+
+
+def imu_record(
+    time: Array,
+    segment: Labels,
+    q: Array,
+    frames: tuple[Array, Array],
+    readings: Array,
+    place: tuple[Array, Array],
+    design: Butterworth,
+) -> ImuRecord:
+    """Return the joints' predictions and the IMU's readings, both low-passed without delay.
+
+    time, segment: (N,); q: (N, 6) [rad]; frames: R_6 (N, 3, 3) and J_g (N, 6, 6); readings: (N, 6),
+    accelerometer and gyroscope [m/s², rad/s]; place: the IMU in frame 6 (3,) [m], and gravity (3,)
+    [m/s²], base frame. Rows where either side is missing, and ends where the filter extrapolates,
+    are left out.
+    """
+    (rotation, jacobian), (point, gravity), step = frames, place, period(time)
+    # not the controller's velocities, which lag the positions, R_6 and J_g by some ms
+    qd = by_segment(differentiate, q, segment, step)
+    velocity = point_velocity(rotation, jacobian, qd, point)
+    # velocities of frame 6's unit points about its origin, ω × R_6 e, side by side (N, 9)
+    turned = np.cross(velocity[:, None, 3:], rotation.swapaxes(1, 2)).reshape(-1, 9)
+    moved = np.concatenate([velocity[:, :3], turned], axis=1)
+    change_of = by_segment(differentiate, moved, segment, step)
+    acceleration, turning = change_of[:, :3], change_of[:, 3:].reshape(-1, 3, 3)
+    # f = R_6ᵀ (a - g0) and ω = R_6ᵀ J_w q̇ in frame 6, both readings, and ∂f/∂r
+    sides = [
+        np.einsum("nji,nj->ni", rotation, acceleration - gravity),
+        np.einsum("nji,nj->ni", rotation, velocity[:, 3:]),
+        readings,
+        np.einsum("nji,nkj->nik", rotation, turning).reshape(-1, 9),
+    ]
+    smooth = by_segment(inner_lowpass, np.concatenate(sides, axis=1), segment, 1 / step, *design)
+    kept = np.isfinite(smooth).all(axis=1)
+    force, rate, accelerometer, gyroscope, *by_place = np.split(smooth[kept], 7, axis=1)
+    return ImuRecord(
+        time=time[kept],
+        rotation=rotation[kept],
+        specific_force=force,
+        angular_rate=rate,
+        by_place=np.concatenate(by_place, axis=1).reshape(-1, 3, 3),
+        accelerometer=accelerometer,
+        gyroscope=gyroscope,
+        place=point,
+        gravity=gravity,
+    )

@@ -42,7 +42,8 @@ def robot_from_urdf(
     base = _known_link(tree, base or _root(tree, path), path)
     tip = _known_link(tree, tip or _tip(tree, base, path), path)
     joints = _chain(tree, base, tip, path)
-    bodies = [_body(tree, joint, joints) for joint in joints]
+    names = {joint.name for joint in joints}
+    bodies = [dict(_hanging(tree, joint.child, np.eye(4), names)) for joint in joints]
     _expect_complete(tree, joints, bodies, path)
     start, *frames = _joint_frames(tree, base, tip, joints, bodies)
     tails = [_z_to(joint.axis).T @ frame for joint, frame in zip(joints, frames, strict=True)]
@@ -154,12 +155,8 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
     return moving
 
 
-def _body(tree: Any, joint: Any, joints: list[Any]) -> dict[str, Array]:
-    """Return what a joint carries up to the next: links with their poses (4, 4) in its child."""
-    return dict(_hanging(tree, joint.child, np.eye(4), {other.name for other in joints}))
-
-
 def _hanging(tree: Any, link: str, place: Array, ends: set[str]) -> Iterator[tuple[str, Array]]:
+    """Yield a link and what hangs on it, with poses (4, 4), up to the joints `ends`."""
     yield link, place
     for name, child in tree.child_map.get(link, []):
         if name not in ends:
@@ -174,7 +171,8 @@ def _joint_frames(
 
     The z axis of frame k - 1 is the axis of joint k; frame n is the tip's.
     """
-    standing = dict(_hanging(tree, base, np.eye(4), {joint.name for joint in joints}))
+    names = {joint.name for joint in joints}
+    standing = dict(_hanging(tree, base, np.eye(4), names))
     frames = []
     for joint, before in zip(joints, [standing, *bodies], strict=False):
         frames.append(before[joint.parent] @ _pose_matrix(joint.origin) @ _z_to(joint.axis))
