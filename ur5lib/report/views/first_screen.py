@@ -196,11 +196,11 @@ def findings(results: Results) -> list[Sentence]:
         *stop_signs(results),
         *nearest_model(results),
         *comparison.rebuilt(results),
-        *_each("findings.load", loaded(results)),
+        *loads_found(results),
         *_each("findings.unlike", results.rows("remarks", code="unlike other arms")),
         *counted(results),
         *elsewhere(results),
-        *_each("findings.load taken up", results.rows("contacts", estimate="Fmap", kind="load")),
+        *loads_taken_up(results),
         *readings(results),
         *_detection(results),
         *claim(results),
@@ -227,6 +227,16 @@ def _each(template: str, rows: pd.DataFrame) -> Iterator[Sentence]:
     """Report the first few rows of a table, a sentence each."""
     for row in rows[:MOST_SHOWN].itertuples():
         yield say(template, row=row)
+
+
+def loads_found(results: Results) -> Iterator[Sentence]:
+    """Report the recordings with an undeclared load."""
+    return _each("findings.load", loaded(results))
+
+
+def loads_taken_up(results: Results) -> Iterator[Sentence]:
+    """Report the loads that the arm picked up during a run."""
+    return _each("findings.load taken up", results.rows("contacts", estimate="Fmap", kind="load"))
 
 
 def left_out(results: Results) -> list[Sentence]:
