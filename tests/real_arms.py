@@ -1,8 +1,8 @@
 """Recordings of the real arms, taken through the workflow's steps up to the contact force.
 
-Studies are the workflow's own. Of one that another test has built, arm, motion and fit are taken;
-else arms are as they are described, and what takes seconds, the smoother and fits of currents, is
-kept in a folder for all tests of a session.
+Studies are the workflow's own. Of one that another test has built, what its steps wrote is taken up
+to the fit; else arms are as they are described, and what takes seconds, the smoother and fits of
+currents, is kept in a folder for all tests of a session.
 """
 
 import zlib
@@ -44,7 +44,7 @@ from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.intake import Intake
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clock import Clock
+from ur5lib.signals.clock import Clock, SettledClock
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
@@ -60,14 +60,15 @@ PRIOR = ContactPrior()
 class RealRecording:
     """A recording as far as it has to do with no other: signals, motion, torques.
 
-    arm_file: the arm's description; motion_file: where its smoothed motion is kept; sensor_clock:
-    of its force sensor, if any.
+    arm_file: the arm's description; motion_file: where its smoothed motion is kept; built: its
+    results, where the workflow built them; sensor_clock: of its force sensor, if any.
     """
 
     entry: Recording
     settings: Settings
     arm_file: Path
     motion_file: Path
+    built: Path | None = None
     sensor_clock: Clock | None = None
 
     @property
@@ -86,6 +87,8 @@ class RealRecording:
     @cached_property
     def signals(self) -> Signals:
         """With the force sensor, where its clock is known."""
+        if self.built is not None:
+            return Signals.read(self.built / "signals.parquet")
         table = self.intake.robot
         if self.sensor_clock is not None:
             time = table["time"].to_numpy()
@@ -103,11 +106,15 @@ class RealRecording:
 
     @cached_property
     def torques(self) -> Torques:
+        if self.built is not None:
+            return Torques.read(self.built / "torques.parquet")
         load = carried(self.entry.known_payload(), self.signals)
         return joint_torques(self.robot, load, self.signals, self.motion)
 
     @cached_property
     def kinematics(self) -> Kinematics:
+        if self.built is not None:
+            return Kinematics.read(self.built / "kinematics.parquet")
         rotation, origin, J = flange_kinematics(self.robot, self.signals.actual_q)
         return Kinematics(
             time=self.signals.time,
@@ -173,12 +180,14 @@ class RealStudy:
         return [self.recording(name) for name in names]
 
     def _recording(self, name: str) -> RealRecording:
-        entry, clock = self.entries[name], self.sensor_clocks.get(name)
-        arm, motion = robot_path(entry.robot), self.kept / self.study.study / f"{name}.parquet"
+        entry, settings = self.entries[name], self.study.settings
         if self.built is not None:
             arm = self.built / "parameters" / entry.robot / "arm.yaml"
-            motion = self.built / "recordings" / name / "motion.parquet"
-        return RealRecording(entry, self.study.settings, arm, motion, clock)
+            its = self.built / "recordings" / name
+            clock = read_record(dict[str, SettledClock], its / "clocks.json").get("force")
+            return RealRecording(entry, settings, arm, its / "motion.parquet", its, clock)
+        arm, motion = robot_path(entry.robot), self.kept / self.study.study / f"{name}.parquet"
+        return RealRecording(entry, settings, arm, motion, None, self.sensor_clocks.get(name))
 
     @cached_property
     def sensor_clocks(self) -> dict[str, Clock]:
