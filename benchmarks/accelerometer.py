@@ -131,7 +131,7 @@ def main() -> None:
     seeds, quick = asked(__doc__, SEEDS)
     torch.set_num_threads(1)
     if quick:
-        show_stand(pd.DataFrame(seed_rows(0, 8.0)))
+        show_stand(pd.DataFrame(seed_rows(0, 5.0)))
     else:
         show_stand(stand_table(seeds))
     if (THESIS / "configuration.yaml").exists():

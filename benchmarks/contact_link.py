@@ -33,7 +33,7 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.tables import write_csv
 
 SEEDS, EACH = 10, 2  # contacts on each link
-SECONDS, QUICK_SECONDS = 20.0, 8.0  # of each recording to fit
+SECONDS, QUICK_SECONDS = 20.0, 5.0  # of each recording to fit
 TABLE = Path("results/contact_link.csv")
 BESIDE = 0.06  # m, largest distance of a place from the middle line of its link
 PRIOR = ContactPrior()
