@@ -1,6 +1,7 @@
 """How a step is run, and what each makes of one small recording."""
 
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from tests.conftest import Workflow
 from ur5lib.robots.description import Robot
 from ur5lib.steps import job, workers
+from ur5lib.steps.job import Names
 from ur5lib.steps.workers import StepError, run_step
 from ur5lib.tables import channel, read_csv, read_json, read_table
 
@@ -23,6 +25,9 @@ STEPS = {
     "garbled": "def garbled(input, output, params):\n    return (\n",
     "dies": "import os\ndef dies(input, output, params):\n    os.kill(os.getpid(), 9)\n",
     "kills": "import os\ndef kills(input, output, params):\n    os.kill(os.getppid(), 9)\n",
+    "lasts": "import os, time\n"
+    "def lasts(input, output, params):\n"
+    "    open(output.pid, 'w').write(str(os.getpid()))\n    time.sleep(60)\n",
     "remembers": "COUNT = []\n"
     "def remembers(input, output, params):\n"
     "    COUNT.append(0)\n    open(output.count, 'w').write(str(len(COUNT)))\n",
@@ -100,6 +105,27 @@ def test_a_failed_step_says_why(folder: Path, step: str, sentence: str, logged: 
     assert ("so far so good\n" in log) == (step == "breaks")
     run("adds", sum="after.txt")
     assert (folder / "after.txt").read_text() == "7"
+
+
+def test_what_a_killed_process_wrote_aside_is_gone_when_its_step_has_run_again(
+    folder: Path,
+) -> None:
+    aside = folder / ".sum.txt.123.part"
+    aside.write_text("4")
+    run("adds", sum="sum.txt")
+    assert not aside.exists()
+
+
+def test_a_job_ends_with_its_run(folder: Path) -> None:
+    """It would write its files later, when another run makes them."""
+    worker, pid = workers.Worker(), folder / "pid"
+    files = Names(), Names(pid="pid"), Names()
+    worker.connection.send(job.Job("lasts", *files, "lasts.log", "lasts.tsv"))
+    while not pid.exists() or not pid.read_text():
+        time.sleep(0.05)
+    worker.connection.close()
+    assert worker.process.wait(timeout=30) == 0
+    assert not Path(f"/proc/{pid.read_text()}").exists()
 
 
 def test_what_a_library_prints_goes_to_the_log(folder: Path) -> None:

@@ -3,9 +3,7 @@
 from pathlib import Path
 
 from tests.conftest import Workflow
-from tests.workflow.test_workflow import append, results
-
-ALONE = "MOST_ALONE = 100"
+from tests.workflow.test_workflow import append, results, run_in_batches_above
 
 
 def steps_run(folder: Path) -> list[str]:
@@ -18,9 +16,7 @@ def test_batches_give_the_same_results_and_repeat_what_changed(workflow: Workflo
     """All at once, as each run takes its time; a batch repeats steps, not recordings."""
     folder = workflow.folder / "results" / "small"
     before = results(workflow)
-    common = workflow.folder / "workflow" / "rules" / "common.smk"
-    assert ALONE in common.read_text()
-    common.write_text(common.read_text().replace(ALONE, "MOST_ALONE = 1"))
+    run_in_batches_above(1, workflow)
     planned = workflow.plan()
     assert {f"process_batch_{level}" for level in range(6)} <= planned.keys()
     assert "repair_frames" not in planned

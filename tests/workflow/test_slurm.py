@@ -14,7 +14,7 @@ import yaml
 
 from tests.conftest import PROJECT, STUDY, Workflow
 from tests.one_node_slurm import NoSlurmError, ask, one_node_slurm
-from tests.workflow.test_workflow import results
+from tests.workflow.test_workflow import results, run_in_batches_above
 
 pytestmark = pytest.mark.slow
 
@@ -90,6 +90,39 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
     assert killed == running[:1], ended
     assert len(ended) == 7, "two to read, one of each other group, one again"
     assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
+
+
+@needs_plugin
+def test_jobs_of_a_killed_run_keep_a_second_one_waiting(
+    workflow: Workflow, slurm: dict[str, str]
+) -> None:
+    """In batches, as far as the torques of all models, which wait for what is fitted to the arm."""
+    before = results(workflow)
+    run_in_batches_above(1, workflow)
+    folder = workflow.folder / "results" / "small"
+    shutil.rmtree(folder)
+    workflow.environment |= slurm
+    given = *PROFILE, *SMALL, *("--until", "process_batch_1")
+    first = subprocess.Popen(
+        workflow.command(*given),
+        cwd=workflow.folder,
+        env=workflow.environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    assert wait_until(lambda: [*folder.rglob("robot.parquet")] or first.poll(), 100)
+    first.kill()
+    first.wait()
+    refused = workflow.run()
+    assert refused.returncode == 1
+    assert f"being made by process {first.pid} of " in refused.stdout
+    second = workflow.run(*given, "--config", "wait=true")
+    assert second.returncode == 0, second.stdout
+    assert "waiting until that has ended" in second.stdout
+    after = results(workflow)
+    made = [name for name in before if name in after]
+    assert {"recordings/still/torques.parquet", "recordings/pushed/torques.parquet"} <= {*made}
+    assert [name for name in made if after[name] != before[name]] == []
 
 
 def test_nothing_of_slurm_is_left_after_a_failure(slurm: dict[str, str]) -> None:

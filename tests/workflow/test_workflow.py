@@ -1,5 +1,6 @@
 """The workflow itself: what reruns and what does not, and what it does with bad input."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -77,6 +78,14 @@ def results(workflow: Workflow) -> dict[str, bytes]:
 
 def append(path: Path, text: str) -> None:
     path.write_text(path.read_text() + text)
+
+
+def run_in_batches_above(alone: int, workflow: Workflow) -> None:
+    """Let a study of more recordings than that run in batches."""
+    common = workflow.folder / "workflow" / "rules" / "common.smk"
+    before, changed = "MOST_ALONE = 100", f"MOST_ALONE = {alone}"
+    assert before in common.read_text()
+    common.write_text(common.read_text().replace(before, changed))
 
 
 NEW = "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: ROLE}\n"
@@ -332,22 +341,48 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
     assert workflow.plan() == {}
 
 
+def processes_of(run: subprocess.Popen[bytes]) -> list[int]:
+    """The processes of a run that have not ended."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(ProcessLookupError):
+            if os.getpgid(int(process.name)) == run.pid:
+                found.append(int(process.name))
+    return found
+
+
+def end(run: subprocess.Popen[bytes], random: np.random.Generator) -> None:
+    """Kill a run as a whole, its first process alone, or any of its processes."""
+    with contextlib.suppress(ProcessLookupError):
+        match random.integers(3):
+            case 0:
+                os.killpg(run.pid, random.choice([signal.SIGKILL, signal.SIGTERM]))
+            case 1:
+                os.kill(run.pid, random.choice([signal.SIGKILL, signal.SIGTERM]))
+            case 2:
+                os.kill(random.choice(processes_of(run)), signal.SIGKILL)
+
+
 @pytest.mark.slow
-def test_runs_killed_at_random_moments_go_on_to_the_same_results(workflow: Workflow) -> None:
-    """Killed as a whole, or its first process alone, whose workers then end by themselves."""
-    before, random = results(workflow), np.random.default_rng(0)
-    for _ in range(int(os.environ.get("KILLS", "2"))):
-        lost = random.choice(["pushed", "still", "none"])
-        shutil.rmtree(
-            workflow.folder / "results" / "small" / "recordings" / lost, ignore_errors=True
-        )
+@pytest.mark.parametrize("alone", [100, 1])
+def test_runs_killed_at_random_moments_go_on_to_the_same_results(
+    workflow: Workflow, alone: int
+) -> None:
+    """Each goes on where the last was killed, step by step or in batches."""
+    before, random = results(workflow), np.random.default_rng(alone)
+    folder = workflow.folder / "results" / "small"
+    run_in_batches_above(alone, workflow)
+    for _ in range(int(os.environ.get("KILLS", "3"))):
+        lost = random.choice(["recordings/pushed", "recordings/still", "parameters", "none"])
+        shutil.rmtree(folder / lost, ignore_errors=True)
         run = started(workflow)
-        time.sleep(random.uniform(0.5, 10))
-        kill = os.killpg if random.random() < 0.5 else os.kill
-        kill(run.pid, signal.SIGKILL)
-        run.wait()
+        time.sleep(random.uniform(0.5, 12))
+        end(run, random)
+        run.wait(timeout=200)
     workflow.build()
-    assert results(workflow) == before
+    after = results(workflow)
+    assert {name: after[name] for name in before} == before
+    assert [*folder.rglob("*.part")] == []
     assert workflow.plan() == {}
 
 

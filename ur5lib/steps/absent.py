@@ -6,14 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from ur5lib.steps.job import Job, Names
-from ur5lib.steps.upkeep import paths, record
+from ur5lib.steps.upkeep import paths, record, write_whole
 
 STAMPS = "batches"  # the folder of the stamps in that of the results
 
 
 def write_stamp(stamp: str, checksum: str, absent: Mapping[str, str]) -> None:
     """Write that a batch has passed a level: the checksum of its results, and what was left out."""
-    Path(stamp).write_text(json.dumps([checksum, absent], indent=1), encoding="utf-8")
+    write_whole(json.dumps([checksum, absent], indent=1), Path(stamp))
 
 
 def left_out(files: Iterable[str]) -> dict[str, str]:

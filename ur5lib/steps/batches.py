@@ -128,6 +128,11 @@ class Batches:
             return self.level(step) + (recording != reader)
         return max(map(self.level_of_file, self.arm_inputs.get(path, [])), default=0)
 
+    def level_of_arm(self, step: str) -> int:
+        """Return how often recordings wait for each other before a step of an arm has run."""
+        of = self.of_arms[step]
+        return max(self.level_of_file(file) for arm in of.of for file in of.files("output", arm))
+
     @cached_property
     def levels(self) -> list[list[Step]]:
         """The steps of each level, each after those that it reads from."""

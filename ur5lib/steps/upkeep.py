@@ -24,9 +24,7 @@ def run_if_changed(job: Job, run: Callable[[Job], None]) -> bool:
     read = {path: seen(path) for path in paths(job.input)}
     run(job)
     written = {path: seen(path) for path in paths(job.output)}
-    part = record(job).with_suffix(".part")
-    part.write_text(json.dumps([declaration(job), read, written]), encoding="utf-8")
-    part.replace(record(job))
+    write_whole(json.dumps([declaration(job), read, written]), record(job))
     return True
 
 
@@ -34,10 +32,10 @@ def run_or_restore(job: Job, run: Callable[[Job], None]) -> None:
     """Run a step unless nothing that it depends on has changed; restore then what it wrote.
 
     Snakemake deletes the files of a step before it runs, and empties its log and benchmark. Copies
-    are kept beside its record.
+    are kept beside its record, those of its outputs last: if these are right, the others are, too.
     """
     folder = record(job).with_suffix(".kept")
-    files = [*paths(job.output), job.log, job.benchmark]
+    files = [job.log, job.benchmark, *paths(job.output)]
     kept = {path: folder / Path(path).name for path in files}
     for path, copy in kept.items():
         if copy.exists():
@@ -56,6 +54,13 @@ def is_current(job: Job) -> bool:
     return declared == declaration(job) and all(
         is_same(path, *then) for path, then in (read | written).items()
     )
+
+
+def write_whole(text: str, path: Path) -> None:
+    """Write a text file, which is whole or not there, however this process ends."""
+    part = path.with_suffix(".part")
+    part.write_text(text, encoding="utf-8")
+    part.replace(path)
 
 
 def record(job: Job) -> Path:

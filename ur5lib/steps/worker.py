@@ -8,7 +8,7 @@ import multiprocessing
 import signal
 import sys
 import time
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 
 from ur5lib.steps.job import Job, load_step
 
@@ -19,18 +19,21 @@ def serve(connection: Connection) -> None:
     """Run jobs until the other side closes; answer each with its error, empty if it succeeded."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # interrupts the job, but not the answer
     before = 0.0
-    with contextlib.suppress(EOFError):
+    with contextlib.suppress(EOFError, OSError):
         while True:
             job: Job = connection.recv()
             with contextlib.suppress(Exception):  # the job reports the error
                 load_step(job.step)
             now = time.process_time()
-            connection.send(run_in_fork(job, now - before))
+            connection.send(run_in_fork(job, now - before, connection))
             before = now
 
 
-def run_in_fork(job: Job, start_up: float) -> str:
-    """Run a job in a forked process; return its error as one sentence, empty on success."""
+def run_in_fork(job: Job, start_up: float, connection: Connection) -> str:
+    """Run a job in a forked process; return its error as one sentence, empty on success.
+
+    It is killed if the other side of the connection ends: another run may write its files next.
+    """
     receiver, sender = FORK.Pipe(duplex=False)
 
     def run() -> None:
@@ -39,6 +42,8 @@ def run_in_fork(job: Job, start_up: float) -> str:
 
     child = FORK.Process(target=run)
     child.start()
+    if connection in wait([child.sentinel, connection]):
+        child.kill()
     child.join()
     if receiver.poll():
         error: str = receiver.recv()

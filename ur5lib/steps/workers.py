@@ -97,6 +97,7 @@ def run_without(absent: Mapping[str, str], job: Job, is_kept: bool) -> None:
 
 def run_job(job: Job) -> None:
     """Run a job in a warm process. Raises StepError with one sentence if it fails."""
+    delete_parts(job)
     try:
         worker = IDLE.get_nowait()
     except queue.Empty:
@@ -108,6 +109,13 @@ def run_job(job: Job) -> None:
         error = f"{job.step}: its process was killed; see {job.log}"
     if error:
         raise BadFileError(error) if isinstance(error, BadInput) else StepError(error)
+
+
+def delete_parts(job: Job) -> None:
+    """Delete what a killed process wrote aside of a job's files and did not rename."""
+    for path in map(Path, paths(job.output)):
+        for part in path.parent.glob(f".{path.name}.*.part"):
+            part.unlink(missing_ok=True)
 
 
 def run_batch(

@@ -1,9 +1,11 @@
-"""One run of a study at a time: a lock that ends with its process, however that ends."""
+"""One run of a study at a time: a lock that ends with its processes, however they end."""
 
+import contextlib
 import fcntl
 import getpass
 import os
 import socket
+import sys
 import time
 from pathlib import Path
 from typing import TextIO
@@ -11,6 +13,7 @@ from typing import TextIO
 from ur5lib.errors import InputError
 
 LOCK = ".running"
+TURN = "UR5_TURN"  # environment variable by which a run's jobs on a cluster know their run
 
 
 def take_turn(results: Path, wait: bool = False) -> TextIO:
@@ -20,18 +23,48 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
     shared folder, the lock holds between machines where its file system passes `flock` on.
     """
     results.mkdir(parents=True, exist_ok=True)
-    lock = open(results / LOCK, "a+", encoding="utf-8")  # noqa: SIM115 held until the process ends
+    lock = open_lock(results)
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        lock.seek(0)
-        raise InputError(
-            f"{results} is being made by {lock.read().strip() or 'another run'}; run again when "
-            "that has ended, or wait for it: snakemake --config wait=true"
-        ) from None
+        other = f"{results} is being made by {holder(lock) or 'another run'}"
+        if not wait:
+            raise InputError(
+                f"{other}; run again when that has ended, or wait for it: "
+                "snakemake --config wait=true"
+            ) from None
+        print(f"{other}; waiting until that has ended", file=sys.stderr, flush=True)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+    since = time.strftime("%Y-%m-%d %H:%M:%S")
+    name = f"process {os.getpid()} of {getpass.getuser()} on {socket.gethostname()} since {since}"
     lock.truncate(0)
-    since = time.strftime("%Y-%m-%d %H:%M")
-    host = socket.gethostname()
-    lock.write(f"process {os.getpid()} of {getpass.getuser()} on {host} since {since}\n")
+    lock.write(f"{name}\n")
     lock.flush()
+    os.environ[TURN] = name
+    fcntl.flock(lock, fcntl.LOCK_SH)  # its jobs on a cluster share it
     return lock
+
+
+def share_turn(results: Path) -> TextIO:
+    """Return the lock of the run that has submitted this process to a cluster, shared with it.
+
+    If that run is killed, its jobs that have begun still keep others out. Raises InputError if
+    another run has its turn by now.
+    """
+    lock = open_lock(results)
+    with contextlib.suppress(BlockingIOError):
+        fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        if holder(lock) == os.environ.get(TURN, holder(lock)):
+            return lock
+    raise InputError(f"the run that submitted this job has ended; now {results} is made by another")
+
+
+def open_lock(results: Path) -> TextIO:
+    """Return the file to be locked."""
+    return open(results / LOCK, "a+", encoding="utf-8")
+
+
+def holder(lock: TextIO) -> str:
+    """Return who has locked a file, by what is written there."""
+    lock.seek(0)
+    return lock.read().strip()

@@ -45,6 +45,12 @@ def wait_for_stamps(reader):
     )
 
 
+def in_cluster_at(group, level):
+    """Return the group of the steps of a level; `--group-components` holds for each of them."""
+    workflow.parent_groupids[f"{group}_{level}"] = group
+    return in_cluster(f"{group}_{level}")
+
+
 def list_left_out():
     """Print what was left out and why, and write it as a table."""
     absent = BATCHES.left_out() if BATCHES else {}
@@ -76,6 +82,10 @@ if len(RECORDINGS) > MOST_ALONE or BY_PATTERN:
         if step in each:
             del workflow._rules[step.name]
         elif not step.name.startswith("simulate_recording"):
+            if step not in arms:
+                step.group = in_cluster("document")
+            elif step.name not in workflow._localrules:
+                step.group = in_cluster_at("fits", BATCHES.level_of_arm(step.name))
             wait_for_stamps(step)
     for level in range(len(BATCHES.levels)):
 
@@ -88,6 +98,8 @@ if len(RECORDINGS) > MOST_ALONE or BY_PATTERN:
                 BATCHES.stamp(level, "{batch}"),
             log:
                 f"{RESULTS}/logs/process_batch_{level}/{{batch}}.log",
+            group:
+                in_cluster_at("batches", level)
             params:
                 level=level,
                 settings=settings_of(level),

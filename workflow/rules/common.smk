@@ -20,7 +20,7 @@ from ur5lib.steps.workers import FAILED, run_batch, run_step
 from ur5lib.strict import read_yaml
 from ur5lib.study.patterns import names_by_pattern
 from ur5lib.study.reading import parse_study, study_text
-from ur5lib.study.turn import take_turn
+from ur5lib.study.turn import share_turn, take_turn
 
 waits = config.pop("wait", False)
 try:
@@ -67,8 +67,13 @@ WITH_WRIST_SENSOR = [name for name, one in RECORDINGS.items() if one.arm.known_a
 
 # A second run of a study would delete what the first has made. Who waits plans afterwards.
 turn = []
-if waits and workflow.is_main_process:
-    turn.append(take_turn(Path(RESULTS), wait=True))
+try:
+    if workflow.remote_exec:
+        turn.append(share_turn(Path(RESULTS)))
+    elif waits and workflow.is_main_process:
+        turn.append(take_turn(Path(RESULTS), wait=True))
+except InputError as error:
+    raise WorkflowError(str(error))
 
 
 # Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
