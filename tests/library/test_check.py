@@ -12,8 +12,17 @@ from tests.commands import Command, words
 from tests.conftest import said
 from tests.made_tables import table
 from tests.synthetic import write_recording
-from ur5lib.commands.check import WORST, by_month, concerned, print_tables, text_console, unfiltered
-from ur5lib.errors import remark
+from ur5lib.commands.check import (
+    FEW,
+    WORST,
+    by_month,
+    concerned,
+    print_tables,
+    text_console,
+    unfiltered,
+    unusable,
+)
+from ur5lib.errors import InputError, remark
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.findings import by_finding, group_findings
 from ur5lib.study.model import Settings, Study
@@ -101,6 +110,19 @@ def test_fourteen_recordings_with_one_note_fill_one_screen() -> None:
     note = Finding("robot", "irregular steps", "note", 1, {"most_ms": 2, "grid_ms": 10})
     print_tables(console, {f"run_{k}": Quality(findings=[note]) for k in range(14)}, {})
     assert len(console.file.getvalue().splitlines()) < 24
+
+
+def test_many_damaged_files_fill_one_screen() -> None:
+    """Each for a reason of its own: all are counted, few are stated."""
+    console, count, bad = text_console(file=StringIO(), width=120), 2443, 24
+    qualities = {
+        f"run_{k}": unusable(InputError(f"run_{k}.csv is empty")) if k < bad else Quality()
+        for k in range(count)
+    }
+    assert print_tables(console, qualities, {}) == bad
+    lines = console.file.getvalue().splitlines()
+    assert len(lines) < 12
+    assert f"{bad - FEW} of {count} recordings" in console.file.getvalue()
 
 
 SIMULATED = (

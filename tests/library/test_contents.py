@@ -39,7 +39,7 @@ def blocks(part: Part) -> Iterator[Block | DeclaredTable]:
         yield from block.blocks if isinstance(block, Repeated) else [block]
 
 
-EVERY = [block for part in contents().sections for block in blocks(part)]
+EVERY = [block for part in [*contents().sections, *contents().run] for block in blocks(part)]
 FIGURES = [block for block in EVERY if isinstance(block, Picture)]
 TABLES = [block for block in EVERY if isinstance(block, DeclaredTable)]
 

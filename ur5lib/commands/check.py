@@ -30,7 +30,8 @@ from ur5lib.study.reading import read_study
 
 SEVERE = ("stop", "error")
 WORST = (*SEVERE, "warning", "note")
-FEW = 3  # recordings of a finding that are named
+FEW = 3  # recordings of a finding that are named, and reasons of one that are stated
+MANY = 20  # names of recordings that are proposed
 COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
@@ -44,7 +45,7 @@ def print_findings(path: Path, named: Sequence[str] = ()) -> int:
     names = [recording.name for recording in study.recordings]
     for name in named:
         if name not in names:
-            near = get_close_matches(name, names, n=1) or names
+            near = get_close_matches(name, names, n=1) or names[:MANY]
             raise InputError(f"{path} has no recording {name!r}, but {', '.join(near)}")
     return print_findings_of(study, named)
 
@@ -61,9 +62,10 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
             "bands are wide; give this role to a recording in which nothing touches the arm"
         )
     there = [recording for recording in study.recordings if is_there(recording)]
-    unmade = [recording.name for recording in study.recordings if recording not in there]
-    if unmade:
-        console.print(f"not simulated yet: {', '.join(unmade)}; `snakemake` will simulate it first")
+    if len(there) < len(study.recordings):
+        names, made = [one.name for one in study.recordings], {one.name for one in there}
+        unmade = concerned([name for name in names if name not in made], names)
+        console.print(f"not simulated yet: {unmade}; `snakemake` will simulate it first")
     if not there:
         return 0
     recordings = track(there, "reading", console=console, transient=True)
@@ -194,14 +196,18 @@ def settled(
 
 def _print_by_finding(console: Console, quality: pd.DataFrame, names: list[str]) -> None:
     """Print each finding once: the recordings that it concerns, and what it means."""
-    for row in by_finding(quality).itertuples():
-        where = "" if row.alike else f"{row.recordings[0]}: "
-        title = (
-            f"{row.device}: {row.finding} ({row.severity}) in {concerned(row.recordings, names)}"
-        )
-        console.print(title, style=COLOURS[row.severity])
-        console.print(Padding(where + shortened(row.detail), (0, 0, 0, 4)))
-    sound = [name for name in names if name not in {*quality["recording"]}]
+    kinds = by_finding(quality).groupby(["severity", "device", "finding"], sort=False)
+    for (severity, device, finding), rows in kinds:
+        title, style = f"{device}: {finding} ({severity}) in ", COLOURS[severity]
+        for row in rows[:FEW].itertuples():
+            where = "" if row.alike else f"{row.recordings[0]}: "
+            console.print(title + concerned(row.recordings, names), style=style)
+            console.print(Padding(where + shortened(row.detail), (0, 0, 0, 4)))
+        more = [name for recordings in rows["recordings"][FEW:] for name in recordings]
+        if more:
+            console.print(f"{title}{concerned(more, names)}, for other reasons", style=style)
+    unsound = {*quality["recording"]}
+    sound = [name for name in names if name not in unsound]
     if sound:
         console.print(f"nothing found in {concerned(sound, names)}")
     console.print("`ur5 check <study> <recording>` shows a recording's findings in detail")
@@ -228,7 +234,8 @@ def worst_of(quality: Quality) -> str:
 
 def concerned(some: Sequence[str], names: Sequence[str]) -> str:
     """Return which recordings a finding concerns: their number, and names where they are few."""
-    others = [name for name in names if name not in some]
+    those = {*some}
+    others = [name for name in names if name not in those]
     count = f"{len(some)} of {len(names)} recordings"
     if len(some) == 1:
         return some[0]

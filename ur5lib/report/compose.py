@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ur5lib.report.document import (
     MOST_ROWS,
+    MOST_SHOWN,
     Block,
     Code,
     Contents,
@@ -41,6 +42,7 @@ from ur5lib.report.views import (
     forces,
     models,
     motion,
+    overview,
     recordings,
 )
 
@@ -48,7 +50,7 @@ VIEWS: dict[str, ModuleType] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
         *(arm_state, audit, comparison, contacts, currents, first_screen, forces),
-        *(models, motion, recordings),
+        *(models, motion, overview, recordings),
     )
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
@@ -172,7 +174,8 @@ def _single(
             if items:
                 yield replace(wanted, items=items)
         case DeclaredTable():
-            body = body_of(wanted, results, name)
+            listed = results.many and not name and wanted.names_recordings()
+            body = Body([], []) if listed else body_of(wanted, results, name)
             if body.rows:
                 yield _table(wanted, body, results, name)
         case Picture():
@@ -232,8 +235,12 @@ def _table(wanted: DeclaredTable, body: Body, results: Results, name: str) -> Ta
     caption, rows = _filled(wanted.caption, results, name), body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
-    label = _label(wanted.table, name)
-    return Table(caption, body.header, rows[:MOST_ROWS], label, wanted.source)
+    pages = {*results.roles()} if results.many else set()
+    linked = [
+        [replace(one, link=f"runs/{one.text}.html") if one.text in pages else one for one in row]
+        for row in rows[:MOST_ROWS]
+    ]
+    return Table(caption, body.header, linked, _label(wanted.table, name), wanted.source)
 
 
 def _picture(wanted: Picture, results: Results, path: Path, name: str) -> Picture:
@@ -267,5 +274,6 @@ def _notice(recordings: Sequence[Mapping[str, object]]) -> str:
     simulated = [str(r["name"]) for r in recordings if r.get("simulate") or r.get("truth")]
     if not simulated:
         return ""
-    some = "all recordings" if len(simulated) == len(recordings) else ", ".join(simulated)
+    some = f"{len(simulated)} recordings" if simulated[MOST_SHOWN:] else ", ".join(simulated)
+    some = "all recordings" if len(simulated) == len(recordings) else some
     return f"Simulated: {some} of this study are of the virtual test stand, not of a real arm."

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from ur5lib.strict import Strict, read_yaml
 
@@ -25,10 +25,15 @@ UNDETERMINED = "undetermined"  # replaces a number that the data do not determin
 
 @dataclass(frozen=True)
 class Cell:
-    """A table's cell; mark: set for the smallest and the largest error of a row."""
+    """A table's cell.
+
+    mark: set for the smallest and the largest error of a row; link: page of the recording that it
+    names, relative to the study's results.
+    """
 
     text: str
     mark: Mark | None = None
+    link: str = ""
 
 
 def _is_number(cell: Cell) -> bool:
@@ -129,6 +134,10 @@ class DeclaredTable(FromContents):
     last: dict[str, str] = field(default_factory=dict)
     marked: str = ""
 
+    def names_recordings(self) -> bool:
+        """Return whether each recording has a row or a column."""
+        return "recording" in {*self.lines, *self.across, *self.columns.values()}
+
 
 @dataclass(frozen=True)
 class Picture(FromContents):
@@ -228,12 +237,13 @@ class Section:
 
 @dataclass(frozen=True)
 class Document:
-    """A complete report; `notice`: text on every page, if any."""
+    """A complete report; `notice`: text on every page, if any; home: from it to the results."""
 
     title: str
     subtitle: str
     sections: list[Section]
     notice: str = ""
+    home: str = ""
 
     def numbered(self) -> "Document":
         """Return the document with tables and figures numbered from 1, also where mentioned.
@@ -301,9 +311,14 @@ class Part(Strict):
 
 
 class Contents(Strict):
-    """The whole report."""
+    """The whole report; run: the sections of a recording's own page."""
 
     sections: list[Part]
+    run: list[Part] = Field(default_factory=list)
+
+    def of_run(self) -> "Contents":
+        """Return the contents of a recording's own page."""
+        return Contents(sections=self.run)
 
 
 @cache

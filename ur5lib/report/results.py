@@ -4,7 +4,7 @@ import os
 import platform
 import subprocess
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import metadata
 from pathlib import Path
@@ -15,7 +15,7 @@ import pandas as pd
 import yaml
 
 from ur5lib.lab.places import IN_CLONE, WORKFLOW
-from ur5lib.report.document import MOST_SHOWN
+from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.report.sentences import Sentence
@@ -87,6 +87,24 @@ class Results:
             sensed=bool(arms) and all(arm.senses_torque() for arm in arms),
         )
 
+    def of_run(self, name: str) -> "Results":
+        """Return the results of one recording and of its arm."""
+        (entry,) = (one for one in self.study["recordings"] if one["name"] == name)
+        title = f"{name}, {self.study['title']}"
+        known = {"recording": name, "robot": self.arms()[name]}
+        tables = {
+            table: self.rows(table, **{key: known[key] for key in known if key in rows})
+            for table, rows in self.tables.items()
+        }
+        return replace(
+            self, study={**self.study, "title": title, "recordings": [entry]}, tables=tables
+        )
+
+    @property
+    def many(self) -> bool:
+        """Whether there are more recordings than a table has rows."""
+        return len(self.study.get("recordings", ())) > MOST_ROWS
+
     def roles(self) -> dict[str, str]:
         """Return the role of each recording."""
         return {recording["name"]: recording["role"] for recording in self.study["recordings"]}
@@ -140,8 +158,18 @@ class Results:
         """Return the arm of each recording, by its name in results."""
         return {entry["name"]: _arm(entry["robot"]) for entry in self.study["recordings"]}
 
+    def months(self) -> pd.Series:
+        """Return the month of each recording, as 2026-03, by its name."""
+        dates = {one["name"]: one.get("date") for one in self.study["recordings"]}
+        named = {name: str(date)[:7] if date else "no date" for name, date in dates.items()}
+        return pd.Series(named, dtype=str, name="month").rename_axis("recording")
+
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
-        """Return the first few recordings, as a report has room for, of those with figures."""
+        """Return the first few recordings, as a report has room for, of those with figures.
+
+        Of many recordings, it is one: each has a page of its own.
+        """
+        most = 1 if self.many else most
         return [name for name in dict.fromkeys(names) if name in self.drawn][:most]
 
     def rows(self, table: str, **values: Any) -> pd.DataFrame:

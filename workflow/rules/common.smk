@@ -417,6 +417,7 @@ def recordings_of(step):
         "draw_older_model": OLDER_MODEL,
         "draw_current_torque": PRINTED_CURRENTS,
         "draw_published_forces": PRINTED,
+        "write_run": [],  # on demand alone
     }
     return only.get(step, RECORDINGS)
 

@@ -38,6 +38,7 @@ TABLES = [name for tables in read_yaml(COLUMNS).values() for name in tables]
 PARTS = parts_of_tables()  # of the steps above
 CONTENTS = REPORT / "contents.yaml", REPORT / "sentences.yaml"
 TEMPLATES = REPORT / "templates"
+PAGE = *CONTENTS, *(TEMPLATES / name for name in ("report.html.jinja", "lines.js", "zoom.js"))
 
 
 rule draw_figures:
@@ -333,15 +334,28 @@ rule write_report:
     group:
         in_cluster("document")
     params:
-        code=code(
-            "write_report",
-            *CONTENTS,
-            TEMPLATES / "report.html.jinja",
-            TEMPLATES / "report.typ",
-            TEMPLATES / "lines.js",
-            TEMPLATES / "zoom.js",
-        ),
+        code=code("write_report", *PAGE, TEMPLATES / "report.typ"),
         study=study_text(STUDY),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+# A recording's own page, on demand: `snakemake results/<study>/runs/<recording>.html`.
+rule write_run:
+    input:
+        described=arm_file,
+        tables=rules.make_tables.output,
+        figures=[*rules.draw_figures.output, *rules.draw_tracking.output],
+    output:
+        html=f"{RESULTS}/runs/{{recording}}.html",
+    log:
+        **traces("write_run", "{recording}"),
+    group:
+        in_cluster("document")
+    params:
+        code=code("write_run", *PAGE),
+        study=study_text(STUDY),
+        recording="{recording}",
     run:
         run_step(rule, input, output, params, log)
 

@@ -36,7 +36,7 @@ class Comparison(NamedTuple):
 def compare(results: Results) -> Comparison | None:
     """Compare the link models, on unseen recordings if possible; None without a motion."""
     rows = results.rows("torque_mae").dropna(subset="mae")
-    rows = rows[rows["recording"].map(lambda name: bool(results.moving(name)))]
+    rows = rows[rows["recording"].isin([*filter(results.moving, rows["recording"].unique())])]
     if rows.empty:
         return None
     unseen = rows[~rows["recording"].isin(results.with_role("fit"))]

@@ -23,13 +23,14 @@ def judge_files(results: Results) -> Verdict:
     serious = findings[findings["severity"] != "note"]
     states = [STATES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}]
     lost = lost_shares(results)
+    drawn = pd.Series(lost).groupby(results.months()).max() if results.many else lost
     return Verdict(
         topic=FILES,
         state=states[0] if states else "good",
         sentence=worst(results),
         evidence=_counts(findings, len(lost)),
-        drawing=bars(lost),
-        caption=say("quality.caption"),
+        drawing=bars({str(name): float(share) for name, share in drawn.items()}),
+        caption=say("quality.caption", many=results.many),
         numbers=tuple(
             Number(f"findings of severity “{name}”", int((findings["severity"] == name).sum()), "")
             for name in SEVERITIES

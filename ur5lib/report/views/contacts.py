@@ -12,7 +12,7 @@ from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, joined, say
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import PUSHES, leading, likely, pushes_found
+from ur5lib.report.views.forces import PUSHES, leading, leading_of_each, likely, pushes_found
 
 FORCES = ["Fx", "Fy", "Fz"]
 FLANGE = 6  # the link that carries flange and tool
@@ -33,17 +33,16 @@ def sentences(results: Results) -> list[str]:
 def in_contact(force: pd.DataFrame) -> Iterator[Sentence]:
     """Report the errors of the leading estimate, in contact and free."""
     forces = _forces(force)
-    better = []
-    for recording, rows in forces.groupby("recording", sort=False):
+    touched = forces[forces["during"] == "contact"]
+    names = touched["recording"].unique()
+    for name in names[:MOST_SHOWN]:
+        rows = forces[forces["recording"] == name]
         contact, free = (rows[rows["during"] == during] for during in ("contact", "free"))
-        if contact.empty:
-            continue
-        lead = leading(contact)
-        better.append(lead["mae"].mean() < lead["mean_force"].mean())
-        if len(better) <= MOST_SHOWN:
-            yield joined(_errors_in_contact(str(recording), lead, contact, leading(free)))
-    if len(better) > MOST_SHOWN:
-        yield say("contacts.better", better=sum(better), count=len(better))
+        yield joined(_errors_in_contact(str(name), leading(contact), contact, leading(free)))
+    if len(names) > MOST_SHOWN:
+        means = leading_of_each(touched).groupby("recording")[["mae", "mean_force"]].mean()
+        better = int((means["mae"] < means["mean_force"]).sum())
+        yield say("contacts.better", better=better, count=len(names))
 
 
 def _errors_in_contact(
@@ -93,7 +92,7 @@ def found_without_sensor(results: Results) -> dict[str, int]:
     searched = {*results.rows("detection", estimate="Fmap")["recording"]}
     contacts = results.rows("contacts", estimate="Fmap", kind="contact")["recording"]
     names = [name for name in results.with_role("contact") if name in searched - sensed]
-    return {name: int((contacts == name).sum()) for name in names}
+    return contacts.value_counts().reindex(names, fill_value=0).to_dict()
 
 
 def counted(results: Results) -> Iterator[Sentence]:

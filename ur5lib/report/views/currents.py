@@ -1,6 +1,6 @@
 """Friction, torque constants and motor currents: fits, published constants, prediction, payload."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 import numpy as np
 import pandas as pd
@@ -78,11 +78,15 @@ def next_recordings(results: Results) -> Iterator[Sentence]:
 
 
 def unseen(results: Results) -> pd.DataFrame:
-    """Return the errors of moving joints on validate recordings without an undeclared load.
+    """Return the errors of moving joints on validate recordings without an undeclared load."""
+    return in_motion(results, {*results.with_role("validate")} - {*loaded(results)["recording"]})
+
+
+def in_motion(results: Results, names: Set[str]) -> pd.DataFrame:
+    """Return the errors of moving joints on some recordings.
 
     zero: the error of a constant current, its standard deviation: R² = 1 − RMSE² / zero².
     """
-    names = {*results.with_role("validate")} - {*loaded(results)["recording"]}
     rows = results.tables["current_rmse"]
     rows = rows[rows["recording"].isin(names)]
     moves = [row.joint in results.moving(row.recording) for row in rows.itertuples()]

@@ -112,8 +112,8 @@ def corrections(results: Results) -> Iterator[Sentence]:
 
 def touched_while_fitted(results: Results) -> Iterator[Sentence]:
     """Name fit recordings on which the force sensor reads a contact."""
-    touched = results.rows("force_mae", during="contact")["recording"]
-    names = [name for name in results.with_role("fit") if name in {*touched}]
+    touched = {*results.rows("force_mae", during="contact")["recording"]}
+    names = [name for name in results.with_role("fit") if name in touched]
     if names:
         yield say("steps.touched", some=_some(names))
 

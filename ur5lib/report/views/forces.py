@@ -44,6 +44,12 @@ def leading(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[rows["estimate"] == first]
 
 
+def leading_of_each(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of each recording's own leading estimate."""
+    rank = rows["estimate"].map({name: k for k, name in enumerate([*NEW, *PUBLISHED])})
+    return rows[rank == rank.groupby(rows["recording"]).transform("min")]
+
+
 def headline(results: Results) -> pd.DataFrame:
     """Return the leading estimate's errors of forces in contact, with those in free motion."""
     rows = leading(results.rows("force_mae", kind="compensated"))

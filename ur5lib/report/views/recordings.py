@@ -32,8 +32,15 @@ def counted(results: Results) -> Iterator[Sentence]:
 
 
 def findings(results: Results) -> pd.DataFrame:
-    """Return the defects of the files, one row per finding and meaning, most serious first."""
+    """Return the defects of the files, one row per finding and meaning, most serious first.
+
+    Of many recordings, each finding has the meaning that it has in the recording with most of it.
+    """
     grouped = group_findings(results.tables["quality"])
+    if results.many:
+        most = grouped.sort_values("count", ascending=False, kind="stable")
+        kind = ["severity", "device", "finding"]
+        grouped = grouped.assign(detail=most.groupby(kind)["detail"].transform("first"))
     kinds = grouped.groupby(["severity", "device", "finding", "detail"], sort=False)
     rows = kinds.agg(recordings=("recording", _named), count=("count", "sum")).reset_index()
     meaning = [shortened(detail) for detail in rows["detail"]]

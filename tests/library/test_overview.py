@@ -1,0 +1,110 @@
+"""A report of many recordings: an overview by month, and a page of each recording on demand."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from tests.made_tables import empty
+from ur5lib.report.compose import compose
+from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table, contents
+from ur5lib.report.results import Results
+from ur5lib.report.tables.making import declarations
+from ur5lib.report.verdicts.recordings import judge_files
+from ur5lib.report.views.overview import estimates, friction, quality
+
+MANY = 2 * (MOST_ROWS + 1)
+DAYS = pd.date_range("2026-01-30", periods=MANY, freq="D")
+LOST, LOADED, ABSENT = "run_7", "run_40", "run_9"
+
+
+def made(count: int = MANY) -> Results:
+    """A study of two arms: one run a day, in turn; of one, no file can be used."""
+    names = [f"run_{k}" for k in range(count)]
+    entries = [
+        {"name": name, "robot": f"arm_{k % 2}", "role": "validate", "date": DAYS[k].date()}
+        for k, name in enumerate(names)
+    ]
+    used = pd.DataFrame({"recording": [name for name in names if name != ABSENT]})
+    filled = {
+        "recordings": {"frames": 1000, "duration_s": 10.0, "moving_joints": "1 2", "devices": ""},
+        "payload": {"mass": 0.5, "taken": "no"},
+        "current_rmse": {"model": "fitted", "joint": 1, "rmse_2hz": 0.1, "r2": 0.0},
+        "detection": {"estimate": "Fmap", "alarms_per_min": 2.0},
+    }
+    tables = {name: empty(name).astype(object) for name in declarations()} | {
+        name: used.assign(**row).reindex(columns=empty(name).columns)
+        for name, row in filled.items()
+    }
+    tables["health"] = pd.DataFrame(
+        columns=["robot", "date", "joint", "quantity", "value", "temperature_c"]
+    )
+    lost = {"device": "robot", "finding": "lost frames", "severity": "warning", "detail": "lost"}
+    tables["quality"] = pd.DataFrame([{"recording": LOST, "count": 50} | lost])
+    tables["payload"].loc[used["recording"] == LOADED, "taken"] = "yes"
+    study = {"study": "s", "title": "t", "recordings": entries}
+    return Results(study, tables, Path())
+
+
+def test_each_month_counts_its_recordings_and_names_the_worst() -> None:
+    months = pd.concat([quality(made(), arm) for arm in ("arm_0", "arm_1")])
+    assert months["recordings"].sum() == MANY
+    assert (months["recordings"] - months["used"]).sum() == 1
+    assert set(months["month"]) == {day.strftime("%Y-%m") for day in DAYS}
+    (worst,) = months[months["warning"] > 0].itertuples()
+    assert (worst.month, worst.lost_of, worst.lost_most) == ("2026-02", LOST, 0.05)
+
+
+def test_estimates_of_a_month_are_those_of_its_recordings() -> None:
+    rows = estimates(made(), "arm_0")
+    assert (rows["current_median"] == 1).all()
+    assert (rows["alarm_most"] == 2).all()
+    (loaded,) = rows.dropna(subset="load_of").itertuples()
+    assert (loaded.load_count, loaded.load_most, loaded.load_of) == (1, 0.5, LOADED)
+
+
+def test_friction_is_the_median_of_a_months_dates() -> None:
+    days = ["2026-01-01", "2026-01-02", "2026-01-30", "2026-02-01"]
+    rows = pd.DataFrame({"date": days, "value": [1.0, 2.0, 9.0, 3.0], "temperature_c": 30.0})
+    rows = rows.assign(robot="ur5", quantity="coulomb", joint=1)
+    found = friction(Results({}, {"health": rows}, Path()), "ur5")
+    assert [*found["value"]] == [2.0, 3.0]
+
+
+SHOWN = {
+    "sections": [
+        {"title": "First", "blocks": [{"sentences": "overview.pages"}]},
+        next(part for part in contents().sections if part.title == "Overview by month"),
+        {"title": "Runs", "blocks": [{"table": "a", "source": "tables/recordings.csv",
+         "caption": "", "columns": {"run": "recording"}}]},
+    ]
+}  # fmt: skip
+
+
+@pytest.fixture
+def document() -> Document:
+    return compose(Contents.model_validate(SHOWN), made())
+
+
+def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Document) -> None:
+    tables = {block.label: block for block in document.blocks() if isinstance(block, Table)}
+    assert "a" not in tables
+    cells = [cell for row in tables["overview.quality-arm_1"].rows for cell in row]
+    assert {cell.link for cell in cells} == {"", f"runs/{LOST}.html"}
+    few = compose(Contents.model_validate(SHOWN), made(MOST_ROWS))
+    assert [block.label for block in few.blocks() if isinstance(block, Table)] == ["a"]
+
+
+def test_a_month_is_a_bar_of_the_first_screen() -> None:
+    months = DAYS.strftime("%Y-%m").nunique()
+    assert judge_files(made()).drawing.count("<rect") == 2 * months
+
+
+def test_a_page_shows_one_recording_alone() -> None:
+    own = made().of_run(LOST)
+    assert own.roles() == {LOST: "validate"}
+    assert {name for table in own.tables.values() for name in table.get("recording", ())} == {LOST}
+    page = compose(contents().of_run(), own)
+    assert page.title == f"{LOST}, t"
+    shown = [block for block in page.blocks() if isinstance(block, Table | Picture)]
+    assert {"recordings.files", "recordings.findings"} <= {block.label for block in shown}
