@@ -51,7 +51,7 @@ class Simulated(NamedTuple):
 def main() -> None:
     """Print coverage and gain of each kind of motion."""
     seeds, quick = asked(__doc__, SEEDS)
-    seconds = 3.0 if quick else 20.0
+    seconds = 6.0 if quick else 20.0
     print("kind; within the 95 % band: q, qd, qdd [%], in motion, at rest; RMSE of qdd by joint")
     for kind in KINDS:
         recordings = [simulated(kind, seed, seconds) for seed in range(seeds)]
