@@ -249,9 +249,11 @@ def test_friction_is_no_surer_than_days_and_recordings_differ() -> None:
         np.array([0.1, 0.2, 0.2]), np.array([[0.0, 0.0, 0.5]]), np.empty(0), np.zeros(3)
     )
     day = np.hypot(BETWEEN_DAYS, BETWEEN_RUNS)
-    np.testing.assert_allclose(unseen_difference(told, 1, 1), [0.0, 0.0, day])
-    np.testing.assert_allclose(unseen_difference(told, 4, 4), [0.0, 0.0, day / 2])
-    assert unseen_difference(told, 1, 4)[2] > BETWEEN_DAYS
+    np.testing.assert_allclose(unseen_difference(told, 1, 1, 1), [0.0, 0.0, day])
+    np.testing.assert_allclose(unseen_difference(told, 4, 4, 4), [0.0, 0.0, day / 2])
+    # what paths that are drawn have shown is not counted twice
+    assert BETWEEN_DAYS / 2 < unseen_difference(told, 1, 8, 8)[2] < BETWEEN_DAYS
+    np.testing.assert_array_equal(unseen_difference(told, 8, 8, 8), 0.0)
 
 
 # Choosing

@@ -231,15 +231,18 @@ def _joint_fit(
         held_current(samples, terms, coefficients),
         band_of_recordings(residual[moving], samples.record[moving], MOVING, coulomb),
         band_of_recordings(residual[~moving], samples.record[~moving], RESTING, coulomb),
-        unseen_difference(estimate, *_counts(samples.day[moving], samples.record[moving])),
+        unseen_difference(
+            estimate,
+            *(_count(of[moving]) for of in (samples.day, samples.record, samples.path)),
+        ),
         _remarks(samples, estimate, prior),
         doubt,
     )
 
 
-def _counts(*labels: Labels) -> list[int]:
+def _count(labels: Labels) -> int:
     """Return how many days, recordings, ... have samples, at least one."""
-    return [max(1, len(np.unique(own))) for own in labels]
+    return max(1, len(np.unique(labels)))
 
 
 def band_of_recordings(residual: Array, record: Labels, usual: Usual, coulomb: float) -> float:

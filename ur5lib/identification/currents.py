@@ -11,7 +11,7 @@ import numpy as np
 from ur5lib.errors import Remark
 from ur5lib.identification.estimation import Estimate, physical
 from ur5lib.identification.regression import half_width
-from ur5lib.identification.samples import Record, Smooth, design, smoothed_moving
+from ur5lib.identification.samples import FEW, Record, Smooth, design, smoothed_moving
 from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -178,16 +178,20 @@ def _coefficients_doubt(fit: CurrentFit, record: Record) -> Array:
     return doubts
 
 
-def unseen_difference(estimate: Estimate, days: int, recordings: int) -> Array:
+def unseen_difference(estimate: Estimate, days: int, recordings: int, paths: int) -> Array:
     """Return by how much parameters (P,) differ from those of all days, a standard deviation.
 
     Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), as far as it was
-    told by recordings.
+    told by recordings. A bootstrap over U paths contains the deviations as if each path had a day
+    of its own: σ_day² (1 / D - 1 / U) remains.
     """
+    if paths < FEW:  # the bootstrap is over stretches
+        variance = BETWEEN_DAYS**2 / days + BETWEEN_RUNS**2 / recordings
+    else:
+        variance = BETWEEN_DAYS**2 * max(0.0, 1 / days - 1 / paths)
     friction = np.abs(physical(estimate.coefficients))
     friction[:2] = 0.0  # torque constant and offset
-    between = np.hypot(BETWEEN_DAYS / np.sqrt(days), BETWEEN_RUNS / np.sqrt(recordings))
-    unseen: Array = friction * between * (1 - estimate.prior_share)
+    unseen: Array = friction * np.sqrt(variance) * (1 - estimate.prior_share)
     return unseen
 
 
