@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 
 from tests.made_tables import empty
+from ur5lib.errors import InputError
 from ur5lib.report.compose import compose
 from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table, contents
 from ur5lib.report.results import Results
@@ -98,6 +99,11 @@ def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Docum
 def test_a_month_is_a_bar_of_the_first_screen() -> None:
     months = DAYS.strftime("%Y-%m").nunique()
     assert judge_files(made()).drawing.count("<rect") == 2 * months
+
+
+def test_what_was_left_out_has_no_page() -> None:
+    with pytest.raises(InputError, match=ABSENT):
+        made().of_run(ABSENT)
 
 
 def test_a_page_shows_one_recording_alone() -> None:

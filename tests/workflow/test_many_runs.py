@@ -56,6 +56,12 @@ def test_damaged_files_change_no_result_of_the_others(tmp_path: Path) -> None:
     tables = workflow.folder / "results" / "small" / "tables"
     assert not (tables / "left_out.csv").exists()
 
+    name = "run_2026-03-2026-03-03"  # the report draws the first four
+    pages = workflow.folder / "results" / "small" / "runs"
+    assert not pages.exists()
+    assert workflow.run("--cores", "1", f"results/small/runs/{name}.html").returncode == 0
+    assert [f"{name}," in page.read_text() for page in pages.iterdir()] == [True]
+
     for day, text in DAMAGED.items():
         (workflow.folder / "logs" / day[:7] / f"{day}.extra.csv").write_text(text)
     done = workflow.run()

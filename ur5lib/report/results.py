@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from ur5lib.errors import InputError
 from ur5lib.lab.places import IN_CLONE, WORKFLOW
 from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
@@ -88,7 +89,12 @@ class Results:
         )
 
     def of_run(self, name: str) -> "Results":
-        """Return the results of one recording and of its arm."""
+        """Return the results of one recording and of its arm.
+
+        Raises InputError where the recording was left out.
+        """
+        if name not in {*self.tables["recordings"]["recording"]}:
+            raise InputError(f"{name} was left out, see tables/left_out.csv: it has no page")
         (entry,) = (one for one in self.study["recordings"] if one["name"] == name)
         title = f"{name}, {self.study['title']}"
         known = {"recording": name, "robot": self.arms()[name]}
