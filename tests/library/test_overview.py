@@ -1,5 +1,6 @@
 """A report of many recordings: an overview by month, and a page of each recording on demand."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -12,6 +13,7 @@ from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table
 from ur5lib.report.results import Results
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.verdicts.recordings import judge_files
+from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality
 
 MANY = 2 * (MOST_ROWS + 1)
@@ -99,6 +101,16 @@ def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Docum
 def test_a_month_is_a_bar_of_the_first_screen() -> None:
     months = DAYS.strftime("%Y-%m").nunique()
     assert judge_files(made()).drawing.count("<rect") == 2 * months
+
+
+def test_delays_of_many_recordings_are_a_range() -> None:
+    whole = made()
+    found = {"force_class_n": 3, "found": 1, "contacts": 1, "causal_found": 1}
+    rows = whole.tables["detection"].assign(**found)
+    delays = {"causal_delay_s": [0.2 + 0.001 * k for k in range(len(rows))]}
+    results = replace(whole, tables={**whole.tables, "detection": rows.assign(**delays)})
+    *_, causal = detection(results)
+    assert [one.value for one in causal.numbers][2:] == [0.2, 0.32]
 
 
 def test_what_was_left_out_has_no_page() -> None:

@@ -31,6 +31,8 @@ def faults(results: Results) -> Iterator[Sentence]:
     rows = results.rows("audit", verdict="wrong")
     for quantity, part in rows.groupby("quantity", sort=False):
         names = [*map(str, part["recording"].unique())]
+        if results.many and len(names) > MOST_SHOWN:
+            names[MOST_SHOWN:] = [f"{len(names) - MOST_SHOWN} more"]
         yield say("sensor.fault", name=name(str(quantity), "audit"), names=names)
 
 

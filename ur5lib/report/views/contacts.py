@@ -155,7 +155,8 @@ def _causal(rows: pd.DataFrame) -> Iterator[Sentence]:
     if len(rated):
         found, count = (int(rated[name].sum()) for name in ("causal_found", "contacts"))
         delays = [*rated["causal_delay_s"].dropna()]
-        yield say("contacts.causal", found=found, count=count, delays=delays)
+        words = {"found": found, "count": count, "delays": delays, "most": MOST_SHOWN}
+        yield say("contacts.causal", **words)
 
 
 def quiet(results: Results) -> pd.DataFrame:
