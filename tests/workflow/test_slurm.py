@@ -76,7 +76,7 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
         stderr=subprocess.STDOUT,
     )
     try:
-        assert wait_until(lambda: [*folder.rglob("robot.parquet")] or run.poll(), 100)
+        assert wait_until(lambda: [*folder.rglob("robot.parquet")] or run.poll(), 200)
         running = ask(slurm, "squeue", "--noheader", "--states=RUNNING", "--format=%i").split()
         ask(slurm, "scancel", running[0])
         printed, _ = run.communicate(timeout=300)
@@ -110,9 +110,11 @@ def test_jobs_of_a_killed_run_keep_a_second_one_waiting(
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    assert wait_until(lambda: [*folder.rglob("robot.parquet")] or first.poll(), 100)
-    first.kill()
-    first.wait()
+    try:
+        assert wait_until(lambda: [*folder.rglob("robot.parquet")] or first.poll(), 200)
+    finally:
+        first.kill()
+        first.wait()
     refused = workflow.run()
     assert refused.returncode == 1
     assert f"being made by process {first.pid} of " in refused.stdout
@@ -150,7 +152,7 @@ def test_every_step_but_the_shortest_is_in_a_group() -> None:
     profile = yaml.safe_load((PROJECT / "profiles" / "slurm" / "config.yaml").read_text())
     files = (PROJECT / "workflow" / "rules").glob("*.smk")
     rules = [rule for path in files for rule in re.split(r"^ *rule ", path.read_text(), flags=re.M)]
-    group = re.compile(r'in_cluster\("(\w+)"\)')
+    group = re.compile(r'in_cluster(?:_at)?\("(\w+)"')
     alone = {rule.partition(":")[0] for rule in rules if "run_step(rule" in rule}
     alone -= {rule.partition(":")[0] for rule in rules if "group:" in rule}
     assert alone == {"pool_drifts", "describe_arm"}
