@@ -105,7 +105,7 @@ def draw_arm(truth: Population, number: int, strange: int | None = None) -> Arm:
 
 def draw_traits(truth: Population, robot: Robot, random: np.random.Generator) -> Traits:
     """Return traits of an arm's joints: trend, plus the arm's deviation, plus the joints'."""
-    torque_max = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers])
+    torque_max = np.array(robot.torque_limits())
     traits: Traits = {}
     for name, spread in truth.items():
         mean = spread.kind.columns(torque_max) @ spread.trend

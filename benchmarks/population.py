@@ -126,8 +126,7 @@ def guessed(arm: Robot, others: Measured | None) -> Array:
     friction = {"coulomb": nothing, "viscous": nothing}
     if others is not None:
         for name in friction:
-            largest = [arm.motor(joint).torque_max for joint in arm.joint_numbers]
-            friction[name] = np.array([median(others, name, most) for most in largest])
+            friction[name] = np.array([median(others, name, most) for most in arm.torque_limits()])
     return coefficients_of_constants(constants, nothing, friction["coulomb"], friction["viscous"])
 
 

@@ -226,7 +226,7 @@ def nominal_maps(robot: Robot) -> Maps:
     """
     constants = np.array(robot.maker_torque_constants())
     constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
-    largest = np.array([robot.motor(joint).torque_max for joint in range(1, 7)])
+    largest = np.array(robot.torque_limits())
     coulomb, viscous, load = NOMINAL
     torques = [np.ones(6), np.zeros(6), coulomb * largest, viscous * largest, np.full(6, load)]
     slow = np.sqrt(CORRELATED / INDEPENDENT)
@@ -263,7 +263,7 @@ def _prior(
 ) -> Array:
     """Return the information of the priors of the fits, before any recording."""
     spread = base.groups * prior_width(len(PARAMETERS))
-    torque_max = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers])
+    torque_max = np.array(robot.torque_limits())
     typical, inverse = typical_arm(population, torque_max), maps.coefficients[:, 0]
     ratio = typical.pop("torque_constant", None)
     if ratio is None:

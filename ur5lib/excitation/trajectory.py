@@ -53,7 +53,6 @@ class Path:
 
 # Shares of the arm's limits that a trajectory may use.
 POSITION, VELOCITY, ACCELERATION, TORQUE = 0.95, 0.5, 0.5, 0.8
-USUAL_ACCELERATION = 15.0  # rad/s², limit of motors without a published one
 JERK = 200.0  # rad/s³; no description states a limit
 TURN = 2 * np.pi  # rad, to either side, of a joint that turns without end
 CLEARANCE = 0.03  # m, between capsules
@@ -82,13 +81,13 @@ class Limits:
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
         """Return the limits of a trajectory: shares of the limits in the arm's description."""
-        motors = [robot.motor(joint) for joint in range(1, 7)]
+        velocities = [robot.motor(joint).velocity_max for joint in robot.joint_numbers]
         return cls(
             POSITION * np.nan_to_num(robot.position_limits(), posinf=TURN),
-            VELOCITY * np.array([motor.velocity_max for motor in motors]),
-            ACCELERATION * np.array([m.acceleration_max or USUAL_ACCELERATION for m in motors]),
+            VELOCITY * np.array(velocities),
+            ACCELERATION * np.array(robot.acceleration_limits()),
             np.full(6, JERK),
-            TORQUE * np.array([motor.torque_max for motor in motors]),
+            TORQUE * np.array(robot.torque_limits()),
         )
 
     def of_states(self) -> list[Array]:

@@ -74,7 +74,7 @@ def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | Non
         [own[joint - 1] for own in ratios if np.isfinite(own[joint - 1])] for joint in joints
     ]
     controller = np.array([np.median(column) if column else np.nan for column in columns])
-    torque_max = np.array([robot.motor(joint).torque_max for joint in joints])
+    torque_max = np.array(robot.torque_limits())
     known = np.array(robot.maker_torque_constants())
     alike = population is not None and {*robot.joints} <= {*joint_sizes()}
     typical = typical_arm(population, torque_max) if alike and population is not None else {}

@@ -28,6 +28,7 @@ NotNegative = Annotated[float, Field(ge=0)]
 
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
 ON_EARTH = (9.0, 10.5)  # m/s²
+USUAL_ACCELERATION = 15.0  # rad/s²
 
 
 def _on_earth(gravity: Vector3) -> Vector3:
@@ -281,6 +282,15 @@ class Robot(Strict):
         return [
             math.inf if k in endless else self.motor(k).position_max for k in self.joint_numbers
         ]
+
+    def torque_limits(self) -> list[float]:
+        """Return the largest torque of each joint's motor [Nm]."""
+        return [self.motor(joint).torque_max for joint in self.joint_numbers]
+
+    def acceleration_limits(self) -> list[float]:
+        """Return those of accelerations [rad/s²], the usual one where none is published."""
+        motors = map(self.motor, self.joint_numbers)
+        return [motor.acceleration_max or USUAL_ACCELERATION for motor in motors]
 
     def with_rotors(self) -> Self:
         """Return the arm with the model "<chosen>+rotors", if its joints' rotors are known."""

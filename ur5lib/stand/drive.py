@@ -76,7 +76,7 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
         velocity_gain=2 * frequency,
         viscous=KNOWN * friction.viscous,
         coulomb=KNOWN * friction.coulomb,
-        torque_max=np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers]),
+        torque_max=np.array(robot.torque_limits()),
         torque_constant=np.fmin(largest, robot.maker_torque_constants()),
     )
 

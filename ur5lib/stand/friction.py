@@ -76,7 +76,7 @@ class FrictionParameters:
 
 def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
     """Return the friction of an arm's joints; friction: False for none."""
-    size = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers]) * friction
+    size = np.array(robot.torque_limits()) * friction
     coulomb, viscous, periodic = (
         along_chain(share, len(size)) * size for share in (COULOMB, VISCOUS, PERIODIC * COULOMB)
     )

@@ -215,7 +215,7 @@ class TorqueSensors:
     @classmethod
     def of(cls, robot: Robot) -> Self:
         """Return the sensors of an arm."""
-        largest = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers])
+        largest = np.array(robot.torque_limits())
         sign = np.array([(-1.0) ** k for k in robot.joint_numbers])
         return cls(1 - GAIN_ERROR * sign, BIAS * sign * largest, NOISE * largest)
 

@@ -16,7 +16,6 @@ from ur5lib.timeseries.profiles import duration, fourier_terms, rest_conditions,
 
 REST = 1.0  # s at rest at the beginning of every recording
 SHORTEST = 0.008  # s, shortest duration of a command, even without motion
-ACCELERATION = 15.0  # rad/s², limit of motors without a published one
 
 
 @dataclass(frozen=True)
@@ -148,7 +147,7 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     limits = [
         np.full(len(motors), plan.amplitude_rad),
         plan.limit_share * np.array([motor.velocity_max for motor in motors]),
-        plan.limit_share * np.array([motor.acceleration_max or ACCELERATION for motor in motors]),
+        plan.limit_share * np.array(robot.acceleration_limits()),
     ]
     scales = [limit / np.abs(part).max(axis=0) for limit, part in zip(limits, parts, strict=True)]
     coefficients *= np.minimum.reduce(scales)
