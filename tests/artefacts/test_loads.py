@@ -12,7 +12,8 @@ from tests.conftest import Workflow, copy_project
 from ur5lib.pipeline.estimators import GATED
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.truth import Truth
-from ur5lib.tables import read_csv, read_json
+from ur5lib.report.tables.making import lazy_results, make_table
+from ur5lib.tables import read_json
 from ur5lib.timeseries.sampling import interpolated
 
 pytestmark = pytest.mark.slow
@@ -54,13 +55,15 @@ STUDY = {
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     workflow = Workflow(copy_project(tmp_path_factory.mktemp("loads") / "project"))
     (workflow.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
-    workflow.build("--until", "make_tables")
+    workflow.build("--until", "detect_contacts")
     return workflow.folder / "results" / "loads"
 
 
 def table(results: Path, name: str, recording: str) -> pd.DataFrame:
-    whole = read_csv(results / "tables" / f"{name}.csv")
-    return whole[whole["recording"] == recording]
+    """As the report's, without the links that are touched."""
+    folder = results / "recordings" / recording
+    kinds = {k: lazy_results(k, [str(folder / f"{k}.json")]) for k in ("detection", "currents")}
+    return make_table(name, kinds | {"links": {recording: {}}})
 
 
 def gated(results: Path, name: str, recording: str) -> pd.DataFrame:
