@@ -47,7 +47,7 @@ rule all:
 rule figures:
     input:
         expand(rules.draw_figures.output, recording=RECORDINGS),
-        expand(rules.draw_tracking.output, recording=RECORDINGS),
+        expand(rules.draw_tracking.output, recording=examined()),
         expand(rules.draw_published_forces.output, recording=RECORDINGS),
 
 

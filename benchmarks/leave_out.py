@@ -42,11 +42,11 @@ from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import FreeRun, Prediction
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.report.findings import in_words
 from ur5lib.robots.population import population_files
 from ur5lib.study.model import Settings
-from ur5lib.tables import read_record, write_json
+from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
@@ -283,26 +283,16 @@ class Fold:
                 "currents": self.own(own, "currents.parquet"),
                 "load": self.own(own, "currents.json"),
                 "residuals": self.shared("residuals.json"),
-                "free_runs": self.index(others),
+                "free_loads": [self.own(other, "currents.json") for other in others],
+                "free_currents": [self.own(other, "currents.parquet") for other in others],
+                "free_motion": [other.file("motion.parquet") for other in others],
             },
             {"forces": self.own(own, "forces.parquet")},
             {
-                "recording": own.name,
                 "contact_force_n": self.study.settings.contact.force_n,
                 "cutoff_hz": self.study.lowpass["cutoff_hz"],
             },
         )
-
-    def index(self, others: list[Recording]) -> str:
-        """The file that names the contact-free runs, as `index_free_runs` writes it."""
-        runs = {}
-        for other in others:
-            summary = read_record(Prediction, self.own(other, "currents.json"))
-            if summary.extent is not None:
-                files = self.own(other, "currents.parquet"), other.file("motion.parquet")
-                runs[other.name] = FreeRun(summary.load, summary.extent, *files)
-        write_json(runs, self.shared("free_runs.json"))
-        return self.shared("free_runs.json")
 
     def inputs_of(self, own: Recording) -> dict[str, Any]:
         """What both steps on currents read."""

@@ -35,7 +35,7 @@ def main() -> None:
     piece, found = periodic_piece(periods=1 if given.quick else 3), {}
     for minutes in lengths:
         write_recording(piece, minutes)
-        wall, processor = snakemake(study([*fits, LONG]), *plan)
+        wall, processor, _ = snakemake(study([*fits, LONG]), *plan)
         print(f"{minutes:>3} min: {wall:.0f} s, {processor:.0f} s of processor time", flush=True)
         found[f"{minutes} min"] = steps()
     print(pd.concat(found, axis=1).round(1).to_string())

@@ -7,14 +7,14 @@ under other names, and prints the time for each of them.
 """
 
 import atexit
-import resource
+import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -42,12 +42,12 @@ def main() -> None:
     study = yaml.safe_load(Path(given.study).read_text(encoding="utf-8"))
     print(f"{'on two cores':<30}{'wall':>10}{'processor':>12}")
     for name, (copies, settings) in RUNS.items():
-        wall, processor = snakemake(with_copies(study, copies), *settings, *plan)
+        wall, processor, _ = snakemake(with_copies(study, copies), *settings, *plan)
         print(f"{name:<30}{wall:>8.1f} s{processor:>10.1f} s", flush=True)
     show_steps(Path("results") / study["study"] / "tables" / "run_times.csv")
     for copies in given.growth:
         grown = with_copies(study, copies) | {"study": f"{study['study']}_and_{copies}"}
-        wall, _ = snakemake(grown, *plan)
+        wall = snakemake(grown, *plan).wall
         print(f"{copies} copies: {wall:.0f} s, {wall / copies:.2f} s each", flush=True)
 
 
@@ -70,24 +70,29 @@ def show_steps(times: Path) -> None:
         print("\n" + steps[shown].to_string(index=False), flush=True)
 
 
-def snakemake(study: dict[str, Any], *options: str) -> tuple[float, float]:
-    """Return wall and processor time of a run [s]."""
-    with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+class Used(NamedTuple):
+    """What a run took: wall time [s], processor time [s], memory of its largest process [GB]."""
+
+    wall: float
+    processor: float
+    memory: float
+
+
+def snakemake(study: dict[str, Any], *options: str) -> Used:
+    """Return what a run of a study took, with the processes that it started."""
+    with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file, tempfile.TemporaryFile() as log:
         yaml.safe_dump(study, file, sort_keys=False)
         file.flush()
-        start, before = time.perf_counter(), processor_time()
+        start = time.perf_counter()
         command = ["snakemake", "--cores", "2", "--configfile", file.name, *options]
-        pipe, both = subprocess.PIPE, subprocess.STDOUT
-        done = subprocess.run(command, text=True, stdout=pipe, stderr=both, check=False)
-    if done.returncode:
-        sys.exit(f"{done.stdout}\nthis run failed (status {done.returncode})")
-    return time.perf_counter() - start, processor_time() - before
-
-
-def processor_time() -> float:
-    """Return the processor time of all ended child processes [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+        run = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+        _, status, used = os.wait4(run.pid, 0)
+        run.returncode = os.waitstatus_to_exitcode(status)
+        wall = time.perf_counter() - start
+        if run.returncode:
+            log.seek(0)
+            sys.exit(f"{log.read().decode()}\nthis run failed (status {run.returncode})")
+    return Used(wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1e6)
 
 
 if __name__ == "__main__":

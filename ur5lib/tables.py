@@ -13,8 +13,9 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 import pandas as pd
@@ -25,6 +26,9 @@ from numpy.typing import NDArray
 from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
+
+if TYPE_CHECKING:
+    from pydantic_core import SchemaValidator
 
 ROWS = 1 << 16  # that are read or written at once
 FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose, a twist or a wrench
@@ -233,12 +237,17 @@ def as_record(kind: type[Record], data: object) -> Record:
 
     Raises pydantic's ValidationError where the fields differ.
     """
+    record: Record = _validator(cast(Any, kind)).validate_python(data)
+    return record
+
+
+@cache
+def _validator(kind: Any) -> "SchemaValidator":
+    """Return what checks the fields of a record; it takes longer to build than to use."""
     from pydantic import TypeAdapter  # slow to import
     from pydantic_core import SchemaValidator
 
-    schema = _null_is_nan(TypeAdapter(kind).core_schema)
-    record: Record = SchemaValidator(schema).validate_python(data)
-    return record
+    return SchemaValidator(_null_is_nan(TypeAdapter(kind).core_schema))
 
 
 def _null_is_nan(schema: Any) -> Any:

@@ -31,6 +31,7 @@ PRINTED = {  # what each prints at least
     "warming": ["| joint 6 | -1.1", "| all | -1.0", "± 0.04 %/K"],  # made up: -1 %/K
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
+    "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 RESUMED = {"simulated_contacts"}
@@ -126,6 +127,7 @@ def test_what_make_bench_runs_is_there() -> None:
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
     other = {
         "gpu",  # which few machines have
+        "many_runs",
         "drawn_arms",
         "accelerometer",
         "contact_link",

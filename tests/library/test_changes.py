@@ -16,6 +16,7 @@ from ur5lib.timeseries.changes import (
     coloured,
     explained_shares,
     find_changes,
+    over_spans,
     variation,
     whitened,
 )
@@ -342,3 +343,33 @@ def test_shares_are_those_of_least_squares() -> None:
         both = np.column_stack([fixed, tried[:, k]])
         assert share[k] == pytest.approx(1 - left(both) / left(fixed))
     assert share[3] == 0.0  # nothing new
+
+
+# Of hundreds of dates
+
+
+def two_years(seed: int, size: float) -> Series:
+    """A run each day, along one of three paths in turn; a change within the 14th of 24 months."""
+    random, day = np.random.default_rng(seed), np.arange(730.0)
+    group, warmth = np.arange(730) % 3, 30 - 4 * np.cos(2 * np.pi * day / 365)
+    worn = np.interp(day / 730, [13 / 24, 14 / 24], [0.0, size])
+    value = 1 + 0.1 * group - 0.009 * (warmth - 30) + worn + SPREAD * random.standard_normal(730)
+    return Series(day, value, np.full(730, 0.01), warmth, group)
+
+
+def test_a_change_in_two_years_is_found_with_its_month() -> None:
+    (found,) = find_changes(over_spans(two_years(1, size=0.05)), LEVEL)
+    assert found.kind == "jump"
+    assert found.low < 0.05 < found.high
+    assert 12 / 24 < found.first / 730 < found.last / 730 < 15 / 24
+    assert found.first < 14 / 24 * 730
+    assert found.last > 13 / 24 * 730
+
+
+def test_two_years_without_a_change_show_none() -> None:
+    assert not any(find_changes(over_spans(two_years(seed, 0.0)), LEVEL) for seed in range(10))
+
+
+def test_few_dates_are_taken_as_they_are() -> None:
+    series = made_up(0)
+    assert over_spans(series) is series

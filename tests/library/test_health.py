@@ -22,10 +22,11 @@ from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.payload import JudgedLoad
-from ur5lib.identification.samples import Record, design
+from ur5lib.identification.samples import Record, design, passed
 from ur5lib.identification.validation import Scores
-from ur5lib.pipeline.health import Checkup, checkup, dated, health_of, together
-from ur5lib.pipeline.records.arm_state import Condition, Health, JointChange
+from ur5lib.pipeline.checkup import checkup, dated
+from ur5lib.pipeline.health import health_of, together
+from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.arm_state_figures import health_figure
@@ -152,7 +153,10 @@ def test_recordings_of_a_date_count_by_their_errors_and_their_scatter() -> None:
 @pytest.fixture(scope="module")
 def summary(fit: CurrentFit) -> Health:
     """Joint 2 drifts by a fifth, joint 4 jumps by a quarter on the seventh of twelve dates."""
-    return health_of([*_checkups(fit)])
+    return health_of([*_checkups(fit)], PATHS)
+
+
+PATHS = [passed(worn(20 + k % 3, {}, {})) for k in range(12)]
 
 
 def _checkups(fit: CurrentFit) -> Iterator[Checkup]:
@@ -191,7 +195,7 @@ def test_what_changed_is_found_and_nothing_else(summary: Health) -> None:
 
 
 def test_few_dates_give_no_tables(fit: CurrentFit, tmp_path: Path) -> None:
-    summary = health_of([*_checkups(fit)][:5])
+    summary = health_of([*_checkups(fit)][:5], PATHS[:5])
     assert summary == Health()
     results = of_arm(summary, tmp_path)
     assert judge_drift(results) is None

@@ -138,3 +138,18 @@ def test_near_is_within_the_stated_distance(share: float) -> None:
     )
     assert near.tolist() == [share < 1]
     assert not near[0] or index.tolist() == [1]
+
+
+def test_thousands_of_repetitions_take_one_comparison_each() -> None:
+    """Runs are read one by one, and only those that are no part of an earlier one are kept."""
+    programs = [wave(seed, seconds=4.0) for seed in range(3)]
+    asked = list[int]()
+
+    class Counted(PathStates):
+        def within(self, other: PathStates) -> float:
+            asked.append(1)
+            return super().within(other)
+
+    runs = (Counted.from_motion(*programs[k % 3], every=5) for k in range(300))
+    assert group_by_path(runs).tolist() == [0, 1, 2] * 100
+    assert len(asked) < 310

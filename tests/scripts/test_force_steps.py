@@ -23,7 +23,7 @@ from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, jud
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.estimators import GATED
-from ur5lib.pipeline.force_estimates import is_fitted, repeated_runs
+from ur5lib.pipeline.force_estimates import FreeRun, is_fitted, repeated_runs
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.contacts import Alarm, Detected
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
@@ -31,7 +31,7 @@ from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import FreeRun, Prediction
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path
@@ -41,8 +41,8 @@ from ur5lib.timeseries.arrays import Array
 PERIOD = 0.016
 BARE = JudgedLoad(0.0, 0.05, (0.0, 0.0), False, 0.0, 0.0, False, np.zeros(3), np.zeros(3))
 LOADED = replace(BARE, mass=2.7, carried=2.7)
-SUMMARIES = {"load", "index", "residuals", "threshold", "detection", "friction", "contradictions"}
-SETTINGS = SimpleNamespace(recording="own", cutoff_hz=2.0, contact_force_n=15.0, role="contact")
+SUMMARIES = {"load", "residuals", "threshold", "detection", "friction", "contradictions"}
+SETTINGS = SimpleNamespace(recording="own", cutoff_hz=2.0, contact_force_n=15.0, tries=False)
 
 
 @dataclass(frozen=True)
@@ -87,17 +87,15 @@ class Recording:
 
     def estimate(self, *others: "Recording") -> Forces:
         """What estimate_forces makes of it, beside other contact-free recordings."""
-        names = [other.folder.name for other in others]
-        params = SimpleNamespace(recordings=names)
-        files = SimpleNamespace(currents=[other.load for other in others])
-        script("index_free_runs").index_free_runs(files, self, params)
         input = SimpleNamespace(
             motion=self.motion,
             residuals=self.residuals,
             kinematics=self.kinematics,
             currents=self.currents,
             load=self.load,
-            free_runs=self.index,
+            free_loads=[other.load for other in others],
+            free_currents=[other.currents for other in others],
+            free_motion=[other.motion for other in others],
             friction=self.friction,
             contradictions=self.contradictions,
             signals=self.signals,
@@ -131,18 +129,17 @@ def test_runs_are_alike_that_may_carry_the_same(own: Any, other: Any, alike: boo
 
 
 def repeats(load: Any, loads: dict[str, Any]) -> list[str]:
-    """Which runs of the same motion, by name, may repeat one that is called `run`."""
+    """Which runs of the same motion, by name, may repeat one."""
     motion = np.linspace(0, 1, 50)[:, None] + np.zeros(6)
     states = np.zeros((50, 6), dtype=np.int64)
     run = ForceInput(motion, motion, motion, states, np.zeros(50, np.int64), 0.008)
     passed = extent(run)
     assert passed is not None
-    index = {name: FreeRun(other, passed, name, "motion") for name, other in loads.items()}
-    return [currents for currents, _ in repeated_runs(run, "run", load, index)]
-
-
-def test_a_run_is_not_its_own_template() -> None:
-    assert repeats(BARE, {"run": BARE, "other": BARE}) == ["other"]
+    others = [
+        FreeRun(Prediction(False, {}, other, passed), name, "motion")
+        for name, other in loads.items()
+    ]
+    return [currents for currents, _ in repeated_runs(run, Prediction(False, {}, load), others)]
 
 
 @pytest.fixture(scope="module")

@@ -11,14 +11,16 @@ import pytest
 from tests.conftest import Workflow
 from ur5lib.robots.description import Robot
 from ur5lib.steps import job, workers
-from ur5lib.steps.job import Names
-from ur5lib.steps.workers import StepError, run_step
+from ur5lib.steps.job import Job, Names, StepError
+from ur5lib.steps.workers import run_chains, run_step
 from ur5lib.tables import channel, read_csv, read_json, read_table
 
 STEPS = {
     "adds": "def adds(input, output, params):\n"
     "    print('adding', input.numbers)\n"
     "    open(output.sum, 'w').write(str(sum(input['numbers']) + params.get('more', 0)))\n",
+    "adds_up": "def adds_up(input, output, params):\n"
+    "    open(output.sum, 'w').write(open(input.raw).read())\n",
     "advises": "from ur5lib.errors import InputError\n"
     "def advises(input, output, params):\n    raise InputError('mend this')\n",
     "breaks": "def breaks(input, output, params):\n    print('so far so good')\n    {}['x']\n",
@@ -126,6 +128,26 @@ def test_a_job_ends_with_its_run(folder: Path) -> None:
     worker.connection.close()
     assert worker.process.wait(timeout=30) == 0
     assert not Path(f"/proc/{pid.read_text()}").exists()
+
+
+def test_a_recording_that_kills_the_process_of_its_batch_is_named_alone(folder: Path) -> None:
+    """The others' steps run, each once; what has run is not run again."""
+    (folder / "number").write_text("1")
+
+    def step(name: str, of: str) -> Job:
+        log = f"logs/{name}/{of}.log", f"benchmarks/{name}/{of}.tsv"
+        files = Names(raw="number"), Names(sum=f"sum_{of}.txt")
+        return Job(name, *files, Names(), *log)
+
+    chains = {"a": ["adds_up"], "b": ["adds_up", "dies"], "c": ["adds_up"]}
+    jobs = {of: [step(name, of) for name in steps] for of, steps in chains.items()}
+    ends = run_chains(jobs)
+    assert {of: end.error for of, end in ends.items() if end.error} == {
+        "b": "dies: its process ended with status -9 (see logs/dies/b.log)"
+    }
+    assert all((folder / f"sum_{of}.txt").read_text() == "1" for of in chains)
+    del jobs["b"]
+    assert all(end.ran == [] and end.written for end in run_chains(jobs).values())
 
 
 def test_what_a_library_prints_goes_to_the_log(folder: Path) -> None:

@@ -32,10 +32,10 @@ EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
 MODELS = {"fit_rotor_inertia": 1, "identify_model": 1, "draw_models": 1}  # of the only arm
 OBSERVABILITY = {"measure_observability": 1, "draw_observability": 1}
 RESIDUALS = {"fit_residuals": 1, "set_threshold": 1} | OBSERVABILITY
-INDEX = {"index_free_runs": 1}
-HEALTH = {"track_health": 1, "draw_health": 1}
+TRACKED = {"track_health": 1, "draw_health": 1}
+HEALTH = {"examine_joints": 1} | TRACKED  # of the only contact-free recording
 FITTED = {"fit_friction": 1, "draw_friction": 1, "rank_recordings": 1}
-FRICTION = FITTED | HEALTH | RESIDUALS | INDEX
+FRICTION = FITTED | HEALTH | RESIDUALS
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
 ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
@@ -196,8 +196,8 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
         ("ur5lib/force/contact_link.py", jobs("locate_contacts") | REPORT),
         ("ur5lib/identification/payload.py",
-         jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | HEALTH | REPORT),
-        ("ur5lib/timeseries/changes.py", HEALTH | REPORT),
+         jobs(*FROM_CURRENTS) | RESIDUALS | HEALTH | REPORT),
+        ("ur5lib/timeseries/changes.py", TRACKED | REPORT),
         ("ur5lib/recordings/current_checks.py",
          jobs("find_contradictions", *FROM_FRICTION) | FRICTION | REPORT),
         # The wording of a warning, verdict or caption: no step but those of the report.
@@ -248,14 +248,14 @@ AT_A_SETTING = (
             jobs(*EACH_RECORDING, recordings=1)
             | jobs("compare_accelerations", "estimate_forces", *FROM_SENSOR, recordings=3)
             | {"set_threshold": 1, "calibrate_imu_without_each": 1}
-            | INDEX | DRIFTS | HEALTH | OBSERVABILITY | REPORT,
+            | DRIFTS | HEALTH | OBSERVABILITY | REPORT,
         ),
         (  # one to fit on reruns what was fitted; the report draws the first few of a kind
             NEW.replace("ROLE", "fit"),
             jobs(*EACH_RECORDING, recordings=1)
             | jobs("fuse_imu", "compare_accelerations", *FROM_TORQUES, recordings=3)
             | jobs("draw_figures", "draw_tracking")
-            | DRIFTS | ARM | REPORT,
+            | DRIFTS | ARM | {"examine_joints": 2} | REPORT,
         ),
     ],
     ids=["setting", "default", "host", "contact", "validate", "fit"],

@@ -177,7 +177,12 @@ def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
 
 def passed(record: Record) -> PathStates:
     """Return the states on the path of a recording."""
-    return PathStates.from_motion(record.q, record.qd, max(1, round(STEP / record.period)))
+    return path_of(record.q, record.qd, record.period)
+
+
+def path_of(q: Array, qd: Array, period: float) -> PathStates:
+    """Return the states on the path of a motion (N, n) [rad, rad/s]; period: [s]."""
+    return PathStates.from_motion(q, qd, max(1, round(STEP / period)))
 
 
 def design(

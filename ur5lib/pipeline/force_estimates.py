@@ -1,6 +1,6 @@
 """Contact wrenches from the external torque: each estimate's problem, and its solution."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,8 +18,9 @@ from ur5lib.pipeline.force_input import force_input, inputs
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import FreeRun
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Contradictions
+from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -111,18 +112,32 @@ def repeat_problem(
     return {"repeat": Problem(own, repeated.model)}
 
 
+class FreeRun(NamedTuple):
+    """A contact-free run: how its currents are predicted, and the files of these and of motion."""
+
+    known: Prediction
+    currents: str
+    motion: str
+
+    @classmethod
+    def of(cls, known: str, currents: str, motion: str) -> "FreeRun":
+        """Return the run by its files."""
+        return cls(read_record(Prediction, known), currents, motion)
+
+
 def repeated_runs(
-    run: ForceInput, name: str, load: JudgedLoad | None, index: Mapping[str, FreeRun]
+    run: ForceInput, own: Prediction, others: Iterable[FreeRun]
 ) -> list[tuple[str, str]]:
     """Return the files of currents and motion of the contact-free runs that may repeat a run.
 
-    Those are the others that may carry the same and pass where it moves. name: of the run's
-    recording; load: what it carries; index: of free_runs.json.
+    Those are the others that may carry the same and pass where it moves. own: of the run.
     """
     return [
         (other.currents, other.motion)
-        for known, other in index.items()
-        if known != name and _same_load(load, other.load) and may_repeat(run, other.extent)
+        for other in others
+        if _same_load(own.load, other.known.load)
+        and other.known.extent is not None
+        and may_repeat(run, other.known.extent)
     ]
 
 

@@ -2,89 +2,40 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from datetime import UTC, date, datetime
+from datetime import date
 from functools import partial
 
 import numpy as np
 
-from ur5lib.identification.condition import UNITS, Estimates, joint_conditions
-from ur5lib.identification.currents import CurrentFit
-from ur5lib.identification.samples import Record, Smooth, passed
-from ur5lib.pipeline.records.arm_state import Condition, Health, JointChange
-from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.recordings.quality import Quality
-from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.changes import FEWEST, Series, find_changes
+from ur5lib.identification.condition import UNITS
+from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointChange
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.changes import FEWEST, Series, find_changes, over_spans
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
 WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
 
 
-@dataclass(frozen=True)
-class Checkup:
-    """The condition of an arm on a date, by one recording.
+def health_of(checkups: Sequence[Checkup], paths: Iterable[PathStates]) -> Health:
+    """Return each quantity by date and its changes; nothing with fewer than FEWEST dates.
 
-    joints: estimates of joints 1 to 6; temperature: (6,) [°C], mean of each motor, NaN where not
-    recorded; lost: share of lost frames; path: along which the arm moved.
+    paths: along which the arm moved, one for each checkup.
     """
-
-    date: date
-    joints: list[Estimates]
-    temperature: Array
-    lost: float
-    path: PathStates
-
-
-def checkup(
-    record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Quality
-) -> Checkup:
-    """Return the condition by one recording; fit: of its arm."""
-    lost = sum(one.count for one in quality.findings if one.finding == "lost frames")
-    warmth = np.full(record.q.shape[1], np.nan)
-    if record.temperature is not None:
-        warmth = np.nanmean(record.temperature, axis=0)
-    joints, path = joint_conditions(record, smooth, fit), passed(record)
-    return Checkup(day, joints, warmth, lost / quality.frames, path)
-
-
-def dated(given: str, quality: Quality, currents: Prediction) -> date | None:
-    """Return the date of a recording, None if it is unknown or the recording cannot be used.
-
-    A recording with a stop sign or an unknown load cannot be used. given: ISO 8601, by the study;
-    if empty, the date (UTC) of its start stamp counts.
-    """
-    start = quality.start_epoch_s
-    if currents.is_loaded or not currents.scores:
-        return None
-    if given:
-        return date.fromisoformat(given)
-    return None if start is None else datetime.fromtimestamp(start, UTC).date()
-
-
-def enough(dates: Iterable[date | None]) -> bool:
-    """Return whether there are enough dates for changes among them."""
-    return len({*dates} - {None}) >= FEWEST
-
-
-def health_of(checkups: Sequence[Checkup]) -> Health:
-    """Return each quantity by date and its changes; nothing with fewer than FEWEST dates."""
-    if not enough([one.date for one in checkups]):
+    if len({one.date for one in checkups}) < FEWEST:
         return Health()
-    rows = [*_by_date(checkups)]
+    rows = [*_by_date(checkups, group_by_path(paths))]
     return Health(rows, [*_changes(rows)])
 
 
-def _by_date(checkups: Sequence[Checkup]) -> Iterator[Condition]:
+def _by_date(checkups: Sequence[Checkup], paths: Labels) -> Iterator[Condition]:
     """Yield value and standard error of each quantity on each date, ascending.
 
     group: dates on which the arm moved along the same paths; friction and noise depend on them.
     """
-    paths = group_by_path([one.path for one in checkups])
     days = defaultdict(list)
     for place in sorted(range(len(checkups)), key=lambda place: checkups[place].date):
-        days[checkups[place].date.isoformat()].append(place)
+        days[checkups[place].date].append(place)
     groups = [frozenset(int(paths[place]) for place in places) for places in days.values()]
     for (day, places), group in zip(days.items(), groups, strict=True):
         yield from _on_date([checkups[place] for place in places], day, groups.index(group))
@@ -123,7 +74,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
             groups[row.joint, row.quantity].append(row)
     tested = {key: own for key, own in groups.items() if len(own) >= FEWEST}
     for (joint, quantity), own in tested.items():
-        for change in find_changes(_series(own), FALSE_ALARMS / len(tested)):
+        for change in find_changes(over_spans(_series(own)), FALSE_ALARMS / len(tested)):
             dates = {"first": _day(change.first), "last": _day(change.last)}
             found = vars(change) | dates | {"by_temperature": change.explained}
             del found["explained"]

@@ -31,6 +31,10 @@ class Names(dict[str, Any]):
             raise AttributeError(name) from None
 
 
+class StepError(Exception):
+    """A step failed; the message has its name and the reason."""
+
+
 class BadInput(str):
     """The error of a step that a user can correct, in one sentence."""
 
@@ -50,6 +54,14 @@ class Job:
     params: Names
     log: str
     benchmark: str
+
+    def next(self) -> "Job":
+        """Return this job."""
+        return self
+
+    def steps(self) -> set[str]:
+        """Return its step alone."""
+        return {self.step}
 
     def run(self, start_up: float = 0.0) -> str:
         """Run the step in this process; return its error as one sentence, empty on success.

@@ -63,6 +63,13 @@ def write_whole(text: str, path: Path) -> None:
     part.replace(path)
 
 
+def delete_parts(job: Job) -> None:
+    """Delete what a killed process wrote aside of a job's files and did not rename."""
+    for path in map(Path, paths(job.output)):
+        for part in path.parent.glob(f".{path.name}.*.part"):
+            part.unlink(missing_ok=True)
+
+
 def record(job: Job) -> Path:
     """Return the file that holds what a step's last run read and wrote."""
     return Path(job.log).with_suffix(".json")

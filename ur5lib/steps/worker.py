@@ -1,6 +1,7 @@
 """A warm process: it loads a step's packages once, and forks a process for each job.
 
-A job starts with all packages loaded, and shares nothing else with earlier jobs.
+A job starts with all packages loaded, and shares nothing else with earlier jobs. The chains of a
+batch of recordings are one job here.
 """
 
 import contextlib
@@ -10,6 +11,7 @@ import sys
 import time
 from multiprocessing.connection import Connection, wait
 
+from ur5lib.steps.chains import Chains, End
 from ur5lib.steps.job import Job, load_step
 
 FORK = multiprocessing.get_context("fork")
@@ -21,17 +23,19 @@ def serve(connection: Connection) -> None:
     before = 0.0
     with contextlib.suppress(EOFError, OSError):
         while True:
-            job: Job = connection.recv()
-            with contextlib.suppress(Exception):  # the job reports the error
-                load_step(job.step)
+            job: Job | Chains = connection.recv()
+            for step in job.steps():
+                with contextlib.suppress(Exception):  # the job reports the error
+                    load_step(step)
             now = time.process_time()
             connection.send(run_in_fork(job, now - before, connection))
             before = now
 
 
-def run_in_fork(job: Job, start_up: float, connection: Connection) -> str:
+def run_in_fork(job: Job | Chains, start_up: float, connection: Connection) -> str | dict[str, End]:
     """Run a job in a forked process; return its error as one sentence, empty on success.
 
+    Of chains, how those of each recording ended; or one sentence if their process ended itself.
     It is killed if the other side of the connection ends: another run may write its files next.
     """
     receiver, sender = FORK.Pipe(duplex=False)
@@ -42,13 +46,17 @@ def run_in_fork(job: Job, start_up: float, connection: Connection) -> str:
 
     child = FORK.Process(target=run)
     child.start()
-    if connection in wait([child.sentinel, connection]):
+    sender.close()
+    if connection in wait([receiver, connection]):
         child.kill()
+    answer: str | dict[str, End] | None = None
+    with contextlib.suppress(EOFError):
+        answer = receiver.recv()  # before it ends: the answer may be more than a pipe holds
     child.join()
-    if receiver.poll():
-        error: str = receiver.recv()
-        return error
-    return f"{job.step}: its process ended with status {child.exitcode} (see {job.log})"
+    if answer is None:
+        last = job.next()
+        answer = f"{last.step}: its process ended with status {child.exitcode} (see {last.log})"
+    return answer
 
 
 if __name__ == "__main__":

@@ -12,16 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.steps.absent import delete_results, left_out, reason_to_skip, without, write_stamp
-from ur5lib.steps.job import BadInput, Job, Names, Setting
-from ur5lib.steps.upkeep import paths, run_if_changed, run_or_restore, written_by
-
-
-class StepError(Exception):
-    """A step failed; the message has its name and the reason."""
-
-
-class BadFileError(StepError):
-    """A step failed by what it was given: the message says what to correct."""
+from ur5lib.steps.chains import Chains, End
+from ur5lib.steps.job import BadInput, Job, Names, Setting, StepError
+from ur5lib.steps.upkeep import delete_parts, paths, run_or_restore
 
 
 class Worker:
@@ -39,11 +32,14 @@ class Worker:
         )
         other.close()
 
-    def run(self, job: Job) -> str:
-        """Run a job; return its error as one sentence, empty on success."""
+    def run(self, job: Job | Chains) -> str | dict[str, End]:
+        """Run a job; return its error as one sentence, empty on success.
+
+        Of chains, how they ended, or why their process did.
+        """
         self.connection.send(job)
-        error: str = self.connection.recv()
-        return error
+        answer: str | dict[str, End] = self.connection.recv()
+        return answer
 
 
 FOR_PAPER = "_for_paper"  # suffix of a rule that runs another rule's script, with other outputs
@@ -61,8 +57,8 @@ def run_step(
     """Run a step's script in a warm process; `<step>_for_paper` runs that of `<step>`.
 
     In a study of batches, `files` of the settings are the inputs, for whose stamps Snakemake waits:
-    what was left out is left out of them, too, and what is fitted to an arm is restored if nothing
-    that it depends on has changed.
+    what was left out is left out of them, too, and what is fitted to an arm or drawn of a recording
+    is restored if nothing that it depends on has changed.
     Raises StepError with one sentence if it fails. Threads may call it at the same time.
     """
     script, settings = step.removesuffix(FOR_PAPER), names(params)
@@ -98,24 +94,23 @@ def run_without(absent: Mapping[str, str], job: Job, is_kept: bool) -> None:
 def run_job(job: Job) -> None:
     """Run a job in a warm process. Raises StepError with one sentence if it fails."""
     delete_parts(job)
+    if error := in_warm_process(job):
+        raise StepError(error)
+
+
+def in_warm_process(job: Job | Chains) -> str | dict[str, End]:
+    """Return the answer of a warm process to a job, see `Worker.run`."""
     try:
         worker = IDLE.get_nowait()
     except queue.Empty:
         worker = Worker()
     try:
-        error = worker.run(job)
+        answer = worker.run(job)
         IDLE.put(worker)
     except (EOFError, OSError):
-        error = f"{job.step}: its process was killed; see {job.log}"
-    if error:
-        raise BadFileError(error) if isinstance(error, BadInput) else StepError(error)
-
-
-def delete_parts(job: Job) -> None:
-    """Delete what a killed process wrote aside of a job's files and did not rename."""
-    for path in map(Path, paths(job.output)):
-        for part in path.parent.glob(f".{path.name}.*.part"):
-            part.unlink(missing_ok=True)
+        last = job.next()
+        answer = f"{last.step}: its process was killed; see {last.log}"
+    return answer
 
 
 def run_batch(
@@ -133,26 +128,34 @@ def run_batch(
     StepError if a step of another failed, after all others.
     """
     absent = left_out(stamps)
+    jobs = {
+        name: [without(job, absent) for job in own] for name, own in chains if name not in absent
+    }
     ran, failed, written = [], [], hashlib.sha256()
-    for recording, chain in chains:
-        if recording in absent:
-            continue
-        try:
-            for job in (without(job, absent) for job in chain):
-                if run_if_changed(job, run_job):
-                    ran.append(f"{job.step} {recording}")
-                written.update("".join(written_by(job)).encode())
-        except StepError as error:
-            if isinstance(error, BadFileError) and recording in may_be_left_out:
-                absent[recording] = str(error)
-                delete_results(chain)
-            else:
-                failed.append(str(error))
+    for recording, end in run_chains(jobs).items():
+        ran += [f"{step} {recording}" for step in end.ran]
+        written.update("".join(end.written).encode())
+        if isinstance(end.error, BadInput) and recording in may_be_left_out:
+            absent[recording] = str(end.error)
+            delete_results(jobs[recording])
+        elif end.error:
+            failed.append(str(end.error))
     FAILED.extend(failed)
     Path(log).write_text("".join(f"{line}\n" for line in ran + failed), encoding="utf-8")
     if failed:
         raise StepError(f"{len(failed)} recordings failed; see {log}")
     write_stamp(stamp, written.hexdigest(), absent)
+
+
+def run_chains(jobs: dict[str, list[Job]]) -> dict[str, End]:
+    """Run the steps of recordings in one process, or if that is killed, of each in its own."""
+    answer = in_warm_process(Chains(jobs)) if jobs else {}
+    if not isinstance(answer, str):
+        return answer
+    if len(jobs) == 1:
+        return {name: End(error=answer) for name in jobs}
+    alone = (run_chains({name: chain}) for name, chain in jobs.items())
+    return {name: end for ended in alone for name, end in ended.items()}
 
 
 @atexit.register

@@ -32,6 +32,7 @@ FREEDOM = 3  # smallest degrees of freedom of the residuals
 FEWEST = FREEDOM + 3  # dates: for a constant, a covariate and a change
 BESIDE = 2  # fewest dates on either side of a jump: one alone may be an outlier
 MOST = 3  # changes of one series
+MANY, SPANS = 120, 60  # dates beyond which a series is one of spans; at 2 years, of 12 days each
 WORST = 0.5  # largest correlation of neighbouring dates at which the chance of a false change holds
 CORRELATIONS = np.linspace(0.0, WORST, 6)  # of neighbouring dates, where changes are searched
 WIDER = np.linspace(0.0, 0.75, 6)  # for sizes: residuals look less correlated than the noise is
@@ -117,6 +118,32 @@ class _Problem:
     def columns(self, chosen: Sequence[int]) -> Array:
         """Return the columns (n, P + C) of the base and of chosen changes."""
         return np.column_stack([self.base, self.tried[:, chosen]])
+
+
+def over_spans(series: Series) -> Series:
+    """Return a series of many dates as one of the means of SPANS successive spans of dates.
+
+    Of MANY dates or fewer, the series itself. A date's value is a constant of its group and the
+    mean of its span: groups differ by as much in every span. Standard errors are the larger of two:
+    by the stated ones, and by the scatter within the span. Simulating the noise of all dates would
+    take minutes, and a change need not be dated to the day.
+    """
+    if len(series.day) <= MANY:
+        return series
+    span = np.arange(len(series.day)) * SPANS // len(series.day)
+    which = (span[:, None] == np.arange(SPANS)).astype(float)
+    root = 1 / np.maximum(series.std_error, np.median(series.std_error))[:, None]
+    groups = _indicators(series)
+    groups = groups[:, 1:] - groups[:, 1:].mean(axis=0)
+    columns = root * np.hstack([which, groups])
+    found = np.linalg.lstsq(columns, root[:, 0] * series.value)[0]
+    left = root[:, 0] * series.value - columns @ found
+    weight = which.T @ root[:, 0] ** 2
+    scatter = which.T @ left**2 / np.maximum(which.sum(axis=0) - 1, 1)
+    mean = which.T / which.sum(axis=0)[:, None]
+    warmth = None if series.covariate is None else mean @ series.covariate
+    error = np.sqrt(np.maximum(scatter, 1.0) / weight)
+    return Series(mean @ series.day, found[:SPANS], error, warmth)
 
 
 def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:

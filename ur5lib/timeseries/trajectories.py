@@ -1,6 +1,6 @@
 """Grouping of recordings by trajectory: recordings of one path are not independent."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -50,15 +50,23 @@ class PathStates:
         return cls(place(q[rows], qd[rows]), bool(moving.any()), every)
 
     @cached_property
+    def extent(self) -> Array:
+        """Return the lowest and the highest place (2, 12)."""
+        return np.array([self.places.min(axis=0), self.places.max(axis=0)])
+
+    @cached_property
     def tree(self) -> cKDTree:
         """Return the search tree of the places."""
         return cKDTree(self.places)
 
-    def same(self, other: "PathStates") -> bool:
-        """Return whether one run contains nearly all states of the other."""
+    def is_part_of(self, other: "PathStates") -> bool:
+        """Return whether the other run contains nearly all states of this one."""
         if self.moves != other.moves or not len(self.places) or not len(other.places):
             return False
-        return max(self.within(other), other.within(self)) >= SAME
+        low, high = other.extent
+        states = self.places[:: self.every]
+        inside = ((states >= low - 1) & (states <= high + 1)).all(axis=1)
+        return bool(inside.mean() >= SAME) and self.within(other) >= SAME  # quick, then exact
 
     def within(self, other: "PathStates") -> float:
         """Return the share of this run's states that the other contains."""
@@ -66,14 +74,22 @@ class PathStates:
         return float(np.isfinite(distance).mean())
 
 
-def group_by_path(runs: Sequence[PathStates]) -> Labels:
+def group_by_path(runs: Iterable[PathStates]) -> Labels:
     """Return labels (R,) of runs by trajectory, from 0.
 
-    A part of a longer run belongs to its trajectory; the relation is transitive.
+    A part of a longer run belongs to its trajectory; the relation is transitive. Runs that are no
+    part of an earlier one stand for their trajectory: the others are not compared with later ones,
+    so that of thousands of repetitions few are held.
     """
-    labels = np.arange(len(runs))
-    for one in range(len(runs)):
-        for other in range(one):
-            if labels[one] != labels[other] and runs[one].same(runs[other]):
-                labels[labels == labels[one]] = labels[other]
-    return np.unique(labels, return_inverse=True)[1].astype(np.int64)
+    labels, whole = list[int](), list[tuple[int, PathStates]]()
+    for place, run in enumerate(runs):
+        alike = [other for other, known in whole if run.is_part_of(known)]
+        if not alike:
+            alike = [other for other, known in whole if known.is_part_of(run)]
+            whole.append((place, run))
+        joined = {labels[other] for other in alike}
+        own = min(joined, default=place)
+        if len(joined) > 1:
+            labels = [own if label in joined else label for label in labels]
+        labels.append(own)
+    return np.unique(np.array(labels, dtype=np.int64), return_inverse=True)[1].astype(np.int64)

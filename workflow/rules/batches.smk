@@ -41,7 +41,7 @@ def wait_for_stamps(reader):
     reader.set_input(lambda wildcards: BATCHES.stamped(step.files("input", *wildcards)))
     reader.set_params(
         files=lambda wildcards: step.filled("input", *wildcards),
-        is_kept=step.wildcard == "robot" and not step.name.endswith("_for_paper"),
+        is_kept=bool(step.wildcard) and not step.name.endswith("_for_paper"),
     )
 
 

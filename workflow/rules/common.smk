@@ -3,6 +3,7 @@ import json
 import os
 import re
 import tempfile
+from bisect import bisect_left
 from functools import cache
 from hashlib import sha256
 
@@ -39,6 +40,7 @@ except OSError as error:
     )
 
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
+PLACES = {name: place for place, name in enumerate(RECORDINGS)}
 PRINTED = sorted(PUBLISHED.recordings() & RECORDINGS.keys())
 EXPLAINED = sorted(PUBLISHED.explained() & RECORDINGS.keys())
 OLDER_MODEL = sorted(PUBLISHED.of_older_model() & RECORDINGS.keys())
@@ -55,9 +57,13 @@ TRUTHS = {name: f"{RESULTS}/truth/{name}" for name in SIMULATED} | {  # without 
 }
 BY_PATTERN = names_by_pattern(config["recordings"])
 MOST_ALONE = 100  # recordings whose steps are jobs of their own
+MOST_TEMPLATES = 16  # contact-free recordings that may be the template of another one
+FEWEST_DATES = 6  # at which changes are found (FEWEST in ur5lib/timeseries/changes.py)
+MOST_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
 BATCHES = None  # of more recordings than that
 SETTINGS = STUDY.settings
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
+CONTACT_FREE = [name for name, one in RECORDINGS.items() if one.role != "contact"]
 TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "contact"]
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
@@ -161,6 +167,69 @@ def free_results(name):
     ]
 
 
+@cache
+def by_date(robot):
+    """Return an arm's contact-free recordings by their date, then by their order in the study."""
+    return sorted(names_of(robot, "fit", "validate"), key=date_of)
+
+
+def date_of(name):
+    """Return the date of a recording; empty where the study gives none."""
+    return str(RECORDINGS[name].date or "")
+
+
+def is_tracked(wildcards):
+    """Return whether an arm has contact-free recordings for as many dates as changes take."""
+    return len(by_date(recording_of(wildcards).arm.known_as)) >= FEWEST_DATES
+
+
+def templates_of(wildcards):
+    """Return the contact-free recordings of a recording's arm that may be its template.
+
+    Of many, those that are nearest in time: friction changes, and each would be read for each.
+    """
+    names = by_date(recording_of(wildcards).arm.known_as)
+    place = bisect_left(names, date_of(wildcards.recording), key=date_of)
+    if recording_of(wildcards).role != "contact":
+        place = names.index(wildcards.recording, place)
+    first = max(0, min(place - MOST_TEMPLATES // 2, len(names) - MOST_TEMPLATES - 1))
+    near = {*names[first : first + MOST_TEMPLATES + 1]} - {wildcards.recording}
+    return sorted(near, key=PLACES.get)
+
+
+def results_of_templates(name):
+    """Return the paths of a file of each recording that may be the template of a recording."""
+    return lambda wildcards: results(name, templates_of(wildcards))
+
+
+@cache
+def drawn_of(robot):
+    """Return the contact-free recordings of an arm on which contacts are tried.
+
+    Of many, some that are drawn by their names: another recording seldom changes the choice.
+    """
+    names = names_of(robot, "fit", "validate")
+    if len(RECORDINGS) <= MOST_ALONE:
+        return names
+    drawn = sorted(names, key=lambda name: sha256(name.encode()).digest())[:MOST_DRAWN]
+    return [name for name in names if name in drawn]
+
+
+def drawn(wildcards):
+    """Return the recordings of an arm on which contacts are tried."""
+    return drawn_of(wildcards.robot)
+
+
+def drawn_results(name):
+    """Return the paths of a file of each of an arm's recordings on which contacts are tried."""
+    return lambda wildcards: results(name, drawn(wildcards))
+
+
+def is_tried(wildcards):
+    """Return whether pushes are tried on a recording, to find the smallest that is detected."""
+    return recording_of(wildcards).role == "validate" and wildcards.recording in examined()
+
+
 def recording_of(wildcards):
     return RECORDINGS[wildcards.recording]
 
@@ -199,11 +268,6 @@ def fitted_gravities(wildcards):
     return gravities(fitted_on(wildcards))
 
 
-def contact_free_dates(wildcards):
-    """Return the dates of an arm's contact-free recordings; empty where the study gives none."""
-    return dates_of(contact_free(wildcards))
-
-
 def fitted_dates(wildcards):
     """Return the dates of an arm's `fit` recordings; empty where the study gives none."""
     return dates_of(fitted_on(wildcards))
@@ -211,7 +275,7 @@ def fitted_dates(wildcards):
 
 def dates_of(names):
     """Return the dates of several recordings; empty where the study gives none."""
-    return [str(RECORDINGS[name].date or "") for name in names]
+    return [date_of(name) for name in names]
 
 
 def contact_free_gravities(wildcards):
@@ -257,6 +321,24 @@ def illustrated():
     validated = [name for name in RECORDINGS if RECORDINGS[name].role == "validate"]
     chosen = {*PRINTED, *touched[:MOST_SHOWN], *validated[:MOST_SHOWN], *[*RECORDINGS][:1]}
     return [name for name in RECORDINGS if name in chosen]
+
+
+@cache
+def examined():
+    """Return the recordings of which all is examined: of many, some that are drawn, and those that
+    are shown or fitted to. No force depends on what is examined of these alone.
+    """
+    if len(RECORDINGS) <= MOST_ALONE:
+        return [*RECORDINGS]
+    drawn = (name for robot in ROBOTS for name in drawn_of(robot))
+    chosen = {*drawn, *illustrated(), *OLDER_MODEL, *PRINTED_TRACKING}
+    return [name for name, one in RECORDINGS.items() if name in chosen or one.role == "fit"]
+
+
+def figures_of_run(wildcards):
+    """Return the figures of a recording's own page."""
+    tracking = rules.draw_tracking.output if wildcards.recording in examined() else []
+    return expand([*rules.draw_figures.output, *tracking], recording=wildcards.recording)
 
 
 def has_force_sensor(name):
@@ -409,9 +491,11 @@ CONSTRAINT = re.compile(r"\{(\w+),[^}]*\}")  # of a wildcard, as Snakemake adds 
 def recordings_of(step):
     """Return the recordings that a step of each recording runs for by itself."""
     only = {
-        "ablate_forces": TOUCHED,
-        "audit_sensor": WITH_WRIST_SENSOR,
+        "ablate_forces": [name for name in examined() if name in TOUCHED],
+        "audit_sensor": [name for name in examined() if name in WITH_WRIST_SENSOR],
         "draw_figures": illustrated(),
+        "estimate_gains": examined(),
+        "examine_joints": CONTACT_FREE,
         "draw_tracking": PRINTED_TRACKING or illustrated(),
         "draw_filtered_first": FILTERED_FIRST,
         "draw_older_model": OLDER_MODEL,

@@ -42,23 +42,6 @@ rule fit_residuals:
         run_step(rule, input, output, params, log)
 
 
-# Names the files of the few runs that estimate_forces reads, and is made anew when one changes.
-rule index_free_runs:
-    input:
-        currents=free_results("currents.json"),
-    output:
-        index=parameter("free_runs.json"),
-    log:
-        **traces("index_free_runs", "{robot}"),
-    group:
-        in_cluster("fits")
-    params:
-        code=code("index_free_runs"),
-        recordings=contact_free,
-    run:
-        run_step(rule, input, output, params, log)
-
-
 rule estimate_forces:
     input:
         motion=result("motion.parquet"),
@@ -66,7 +49,9 @@ rule estimate_forces:
         kinematics=result("kinematics.parquet"),
         residuals=parameter_of("residuals.json"),
         load=result("currents.json"),
-        free_runs=parameter_of("free_runs.json"),
+        free_loads=results_of_templates("currents.json"),
+        free_currents=results_of_templates("currents.parquet"),
+        free_motion=results_of_templates("motion.parquet"),
         friction=parameter_of("friction.json"),
         contradictions=result("contradictions.json"),
         signals=result("signals.parquet"),
@@ -81,7 +66,6 @@ rule estimate_forces:
     params:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("estimate_forces"),
-        recording="{recording}",
         contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
@@ -175,7 +159,7 @@ rule detect_contacts:
         in_cluster("document")
     params:
         code=code("detect_contacts"),
-        role=lambda wildcards: recording_of(wildcards).role,
+        tries=is_tried,
         contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
@@ -202,11 +186,11 @@ rule locate_contacts:
 
 rule measure_observability:
     input:
-        motion=free_results("motion.parquet"),
-        currents=free_results("currents.parquet"),
-        kinematics=free_results("kinematics.parquet"),
-        forces=free_results("forces.parquet"),
-        loads=free_results("currents.json"),
+        motion=drawn_results("motion.parquet"),
+        currents=drawn_results("currents.parquet"),
+        kinematics=drawn_results("kinematics.parquet"),
+        forces=drawn_results("forces.parquet"),
+        loads=drawn_results("currents.json"),
         friction=parameter("friction.json"),
         residuals=parameter("residuals.json"),
         threshold=parameter("threshold.json"),
@@ -218,7 +202,7 @@ rule measure_observability:
         in_cluster("document")
     params:
         code=code("measure_observability"),
-        recordings=contact_free,
+        recordings=drawn,
         contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)

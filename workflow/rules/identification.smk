@@ -160,15 +160,35 @@ rule predict_currents:
         run_step(rule, input, output, params, log)
 
 
+rule examine_joints:
+    input:
+        quality=result("quality.json"),
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        torques=result("torques.parquet"),
+        currents=result("currents.json"),
+        friction=parameter_of("friction.json"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        checkup=result("checkup.json"),
+    log:
+        **traces("examine_joints", "{recording}"),
+    group:
+        in_cluster("fits")
+    params:
+        **SETTINGS.lowpass.currents.model_dump(),
+        code=code("examine_joints"),
+        recording="{recording}",
+        date=lambda wildcards: date_of(wildcards.recording),
+        is_tracked=is_tracked,
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule track_health:
     input:
-        quality=free_results("quality.json"),
-        signals=free_results("signals.parquet"),
+        checkups=free_results("checkup.json"),
         motion=free_results("motion.parquet"),
-        torques=free_results("torques.parquet"),
-        currents=free_results("currents.json"),
-        friction=parameter("friction.json"),
-        arm=parameter("arm.yaml"),
     output:
         health=parameter("health.csv"),
         changes=parameter("health_changes.csv"),
@@ -177,10 +197,7 @@ rule track_health:
     group:
         in_cluster("fits")
     params:
-        **SETTINGS.lowpass.currents.model_dump(),
         code=code("track_health"),
-        recordings=contact_free,
-        dates=contact_free_dates,
     run:
         run_step(rule, input, output, params, log)
 

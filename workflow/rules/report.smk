@@ -164,8 +164,8 @@ rule make_tables:
         signals=results("signals.parquet"),
         torques=results("torques.parquet"),
         contradictions=results("contradictions.json"),
-        closed_loop=results("closed_loop.parquet"),
-        gains=results("gains.json"),
+        closed_loop=results("closed_loop.parquet", examined()),
+        gains=results("gains.json", examined()),
         accelerations=results("accelerations.json"),
         motion=results("motion.json"),
         fused=results("fused_motion.json"),
@@ -180,8 +180,8 @@ rule make_tables:
         currents=results("currents.json"),
         detection=results("detection.json"),
         links=results("links.json"),
-        ablation=results("ablation.json", TOUCHED),
-        audit=results("audit.json", WITH_WRIST_SENSOR),
+        ablation=results("ablation.json", recordings_of("ablate_forces")),
+        audit=results("audit.json", recordings_of("audit_sensor")),
     output:
         **tables([*TABLES, *PARTS]),
     log:
@@ -345,7 +345,7 @@ rule write_run:
     input:
         described=arm_file,
         tables=rules.make_tables.output,
-        figures=[*rules.draw_figures.output, *rules.draw_tracking.output],
+        figures=figures_of_run,
     output:
         html=f"{RESULTS}/runs/{{recording}}.html",
     log:

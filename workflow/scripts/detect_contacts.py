@@ -30,7 +30,7 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     if "Fmap" in summary:
         causal = causally(forces, sensor, thresholds)
         summary["Fmap"] = replace(summary["Fmap"], causal=causal)
-    if params.role == "validate" and "Fmap" in summary:
+    if params.tries and "Fmap" in summary:
         motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
         problem = direct_problems(motion, currents, residuals)["Fmap"]
         known = thresholds["Fmap"], forces.log_odds["Fmap"], TRIALS

@@ -8,6 +8,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.pipeline.estimators import ESTIMATORS, Run, Stated
 from ur5lib.pipeline.force_estimates import (
+    FreeRun,
     causal_odds,
     direct_problems,
     is_fitted,
@@ -19,7 +20,7 @@ from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import FreeRuns, Prediction
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
@@ -50,8 +51,8 @@ def _fitted(input: Any, params: Any) -> Run:
     found = direct_problems(motion, currents, residuals)
     jacobian = Kinematics.read(input.kinematics, used_rows(motion.segment, motion.period)).jacobian
     if "Fmap" in found:
-        known = read_record(Prediction, input.load).load, read_record(FreeRuns, input.free_runs)
-        files = repeated_runs(found["Fmap"].input, params.recording, *known)
+        others = map(FreeRun.of, input.free_loads, input.free_currents, input.free_motion)
+        files = repeated_runs(found["Fmap"].input, read_record(Prediction, input.load), others)
         runs = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
         found |= repeat_problem(found["Fmap"], runs, params.cutoff_hz)
     prior = ContactPrior(force=params.contact_force_n)

@@ -3,6 +3,26 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array
+
+Estimate = tuple[float, float]  # value and standard error
+
+
+@dataclass(frozen=True)
+class Checkup:
+    """checkup.json: the condition of an arm on a date (ISO 8601), by one recording.
+
+    joints: estimates by quantity, of joints 1 to n; temperature: (n,) [°C], mean of each motor, NaN
+    where not recorded; lost: share of lost frames. Without a date, the recording cannot be used.
+    """
+
+    date: str = ""
+    joints: list[dict[str, Estimate]] = field(default_factory=list)
+    temperature: Array = field(default_factory=lambda: np.empty(0))
+    lost: float = 0.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:

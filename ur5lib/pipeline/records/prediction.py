@@ -1,4 +1,4 @@
-"""How well currents are predicted, what the arm carried by these, and its contact-free runs."""
+"""How well currents are predicted, and what the arm carried by these."""
 
 from dataclasses import dataclass, field
 
@@ -24,18 +24,3 @@ class Prediction:
     def is_loaded(self) -> bool:
         """Return whether the prediction includes an undeclared load."""
         return self.load is not None and self.load.taken
-
-
-@dataclass(frozen=True)
-class FreeRun:
-    """A contact-free recording: what the arm carried, the extent of its motion,
-    and the files of its currents and motion.
-    """
-
-    load: JudgedLoad | None
-    extent: Array
-    currents: str
-    motion: str
-
-
-FreeRuns = dict[str, FreeRun]  # free_runs.json, by recording

@@ -21,7 +21,7 @@ def torque_mae(source: Source) -> Iterator[Row]:
     """Yield the MAE of torques by motion and link model against `target_moment`, the printed MAE
     and that of zero torque; interpolated frames are left out.
     """
-    signals, torques = source["signals"], source["torques"]
+    signals, torques, loop = source["signals"], source["torques"], source["closed_loop"]
     if signals.target_moment is None:
         return
     received = ~signals.interpolated
@@ -29,7 +29,7 @@ def torque_mae(source: Source) -> Iterator[Row]:
     zero: dict[str, Column] = {"zero_mae": mean_absolute_error(np.zeros_like(moment), moment)}
     printed = source.published("torque_mae")
     motions = {"target": torques.target, "measured": torques.measured}
-    motions |= {"closed_loop": source["closed_loop"].torque}
+    motions |= {"closed_loop": loop.torque} if loop else {}
     for model in torques.measured:
         for motion, known in motions.items():
             if model in known:

@@ -100,8 +100,9 @@ def acceleration_bands(source: Source) -> Iterator[Row]:
     calibration, bending links. No rows without another recording.
     """
     compared: ImuComparison = source["accelerations"]
-    others = source.others("accelerations")
-    ranges = [others[name].ranges for name in compared.calibrated_on if name in others]
+    known = source.kinds["accelerations"]
+    others = (name for name in compared.calibrated_on if name != source.name and name in known)
+    ranges = [known[name].ranges for name in others]
     for name, states in compared.ranges.items():
         for state, found in states.items():
             squares = [part.square for one in ranges if (part := one.get(name, {}).get(state))]

@@ -1,0 +1,28 @@
+"""The condition of each joint by one contact-free recording."""
+
+from typing import Any
+
+from ur5lib.pipeline.checkup import checkup, dated
+from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.records.arm_state import Checkup
+from ur5lib.pipeline.records.dynamics import Torques
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import Prediction
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.quality import Quality
+from ur5lib.robots.description import load_robot
+from ur5lib.tables import read_record, write_json
+
+
+def examine_joints(input: Any, output: Any, params: Any) -> None:
+    quality, found = read_record(Quality, input.quality), Checkup()
+    day = dated(params.date, quality, read_record(Prediction, input.currents))
+    if day is not None and params.is_tracked:
+        model = load_robot(input.arm).fullest_model()
+        tables = Signals.read(input.signals), Motion.read(input.motion)
+        record = current_record(params.recording, *tables, Torques.read(input.torques), model)
+        if record is not None:
+            fit = read_record(Friction, input.friction).fit
+            found = checkup(record, smoother(params.order, params.cutoff_hz), fit, day, quality)
+    write_json(found, output.checkup)
