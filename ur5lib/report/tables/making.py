@@ -15,11 +15,12 @@ import pandas as pd
 from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.published_constants import PublishedConstants
 from ur5lib.pipeline.records.accelerations import ImuComparison
-from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
 from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.gains import GainSummary
 from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import MotionAccount
 from ur5lib.pipeline.records.prediction import Prediction

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur5lib.pipeline.records.accelerations import Difference, ImuComparison
-from ur5lib.pipeline.records.closed_loop import GainSummary
+from ur5lib.pipeline.records.gains import GainSummary
 from ur5lib.report.tables.source import Row, Source, by_joint
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.timeseries.arrays import Array
