@@ -10,7 +10,7 @@ from tests.conftest import Workflow, copy_project
 from tests.synthetic import write_recording
 from tests.workflow.test_workflow import results
 
-RUNS = 6
+RUNS = 3
 DAMAGED = {"2026-01-01": "This is a letter, not a recording.\n", "2026-03-13": ""}
 STUDY = """\
 study: small
