@@ -143,12 +143,12 @@ def controller_ports() -> Iterator[None]:
 
 
 def copy_project(target: Path) -> Path:
-    """The project's own files, without environment, recordings and results."""
+    """The project's own files, compiled or not, without environment, recordings and results."""
     target.mkdir()
     for name in COPIED:
         source = PROJECT / name
         if source.is_dir():
-            shutil.copytree(source, target / name, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(source, target / name)
         else:
             shutil.copy(source, target / name)
     return target
@@ -159,7 +159,7 @@ class Workflow:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.environment = os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        self.environment = os.environ | {"PYTHONPATH": str(folder)}
 
     def copied(self, target: Path) -> "Workflow":
         """All of it, in another place."""

@@ -1,4 +1,7 @@
-"""Snakemake in a process that has loaded it already, which takes longer than most plans do."""
+"""Snakemake in a process that has loaded it already, which takes longer than most plans do.
+
+So have the packages of the steps been loaded, for the first worker of a run.
+"""
 
 import multiprocessing
 import os
@@ -10,7 +13,10 @@ from pathlib import Path
 
 WARM = multiprocessing.get_context("forkserver")  # a process that waits, and forks one for each run
 PLUGINS = [one.name for one in pkgutil.iter_modules() if one.name.startswith("snakemake_")]
-WARM.set_forkserver_preload(["snakemake.cli", "pydantic", *PLUGINS])
+OF_STEPS = ["matplotlib.pyplot", "mujoco", "pandas", "pyarrow.parquet", "pytorch_kinematics"]
+OF_STEPS += ["scipy.interpolate", "scipy.ndimage", "scipy.optimize", "scipy.signal", "scipy.stats"]
+WARM.set_forkserver_preload(["snakemake.cli", "pydantic", *PLUGINS, *OF_STEPS])
+os.environ["OMP_NUM_THREADS"] = "1"  # as of each worker
 
 
 def run(
@@ -36,10 +42,26 @@ def snakemake(
     os.chdir(folder)
     os.environ.update(environment)
     sys.path.insert(0, str(folder))
-    sys.dont_write_bytecode = "PYTHONDONTWRITEBYTECODE" in environment
     with open(printed, "w") as file:
         os.dup2(file.fileno(), sys.stdout.fileno())
         os.dup2(file.fileno(), sys.stderr.fileno())
     from snakemake.cli import main
 
+    if "--dry-run" not in arguments:
+        fork_worker()
     main([*arguments])
+
+
+def fork_worker() -> None:
+    """Fork a worker, which a run finds idle."""
+    from ur5lib.steps.worker import serve
+    from ur5lib.steps.workers import IDLE, Worker
+
+    worker = Worker.__new__(Worker)
+    worker.connection, other = multiprocessing.Pipe()
+    if os.fork() == 0:
+        worker.connection.close()
+        serve(other)
+        os._exit(0)
+    other.close()
+    IDLE.put(worker)

@@ -32,15 +32,15 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     """
     workflow = Workflow(copy_project(tmp_path_factory.mktemp("forces") / "project"))
     pushed = entry("pushed", "contact", seed=1, contacts=PUSHES, force_sensor={})
-    made = {"study": "made", "title": "Made", "recordings": [entry("moved", "fit"), pushed]}
+    made = {"study": "made", "title": "Made", "recordings": [pushed]}
     config = workflow.folder / "config.yaml"
     config.write_text(yaml.safe_dump(made))
     workflow.build("--until", "repair_frames")
     apart = without_moments(workflow.folder / "raw/made/pushed")
     (imported,) = yaml.safe_load(workflow.ur5("import", "raw/made/pushed/log.csv"))
     study = {"study": "forces", "title": "Three forces"}
-    moved = made["recordings"][0] | {"name": "moved"}
-    config.write_text(yaml.safe_dump(study | {"recordings": [moved, imported, apart]}))
+    recordings = [entry("moved", "fit"), imported, apart]
+    config.write_text(yaml.safe_dump(study | {"recordings": recordings}))
     workflow.build("--", *(f"results/forces/recordings/{name}/forces.json" for name in NAMES))
     return workflow
 
