@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.harness.options import options_of
 from benchmarks.harness.timing import timed
-from ur5lib.commands.excite import ExciteOptions, task_of
+from ur5lib.commands.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import RATE, Effort, design, free_postures, random_path
 from ur5lib.excitation.objective import STEP, Task
@@ -61,9 +61,15 @@ def main() -> None:
         return print_cells(given.cells)
     effort, count = (QUICK, 3) if given.quick else (USUAL, given.random)
     for robot in ROBOTS[-1:] if given.quick else ROBOTS:
-        task = task_of(ExciteOptions(robot, SECONDS, "model", None, None, None, 0))
+        task = usual_task(robot, SECONDS)
         task = free(task) if given.free else task
         compared(robot, task, effort, count, given.other)
+
+
+def usual_task(robot: str, seconds: float) -> Task:
+    """Return the task to identify an arm's model by a motion of some seconds."""
+    options = ExciteOptions(robot, seconds, "model", None, None, None, 0)
+    return task_of(options, *earlier(options))
 
 
 def free(task: Task) -> Task:
@@ -206,7 +212,7 @@ def keeps_limits(seed: int) -> bool:
 def random_task(random: np.random.Generator) -> Task:
     """Return the task of a random arm among random things, with random shares of its limits."""
     robot = str(random.choice(robot_names()))
-    task = task_of(ExciteOptions(robot, CELL_SECONDS, "model", None, None, None, 0))
+    task = usual_task(robot, CELL_SECONDS)
     things = Surroundings(
         table=float(random.uniform(-0.3, 0.0)) if random.random() < 0.7 else None,
         boxes=[random_box(random) for _ in range(random.integers(4))],

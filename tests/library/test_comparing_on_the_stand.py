@@ -72,5 +72,6 @@ def test_other_recordings_of_the_same_arm_have_not_changed(study: Study) -> None
 
 
 def test_more_coulomb_friction_on_one_joint_is_named_and_nothing_else(study: Study) -> None:
-    changed = [one.name for one in compare(study(1), study(SEEDS + 1, 1.1)) if one.changed]
+    """By half, which is more than days differ, also among this many numbers."""
+    changed = [one.name for one in compare(study(1), study(SEEDS + 1, 1.5)) if one.changed]
     assert changed == ["ur5, joint 3, coulomb"]

@@ -34,8 +34,9 @@ def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) ->
     values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
     Both ends are continued by their reflection in the end point, so that lines stay lines.
     """
+    sections = _design(rate, order, cutoff)
     padding = min(len(values) - 1, int(3 * rate / cutoff))
-    both_ways = partial(signal.sosfiltfilt, _design(rate, order, cutoff), axis=0, padlen=padding)
+    both_ways = partial(signal.sosfiltfilt, sections, axis=0, padlen=padding)
     if 0 < values.size <= AT_ONCE:
         return np.asarray(both_ways(values))
     result = np.empty(values.shape)
