@@ -90,7 +90,7 @@ class _Compared:
         error = np.array([one.std_error()[place] for one in joints])
         comparable = np.array([one.terms == BASE for one in joints]) & (value > 0)
         ratio = np.log(np.where(comparable, value / known.mean, 1.0))
-        error = np.where(comparable, error / value, VAGUE)
+        error = np.divide(error, value, out=np.full_like(value, VAGUE), where=comparable)
         spread = known.covariance / np.outer(known.mean, known.mean)
         return cls(name, ratio, error, spread, known.arms)
 
