@@ -11,6 +11,7 @@ from ur5lib.errors import InputError
 from ur5lib.report.compose import compose
 from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table, contents
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.verdicts.recordings import judge_files
 from ur5lib.report.views.contacts import detection
@@ -101,6 +102,13 @@ def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Docum
 def test_a_month_is_a_bar_of_the_first_screen() -> None:
     months = DAYS.strftime("%Y-%m").nunique()
     assert judge_files(made()).drawing.count("<rect") == 2 * months
+
+
+def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
+    whole = made()
+    without = replace(whole, tables=whole.tables | {"quality": whole.tables["quality"][:0]})
+    assert judge_files(without).state == "usable"
+    assert judge_files(without).sentence == say("quality.left out", count=1, of=MANY)
 
 
 def test_delays_of_many_recordings_are_a_range() -> None:

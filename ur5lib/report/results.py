@@ -111,6 +111,11 @@ class Results:
         """Whether there are more recordings than a table has rows."""
         return len(self.study.get("recordings", ())) > MOST_ROWS
 
+    def unusable(self) -> list[str]:
+        """Return the recordings that were left out, because their files cannot be used."""
+        used = {*self.tables["recordings"]["recording"]}
+        return [name for name in self.roles() if name not in used]
+
     def roles(self) -> dict[str, str]:
         """Return the role of each recording."""
         return {recording["name"]: recording["role"] for recording in self.study["recordings"]}

@@ -18,7 +18,7 @@ STATES: dict[str, State] = {"stop": "do not use", "error": "usable", "warning": 
 
 
 def judge_files(results: Results) -> Verdict:
-    """Judge by the most serious finding, and name its file."""
+    """Judge by the recordings that were left out, or by the most serious finding."""
     findings = results.tables["quality"]
     serious = findings[findings["severity"] != "note"]
     states = [STATES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}]
@@ -26,7 +26,7 @@ def judge_files(results: Results) -> Verdict:
     drawn = pd.Series(lost).groupby(results.months()).max() if results.many else lost
     return Verdict(
         topic=FILES,
-        state=states[0] if states else "good",
+        state=states[0] if states else "usable" if results.unusable() else "good",
         sentence=worst(results),
         evidence=_counts(findings, len(lost)),
         drawing=bars({str(name): float(share) for name, share in drawn.items()}),
@@ -39,7 +39,12 @@ def judge_files(results: Results) -> Verdict:
 
 
 def worst(results: Results) -> Sentence:
-    """Return the most serious finding with its file; among equals, that of the most frames."""
+    """Return the most serious finding with its file; among equals, that of the most frames.
+
+    Recordings that were left out come before it.
+    """
+    if absent := results.unusable():
+        return say("quality.left out", count=len(absent), of=len(results.roles()))
     findings = group_findings(results.tables["quality"])
     findings = findings[findings["severity"] != "note"]
     if findings.empty:

@@ -23,9 +23,8 @@ def arms(results: Results) -> list[str]:
 def pages(results: Results) -> Iterator[Sentence]:
     """Say how a recording's own page is made, and name recordings that were left out."""
     if results.many:
-        names, used = [*results.roles()], {*results.tables["recordings"]["recording"]}
-        yield say("overview.pages", study=results.study["study"], name=names[0])
-        absent = [name for name in names if name not in used]
+        yield say("overview.pages", study=results.study["study"], name=next(iter(results.roles())))
+        absent = results.unusable()
         more = len(absent) - MOST_SHOWN
         if absent:
             yield say("overview.left out", count=len(absent), names=absent[:MOST_SHOWN], more=more)
