@@ -3,6 +3,7 @@
 import io
 import logging
 import os
+import select
 from collections.abc import Iterator
 from typing import TextIO
 
@@ -14,6 +15,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 from ur5lib.steps.progress import CLEARED, ProgressLine, described, show_progress
 
 TERMINAL = {"TERM": "xterm"}
+QUIET = 0.5  # s
 
 
 class Terminal:
@@ -24,8 +26,12 @@ class Terminal:
         self.stream: TextIO = os.fdopen(slave, "w")
 
     def shown(self) -> str:
+        """What its last line shows, once nothing more arrives: the kernel passes it on in parts."""
         self.stream.flush()
-        return os.read(self.master, 10_000).decode().rsplit(CLEARED, 1)[-1]
+        read = b""
+        while select.select([self.master], [], [], QUIET)[0]:
+            read += os.read(self.master, 10_000)
+        return read.decode().rsplit(CLEARED, 1)[-1]
 
 
 @pytest.fixture
