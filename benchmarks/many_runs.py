@@ -15,6 +15,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import replace
 from datetime import date, timedelta
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -151,10 +152,11 @@ def mixture(kind: str, program: int, worn: float, warm: tuple[float, float]) -> 
     plan = first.plan.model_copy(update={"temperature_c": warm})
     share = np.interp(plan.temperature(step_times(len(first.motion))), EXTREMES, [0.0, 1.0])
     mixed = np.zeros_like(as_rows(first.motion))
-    for wear, heat in ((1 - worn, 1 - share), (1 - worn, share), (worn, 1 - share), (worn, share)):
-        if wear:
-            states = extreme(kind, program, worn=wear is worn, hot=heat is share).motion
-            mixed += wear * heat[:, None] * as_rows(states)
+    wears, heats = (1 - worn, worn), (1 - share, share)
+    for is_worn, is_hot in product((False, True), repeat=2):
+        if wears[is_worn]:
+            states = extreme(kind, program, is_worn, is_hot).motion
+            mixed += wears[is_worn] * heats[is_hot][:, None] * as_rows(states)
     return replace(first, plan=plan, motion=mixed.view(first.motion.dtype)[:, 0])
 
 

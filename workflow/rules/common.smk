@@ -58,7 +58,6 @@ TRUTHS = {name: f"{RESULTS}/truth/{name}" for name in SIMULATED} | {  # without 
 BY_PATTERN = names_by_pattern(config["recordings"])
 MOST_ALONE = 100  # recordings whose steps are jobs of their own
 MOST_TEMPLATES = 16  # contact-free recordings that may be the template of another one
-FEWEST_DATES = 6  # at which changes are found (FEWEST in ur5lib/timeseries/changes.py)
 MOST_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
 BATCHES = None  # of more recordings than that
 SETTINGS = STUDY.settings
@@ -176,11 +175,6 @@ def by_date(robot):
 def date_of(name):
     """Return the date of a recording; empty where the study gives none."""
     return str(RECORDINGS[name].date or "")
-
-
-def is_tracked(wildcards):
-    """Return whether an arm has contact-free recordings for as many dates as changes take."""
-    return len(by_date(recording_of(wildcards).arm.known_as)) >= FEWEST_DATES
 
 
 def templates_of(wildcards):
@@ -330,8 +324,8 @@ def examined():
     """
     if len(RECORDINGS) <= MOST_ALONE:
         return [*RECORDINGS]
-    drawn = (name for robot in ROBOTS for name in drawn_of(robot))
-    chosen = {*drawn, *illustrated(), *OLDER_MODEL, *PRINTED_TRACKING}
+    by_name = (name for robot in ROBOTS for name in drawn_of(robot))
+    chosen = {*by_name, *illustrated(), *OLDER_MODEL, *PRINTED_TRACKING}
     return [name for name, one in RECORDINGS.items() if name in chosen or one.role == "fit"]
 
 

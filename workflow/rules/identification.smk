@@ -180,7 +180,6 @@ rule examine_joints:
         code=code("examine_joints"),
         recording="{recording}",
         date=lambda wildcards: date_of(wildcards.recording),
-        is_tracked=is_tracked,
     run:
         run_step(rule, input, output, params, log)
 

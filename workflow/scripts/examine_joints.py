@@ -18,7 +18,7 @@ from ur5lib.tables import read_record, write_json
 def examine_joints(input: Any, output: Any, params: Any) -> None:
     quality, found = read_record(Quality, input.quality), Checkup()
     day = dated(params.date, quality, read_record(Prediction, input.currents))
-    if day is not None and params.is_tracked:
+    if day is not None:
         model = load_robot(input.arm).fullest_model()
         tables = Signals.read(input.signals), Motion.read(input.motion)
         record = current_record(params.recording, *tables, Torques.read(input.torques), model)
