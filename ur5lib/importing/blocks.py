@@ -16,6 +16,8 @@ from ur5lib.recordings.rosbag import JOINTS
 from ur5lib.timeseries.arrays import Array
 
 TARGET = {"target", "desired", "des", "ref", "reference", "cmd", "command", "commanded", "setpoint"}
+TARGET |= {"action", "actions"}  # of a policy
+CONTAINERS = {"data", "value", "values", "signals"}  # in which a path ends behind its quantity
 TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
 OF_IMU = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
 NAMELESS = "column "  # and its number: a column of a table without a header
@@ -78,17 +80,23 @@ class Block:
         """Return whether it was commanded, not measured, by its name."""
         return (self.meaning() or "").startswith("target")
 
+    def is_commanded(self) -> bool:
+        """Return whether a word of its name, or of its path in the file, says so."""
+        return bool(_words(self.names[0]) & TARGET)
+
     def meaning(self) -> str | None:
         """Return the meaning of the name: RTDE channel, kind of joint or spatial quantity."""
         stem = place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
         last, width = _last(stem), self.rows.shape[1]
         if last in SUFFIXES and len(SUFFIXES[last]) == width:
             return last
-        words = _words(last)
-        if width == 6 and words & {"wrench", "ft"} and not words & TOOL:
+        words = _words(last) | (_words(stem) & TARGET)
+        if width == 6 and words & {"wrench", "ft"} and not words & (TOOL | TARGET):
             return "wrench"
         if width == self.joints and not words & TOOL:
             return _joint_meaning(words)
+        if words & TARGET:
+            return None
         spatial = _meaning(words, IN_SPACE) if width == 3 and not words & OF_IMU else None
         if spatial in ("force", "torque"):
             return spatial
@@ -98,8 +106,9 @@ class Block:
 
 
 def _last(name: str) -> str:
-    """Return the last part of a path in a file."""
-    return name.rstrip("/").rsplit("/", 1)[-1]
+    """Return the last part of a path in a file that tells a quantity."""
+    parts = name.rstrip("/").split("/")
+    return next((part for part in reversed(parts) if part.lower() not in CONTAINERS), parts[-1])
 
 
 def _words(name: str) -> set[str]:

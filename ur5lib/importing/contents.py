@@ -210,11 +210,15 @@ def _listed(arrays: dict[str, np.ndarray]) -> str:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Sentences about a file; ambiguous: parts that the entry therefore leaves out."""
+    """Sentences about a file; ambiguous: parts that the entry therefore leaves out.
+
+    left_out: names of blocks that contradict them.
+    """
 
     proven: list[str] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
     ambiguous: list[str] = field(default_factory=list)
+    left_out: list[tuple[str, ...]] = field(default_factory=list)
 
     def lines(self) -> list[str]:
         """Return the three lists as comments of a study."""

@@ -20,6 +20,7 @@ from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array
 
 FRICTION = 0.3  # least share of a measured effort's residual that friction explains
+MEASURED_TORQUE = "actual_current_as_torque"
 FREE = "neither"  # current nor torque: a torque less gravity, as some drivers write
 UNITS = {"A": "A", "mA": "mA", "Nm": "Nm", FREE: "Nm less gravity"}
 NAMED = {  # units by the meaning of a block's name
@@ -123,6 +124,7 @@ def name_efforts(
             )
             free = True
         target = block is smooth or free if block.is_nameless() else block.is_target()
+        target |= free and block.meaning() == MEASURED_TORQUE
         target = target and unit != FREE
         channel = CHANNELS[unit.replace("mA", "A"), target]
         if channel in channels:
@@ -218,7 +220,7 @@ def _is_frictionless(
     ]
     if not shares or float(np.median(shares)) >= FRICTION:
         return False
-    if block.is_nameless():
+    if block.is_nameless() or block.meaning() == MEASURED_TORQUE:
         evidence.proven.append(f"{block.title} is a target: it contains no friction")
     return True
 

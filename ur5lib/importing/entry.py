@@ -7,13 +7,18 @@ from typing import Any
 import yaml
 
 from ur5lib.channels import JOINT_CHANNELS, SUFFIXES, suffixes
+from ur5lib.channels import columns as columns_of
 from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
+from ur5lib.importing.efforts import NAMED
 from ur5lib.importing.proposal import Proposal
 from ur5lib.recordings.entries import OPPOSITE, SKIPPED
 from ur5lib.recordings.readings import IN_ORDER
 
 WRAPPED = 100  # characters a line
+PROVEN = {c for name in (*NAMED, "actual_TCP_pose") for c in columns_of(name)}  # or left out
+RTDE = ("ft_raw_wrench", "wrench_calc_from_currents", "payload", "payload_cog", "payload_inertia")
+KEPT = {c for name in (*RTDE, "target_gravity", "tcp_offset") for c in columns_of(name)}
 Entry = dict[str, Any]  # of a study, as YAML has it
 Commented = tuple[Entry, Sequence[str]]  # an entry, and the comments above it
 
@@ -51,13 +56,16 @@ def _of_table(proposal: Proposal) -> Entry:
             names[column]: channel + suffix
             for column, suffix in zip(order, suffixes(channel, len(proposal.order)), strict=True)
         }
+    units = _units(proposal)
     unchanged = all(name in (column, "time") for column, name in named.items())
-    if proposal.clock == "timestamp" and unchanged and not (header.repeated or proposal.units):
+    whole = not any(column in PROVEN and column not in named for column in header.columns)
+    if proposal.clock == "timestamp" and unchanged and whole and not (header.repeated or units):
         return {"format": "rtde-csv"}
-    columns = [named.get(column, SKIPPED) for column in header.columns]
+    columns = [
+        named.get(column, column if column in KEPT else SKIPPED) for column in header.columns
+    ]
     if len(proposal.order) == len(IN_ORDER):
         columns = _shortened(columns)
-    units = _units(proposal)
     if sensor and proposal.opposite:
         units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE)}
     for unit in units.get("units", {}).values():

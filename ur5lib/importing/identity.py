@@ -170,7 +170,11 @@ def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list
     ranked, bare = placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
     good = fitting(ranked)
     if not good:
-        evidence.assumed.append(f"{pose.title} is no pose of the flange in the base frame; unused")
+        evidence.left_out.append(pose.names)
+        evidence.assumed.append(
+            f"{pose.title} is no pose of the flange, or of a tool on it, in m and the base frame; "
+            "left out"
+        )
     elif len({reading.order for reading in good}) == 1:
         best = good[0]
         place = "the flange" if bare else "a tool fixed to the flange"

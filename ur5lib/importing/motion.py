@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ CLOSER = 0.1  # of what another block misses as a derivative; then it is no riva
 DEGREES = 180 / np.pi
 LONGEST = 0.1  # s; across longer steps, a slope is no velocity
 SMOOTHED = 0.05  # s
+TARGETS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
 TURN = 4 * np.pi  # rad; no joint turns further
 COUNTS = {6: "six", 7: "seven", 8: "eight"}
 NO_PAIR = (
@@ -87,11 +88,12 @@ def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Arr
     step = np.diff(time)
     width = max(1, round(SMOOTHED / max(float(np.median(step)), 1e-4)))
     whole = (step > 0) & (step < LONGEST) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
-    slope = np.diff(position, axis=0)[whole] / step[whole, None]
-    rate = (velocity[1:] + velocity[:-1])[whole] / 2
-    count = len(slope) // width * width
-    slopes, rates = (v[:count].reshape(-1, width, v.shape[1]).mean(axis=1) for v in (slope, rate))
-    return slopes, rates
+    rise = np.diff(position, axis=0)[whole]
+    step = step[whole, None]
+    rate = (velocity[1:] + velocity[:-1])[whole] / 2 * step
+    count = len(rise) // width * width
+    rise, rate, step = (v[:count].reshape(-1, width, v.shape[-1]) for v in (rise, rate, step))
+    return rise.sum(axis=1) / step.sum(axis=1), rate.sum(axis=1) / step.sum(axis=1)
 
 
 def _ratio(slope: Array, rate: Array) -> float | None:
@@ -113,17 +115,53 @@ def find_motion(file: Contents, evidence: Evidence) -> ImportedMotion:
     named = {block.meaning(): block for block in reversed(file.blocks)}
     if "actual_q" in named:
         position = named["actual_q"]
+        if others := [b.title for b in file.blocks if b.meaning() == "actual_q"][1:]:
+            evidence.assumed.append(
+                f"{position.title} are the positions; left out: {', '.join(others)}, which may be "
+                "those of another arm"
+            )
         velocity = _on_clock_of(position, named.get("actual_qd"))
     else:
         position, velocity = _nameless(file)
     time = file.clocks[position.clock]
-    targets = {
-        name: block
-        for name in ("target_q", "target_qd", "target_qdd")
-        if (block := _on_clock_of(position, named.get(name))) is not None
-    }
     units = _units(file, position, velocity, time, evidence)
-    return ImportedMotion(position, velocity, targets, units)
+    measured = ImportedMotion(position, velocity, {}, units)
+    commanded = {name: _on_clock_of(position, named.get(name)) for name in TARGETS}
+    targets = {name: block for name, block in commanded.items() if block is not None}
+    return _with_targets(measured, targets, time, evidence)
+
+
+def _with_targets(
+    measured: ImportedMotion, targets: dict[str, Block], time: Array, evidence: Evidence
+) -> ImportedMotion:
+    """Return a motion with its targets in radians or degrees, without those of another size."""
+    kept, units = dict[str, Block](), dict(measured.units)
+    for name, block in targets.items():
+        ratio = _size(measured.in_si(), name, block, time)
+        unit = DEGREES if "actual_q" in units else 1.0
+        if ratio is not None:
+            unit = min((1.0, DEGREES), key=lambda factor: abs(np.log(abs(ratio) / factor)))
+        if ratio is not None and not RATIO[0] < ratio / unit < RATIO[1]:
+            evidence.left_out.append(block.names)
+            evidence.assumed.append(f"{block.title}: left out, {ratio:.3g} times what is measured")
+            continue
+        kept[name] = block
+        units |= {name: TARGETS[name]} if unit == DEGREES else {}
+    return replace(measured, targets=kept, units=units)
+
+
+def _size(measured: dict[str, Array], name: str, block: Block, time: Array) -> float | None:
+    """Return the ratio of a target to what it commands; None where the motion does not tell it."""
+    own = measured.get({"target_q": "actual_q"}.get(name, "actual_qd"))
+    if own is None:
+        return None
+    if name == "target_qdd":
+        ratios = column_ratios(replace(block, rows=own), block, time)
+    else:
+        both = zip((own - np.nanmean(own, axis=0)).T, block.rows.T, strict=True)
+        ratios = [_ratio(*pair) for pair in both]
+    found = [ratio for ratio in ratios if ratio is not None and np.isfinite(ratio)]
+    return float(np.median(found)) if 2 * len(found) > len(ratios) - ratios.count(None) else None
 
 
 def _on_clock_of(position: Block, block: Block | None) -> Block | None:
@@ -149,7 +187,8 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
 
 def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
     """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
-    whole = [block for block in file.blocks if block.rows.shape[1] == file.joints]
+    every = (block for block in file.blocks if block.rows.shape[1] == file.joints)
+    whole = [block for block in every if not block.is_commanded()]
     for position, velocity in itertools.permutations(whole, 2):
         if position.clock == velocity.clock:
             share, ratio, count = agreement(position, velocity, file.clocks[position.clock])

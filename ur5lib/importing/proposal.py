@@ -87,7 +87,8 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
     channels |= {name: [block] for name, block in named.items()}
     for name in OTHERS:
         block = _of_meaning(file, name, clock)
-        if block is not None and block.rows.shape[1] == 6:
+        wide = block is not None and block.rows.shape[1] == 6
+        if block is not None and wide and block.names not in evidence.left_out:
             channels[name] = [block]
     pushed = _pushed(wrench, evidence)
     sensor: list[Block] = []

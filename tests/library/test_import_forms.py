@@ -1,0 +1,104 @@
+"""`ur5 import` of logs in the forms that public data sets and loggers have."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.stored_files import Channels, Made, frame, made_up_channels, write_hdf5
+from ur5lib.importing.files import import_files
+
+MOVED = ("actual_q", "actual_qd", "actual_current")
+EPOCH = 1_700_000_000
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    return made_up_channels(tmp_path_factory.mktemp("made"))
+
+
+def imported(path: Path) -> tuple[dict[str, Any], str]:
+    """The entry of a file of a UR5, and the comments on it."""
+    (one,) = import_files([path], ["ur5"])
+    return one.entry, "\n".join(one.comments)
+
+
+def chosen(channels: Channels, *names: str) -> Channels:
+    return {name: channels[name] for name in names or MOVED}
+
+
+def rtde(made: Made, *names: str, **more: np.ndarray) -> pd.DataFrame:
+    """A table with RTDE's names, and other channels."""
+    table = frame(made[0], chosen(made[1], *names) | more)
+    return table.rename(columns={"time": "timestamp"})
+
+
+def saved(table: pd.DataFrame, path: Path) -> Path:
+    table.to_csv(path, index=False)
+    return path
+
+
+def test_what_was_commanded_is_not_what_was_measured(tmp_path: Path, made: Made) -> None:
+    """As in DROID, where the commands of a policy come first and are named like the state."""
+    time, channels = made
+    late = {name: np.roll(channels[name], -5, axis=0) for name in ("actual_q", "actual_qd")}
+    state = chosen(channels, "actual_q", "actual_qd", "actual_current", "target_moment")
+    names = "joint_position", "joint_velocity"
+    commands = {f"action/{n}": v for n, v in zip(names, late.values(), strict=True)}
+    names += "motor_torques_measured", "joint_torques_computed"
+    torques = [10 * v if n == "actual_current" else v for n, v in state.items()]
+    arrays = {f"state/{n}": v for n, v in zip(names, torques, strict=True)}
+    write_hdf5(tmp_path / "run.h5", time, commands | arrays)
+    entry, comments = imported(tmp_path / "run.h5")
+    assert entry["channels"] == {"time": "run/time"} | {
+        "actual_q": "run/state/joint_position",
+        "actual_qd": "run/state/joint_velocity",
+        "target_q": "run/action/joint_position",
+        "target_qd": "run/action/joint_velocity",
+        "actual_current_as_torque": "run/state/motor_torques_measured",
+        "target_moment": "run/state/joint_torques_computed",
+    }
+    assert "run/state/joint_torques_computed is a target: it contains no friction" in comments
+
+
+def test_positions_of_another_arm_are_named(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    both = {f"{side}/{n}": channels[n] for side in ("left", "right") for n in MOVED[:2]}
+    write_hdf5(tmp_path / "run.h5", time, both | {"left/actual_current": channels[MOVED[2]]})
+    comments = imported(tmp_path / "run.h5")[1]
+    assert "run/left/actual_q are the positions; left out: run/right/actual_q" in comments
+
+
+def test_targets_in_degrees_have_their_unit(tmp_path: Path, made: Made) -> None:
+    q, qd = made[1]["actual_q"], made[1]["actual_qd"]
+    qdd = np.gradient(qd, made[0], axis=0)
+    turned = {"actual_q": q, "actual_qd": qd, "target_q": q, "target_qd": qd, "target_qdd": qdd}
+    table = rtde(made, "actual_current", **{n: np.degrees(v) for n, v in turned.items()})
+    entry, _ = imported(saved(table, tmp_path / "run.csv"))
+    units = dict.fromkeys(("actual_q", "target_q"), "deg") | {"target_qdd": "deg/s2"}
+    assert entry["units"] == units | dict.fromkeys(("actual_qd", "target_qd"), "deg/s")
+
+
+def test_microseconds_under_the_names_of_rtde(tmp_path: Path, made: Made) -> None:
+    """What RTDE names and nothing here has to prove stays."""
+    table = rtde(made)
+    table["timestamp"] = np.round(1e6 * (table["timestamp"] + EPOCH)).astype(np.int64)
+    entry, _ = imported(saved(table.assign(payload=0.5), tmp_path / "run.csv"))
+    assert entry["columns"] == ["time", *MOVED, "payload"]
+    assert (entry["units"], entry["time"]) == ({"time": "us"}, "epoch_s")
+
+
+def test_a_pose_in_millimetres_is_left_out(tmp_path: Path, made: Made) -> None:
+    table = rtde(made, *MOVED, actual_TCP_pose=1e3 * made[1]["actual_TCP_pose"])
+    entry, comments = imported(saved(table, tmp_path / "run.csv"))
+    assert entry["columns"] == ["time", *MOVED, *["-"] * 6]
+    assert "is no pose of the flange, or of a tool on it, in m" in comments
+
+
+def test_stamps_of_a_busy_computer_jitter(tmp_path: Path, made: Made) -> None:
+    table = rtde(made)
+    late = np.abs(np.random.default_rng(1).normal(0, 0.003, len(table)))
+    table["timestamp"] = np.sort(table["timestamp"] + late)
+    assert imported(saved(table, tmp_path / "run.csv"))[0]["format"] == "rtde-csv"
