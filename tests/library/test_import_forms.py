@@ -7,8 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.stored_files import Channels, Made, frame, made_up_channels, write_hdf5
+from tests.entries import read_recording
+from tests.stored_files import JOINTS, Channels, Made, frame, made_up_channels, write_hdf5
+from ur5lib.errors import InputError
 from ur5lib.importing.files import import_files
+from ur5lib.tables import channel
 
 MOVED = ("actual_q", "actual_qd", "actual_current")
 EPOCH = 1_700_000_000
@@ -102,3 +105,71 @@ def test_stamps_of_a_busy_computer_jitter(tmp_path: Path, made: Made) -> None:
     late = np.abs(np.random.default_rng(1).normal(0, 0.003, len(table)))
     table["timestamp"] = np.sort(table["timestamp"] + late)
     assert imported(saved(table, tmp_path / "run.csv"))[0]["format"] == "rtde-csv"
+
+
+BY_NAME = [2, 1, 0, 3, 4, 5]  # joints in the order of ROS 1: by their names
+
+
+def in_ros(made: Made, names: str) -> pd.DataFrame:
+    """Columns of `sensor_msgs/JointState` as text, numbered; names: pattern of the columns."""
+    fields = zip(("position", "velocity", "effort"), MOVED, strict=True)
+    values = [(field, made[1][name][:, BY_NAME]) for field, name in fields]
+    columns = {names.format(f, k): v[:, k] for f, v in values for k in range(6)}
+    return pd.DataFrame({"stamp": made[0] + EPOCH} | columns)
+
+
+@pytest.mark.parametrize("tool", ["rostopic", "bagpy"])
+def test_names_of_joints_in_columns_of_text_order_the_numbers(
+    tmp_path: Path, made: Made, tool: str
+) -> None:
+    """As `rostopic echo -p` writes them, with a header that begins with %, and as bagpy does."""
+    joints = [f"{JOINTS[k]}_joint" for k in BY_NAME]
+    if tool == "rostopic":
+        table = in_ros(made, "field.{}{}").assign(
+            **{f"field.name{k}": joint for k, joint in enumerate(joints)}
+        )
+        table["stamp"] = np.round(1e9 * table["stamp"]).astype(np.int64)
+        table = table.rename(columns={"stamp": "%time"})
+    else:
+        seconds = np.floor(in_ros(made, "{}_{}")["stamp"])
+        table = in_ros(made, "{}_{}").assign(secs=seconds, name=str(joints), frame_id="base")
+    entry, comments = imported(saved(table, tmp_path / "run.csv"))
+    assert "assumed: the joints' order" not in comments
+    assert entry["time"] == "epoch_s"
+    raw = read_recording({"units": {}} | entry).robot.table
+    for name in MOVED:
+        np.testing.assert_allclose(channel(raw, name), made[1][name], rtol=1e-6)
+
+
+def test_a_header_of_numpy_is_no_comment(tmp_path: Path, made: Made) -> None:
+    table = rtde(made)
+    head = "made by a lab\n" + ",".join(table.columns)
+    np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=head)
+    entry, _ = imported(tmp_path / "run.csv")
+    assert entry["format"] == "rtde-csv"
+    raw = read_recording({"units": {}} | entry).robot.table
+    np.testing.assert_allclose(channel(raw, "actual_q"), made[1]["actual_q"])
+
+
+@pytest.mark.parametrize("form", ["%Y-%m-%d %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%fZ"])
+def test_dates_are_stamps_and_text_is_left_out(tmp_path: Path, made: Made, form: str) -> None:
+    table = rtde(made).rename(columns={"timestamp": "Time"})
+    dates = pd.to_datetime((table["Time"] + EPOCH) * 1e9)
+    table = table.assign(Time=dates.dt.strftime(form), robot_mode="RUNNING", pressed=True)
+    entry, _ = imported(saved(table, tmp_path / "run.csv"))
+    assert entry["columns"] == ["time", *MOVED, "-", "-"]
+    record = read_recording({"units": {}} | entry).robot
+    assert record.start.seconds == pytest.approx(EPOCH)
+    np.testing.assert_allclose(record.table["time"], made[0] - made[0][0], atol=1e-5)
+
+
+def test_a_channel_that_holds_text_is_no_number(tmp_path: Path, made: Made) -> None:
+    path = saved(rtde(made).assign(actual_q_2="0.1 rad"), tmp_path / "run.csv")
+    with pytest.raises(InputError, match=r"line 2: expected 19 numbers \('0.1 rad' is not a"):
+        import_files([path], ["ur5"])
+
+
+def test_lists_in_cells_are_named(tmp_path: Path, made: Made) -> None:
+    table = pd.DataFrame({"time": made[0]} | {n: made[1][n].tolist() for n in MOVED})
+    with pytest.raises(InputError, match="give each number of a list its own column"):
+        import_files([saved(table, tmp_path / "run.csv")], ["ur5"])

@@ -12,7 +12,7 @@ import numpy as np
 from ur5lib.channels import MOST_JOINTS, SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import OPPOSITE
-from ur5lib.recordings.rosbag import JOINTS
+from ur5lib.recordings.rosbag import JOINTS, joint_order
 from ur5lib.timeseries.arrays import Array
 
 TARGET = {"target", "desired", "des", "ref", "reference", "cmd", "command", "commanded", "setpoint"}
@@ -142,6 +142,28 @@ def grouped(names: Sequence[str], joints: int = 6) -> Iterator[tuple[str, ...]]:
     for places in stems.values():
         ordered = tuple(places[place] for place in sorted(places))
         yield from [ordered] if len(ordered) in (3, 6, joints) else ((name,) for name in ordered)
+
+
+def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
+    """Return columns with the names of joints for their numbers, where these name an arm's joints.
+
+    joints: in the order in which the columns of each quantity are numbered.
+    """
+    order = joint_order(tuple(joints))
+    if order is None:
+        return [*columns]
+    named = dict(zip(order, JOINTS, strict=True))
+    groups = defaultdict[str, dict[int, str]](dict)
+    for column in columns:
+        stem, place = place_of(column)
+        groups[stem][place] = column
+    renamed = {
+        column: f"{stem}_{named[place - min(places)]}"
+        for stem, places in groups.items()
+        for place, column in places.items()
+        if len(places) == len(joints) and place - min(places) in named
+    }
+    return [renamed.get(column, column) for column in columns]
 
 
 def names_joints(name: str) -> bool:

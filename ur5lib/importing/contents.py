@@ -8,7 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.importing.blocks import NAMELESS, OF_UR, Block, grouped, joints_of, joints_of_nameless
+from ur5lib.importing.blocks import (
+    NAMELESS,
+    OF_UR,
+    Block,
+    grouped,
+    joints_of,
+    joints_of_nameless,
+    with_names,
+)
 from ur5lib.recordings.array_files import ENDINGS
 from ur5lib.recordings.arrays import load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
@@ -19,8 +27,10 @@ from ur5lib.timeseries.arrays import Array
 FORMATS = ENDINGS | dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")
 CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
 STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
+RARELY = 0.1  # share of steps in which a clock of whole seconds changes, at most
 HUGE = 1e9  # in any unit of a channel
 AGAIN = " again "  # and its number: a column whose name is taken
+NAMES = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 EPOCH = 1e9  # s; stamps after 2001 count from 1970
 NIST = [  # the columns of NIST's UR5 degradation measurements, which have no header in their files
     "time",
@@ -95,13 +105,18 @@ def contents(path: Path) -> Contents:
 
 
 def read_header(path: Path) -> Header:
-    """Return the columns of a table; without a header, they are named `column 1` and so on."""
-    cells = first_cells(path)
+    """Return the columns of a table; without a header, they are named `column 1` and so on.
+
+    Those that are numbered like a list of the joints' names, as ROS writes it, have these names.
+    """
+    cells, row = first_cells(path)
     if all(_is_number(cell) for cell in cells):
         nist = expand(NIST)
         if len(cells) == len(nist):
             return Header(nist, layout="NIST's UR5 degradation measurements")
         return Header(nameless(len(cells)))
+    lists = [row[k] for k, name in enumerate(cells[: len(row)]) if NAMES.search(name)]
+    cells = with_names(cells, re.findall(r"\w+", " ".join(lists)))
     first = {name: k for k, name in reversed([*enumerate(cells)])}
     names = [name if first[name] == k else f"{name}{AGAIN}{k + 1}" for k, name in enumerate(cells)]
     return Header(names, [name for name in names if name not in first])
@@ -112,12 +127,12 @@ def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.
     table = read_numbers(Log(path, "robot", findings), header.columns)
     for name in header.repeated:
         first = name.split(AGAIN)[0]
-        if not table[name].equals(table[first]):
+        if name in table and not table[name].equals(table[first]):
             raise InputError(
                 f"{path}, line 1: {first!r} is ambiguous: it names two columns with different "
                 "numbers; give each column its own name"
             )
-    once = [name for name in header.columns if name not in header.repeated]
+    once = [name for name in table if name not in header.repeated]
     return {name: table[name].to_numpy() for name in once}
 
 
@@ -155,10 +170,12 @@ def _clocks(arrays: dict[str, np.ndarray]) -> tuple[dict[str, Array], dict[str, 
 def _unit(stamps: Array) -> str | None:
     """Return the unit in which stamps (N,) have the steps of a recording; None if none does."""
     steps = np.diff(stamps[np.isfinite(stamps)]) if stamps.ndim == 1 else np.array([])
-    if len(steps) < 2 or np.mean(steps >= 0) < 0.95 or not (steps > 0).any():
+    if len(steps) < 2 or np.mean(steps >= 0) < 0.95 or np.mean(steps > 0) < RARELY:
         return None
     step = float(np.median(steps[steps > 0]))
-    return next((unit for unit, (low, high) in STEPS.items() if low <= step < high), None)
+    unit = next((unit for unit, (low, high) in STEPS.items() if low <= step < high), None)
+    within_seconds = unit == "ns" and np.nanmax(stamps) < 1e9 and np.count_nonzero(steps < 0) > 1
+    return None if within_seconds else unit
 
 
 def _blocks(

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -15,8 +15,15 @@ import pyarrow.csv as pacsv
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
+from ur5lib.recordings.text_columns import (
+    DATE,
+    SAMPLE,
+    seconds_of_date,
+    seconds_of_dates,
+    text_columns,
+)
 
-NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"]
+NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment, Excel's "sep=;"
 # What spreadsheet programs turn numbers into: dates, times, thousands, ### in narrow cells.
 SPREADSHEET = re.compile(r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d")
@@ -26,10 +33,16 @@ SHOWN = 5  # damaged lines that are named
 
 
 class Form(NamedTuple):
-    """The names of a table's columns, and what separates them."""
+    """The names of a table's columns, what separates them, and which hold dates or other text."""
 
     names: list[str]
     delimiter: bytes
+    dates: Sequence[str] = ()
+    text: Sequence[str] = ()
+
+    def numbers(self) -> list[str]:
+        """Return the names of the columns that are read."""
+        return [name for name in self.names if name not in self.text]
 
 
 class Damage(NamedTuple):
@@ -44,7 +57,8 @@ def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
 
     names: of the columns, in order; None takes them from the header line. The separator is a
     comma, semicolon, tab or blank; where it is a semicolon, commas are decimal points. Returns
-    float64, with NaN for empty cells and those with the text NaN. Raises InputError when the file
+    float64, with NaN for empty cells and those with the text NaN, dates as seconds since 1970, and
+    no column of other text that is not named like a channel. Raises InputError when the file
     cannot be read, is not text, lacks a required header, or has mostly damaged lines.
     """
     blocks = text_blocks(log)
@@ -60,7 +74,7 @@ def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
         top, line = 0, line + data.count(b"\n")
     table = _joined(tables)
     if damaged:
-        _report_damaged(log, damaged, table)
+        _report_damaged(log, damaged, table, len(form.names))
     return table
 
 
@@ -77,26 +91,45 @@ def first_line(path: Path) -> str:
         return repr(stream.readline(60).decode(errors="replace").strip())
 
 
-def first_cells(path: Path) -> list[str]:
-    """Return the cells of a table's first line, below comments. Raises InputError as reading it."""
-    _top, first = _first_row(next(text_blocks(Log(path, "robot", []))))
-    return [cell.decode(errors="replace").strip() for cell in first.split(_delimiter(first))]
+def first_cells(path: Path) -> tuple[list[str], list[str]]:
+    """Return the cells of a table's first two lines, below comments other than columns' names.
+
+    Raises InputError as reading it.
+    """
+    data = next(text_blocks(Log(path, "robot", [])))
+    top, first, header = _first_row(data)
+    below = data[_end_of_line(data, top) :].partition(b"\n")[0]
+    lines = (header, first) if header else (first, below)
+    named, cells = ([*map(_text, line.split(_delimiter(first)))] for line in lines)
+    return named, cells
 
 
-def _first_row(data: bytes) -> tuple[int, bytes]:
-    """Return where the first line begins that is neither blank nor a comment, and that line."""
+def _text(cell: bytes) -> str:
+    return cell.decode(errors="replace").strip()
+
+
+def _first_row(data: bytes) -> tuple[int, bytes, bytes]:
+    """Return where the first line begins that is neither blank nor a comment, that line, and the
+    comment above it if it names as many columns; else nothing.
+    """
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
-    return top, data[top : _end_of_line(data, top)].strip()
+    first = data[top : _end_of_line(data, top)].strip()
+    comment = data[:top].strip().rpartition(b"\n")[2].lstrip(b"#% \t").strip()
+    names, cells = (line.split(_delimiter(first)) for line in (comment, first))
+    header = len(names) == len(cells) > 1 and _is_cell(cells[0]) and not any(map(_is_cell, names))
+    return top, first, comment if header else b""
 
 
 def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, Form]:
     """Return where the rows of a table begin, and their form. data: the beginning of the file."""
-    top, first = _first_row(data)
+    top, first, header = _first_row(data)
     delimiter = _delimiter(first)
-    if names is None or _is_header(first, delimiter, len(names)):
-        names = names or _header_names(path, first, delimiter)
-        top = _end_of_line(data, top)
-    return top, Form(names, delimiter)
+    if not header and (names is None or _is_header(first, delimiter, len(names))):
+        header, top = first, _end_of_line(data, top)
+    names = names or _header_names(path, header, delimiter)
+    lines = data[top:].split(b"\n", SAMPLE)[:SAMPLE]
+    rows = [cells for line in lines if len(cells := line.split(delimiter)) == len(names)]
+    return top, Form(names, delimiter, *text_columns(rows, names, _number))
 
 
 def _with_points(block: bytes, form: Form, log: Log) -> bytes:
@@ -211,30 +244,45 @@ def _joined(tables: list[pa.Table]) -> pd.DataFrame:
 
 def _parse_fast(text: memoryview, form: Form) -> pa.Table:
     if not text.nbytes:
-        return _table(np.empty((0, len(form.names))), form.names)
-    return pacsv.read_csv(
+        return _table(np.empty((0, len(form.numbers()))), form.numbers())
+    kinds = dict.fromkeys(form.names, pa.float64()) | dict.fromkeys(form.dates, pa.string())
+    table = pacsv.read_csv(
         pa.BufferReader(text),
         read_options=pacsv.ReadOptions(column_names=form.names, block_size=text.nbytes),
         parse_options=pacsv.ParseOptions(delimiter=form.delimiter.decode(), quote_char=False),
         convert_options=pacsv.ConvertOptions(
-            column_types=dict.fromkeys(form.names, pa.float64()), null_values=NOT_A_NUMBER
+            column_types=kinds, null_values=NOT_A_NUMBER, include_columns=form.numbers()
         ),
     )
+    for name in form.dates:
+        seconds = pa.array(seconds_of_dates(table.column(name).to_pandas()), pa.float64())
+        table = table.set_column(table.schema.get_field_index(name), name, seconds)
+    return table
 
 
 def _parse_lines(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table], list[int]]:
     rows, damaged, place = [], [], start
     for line in data[start:end].split(b"\n"):
+        cells = line.split(form.delimiter)
         try:
-            row = [_number(cell) for cell in line.split(form.delimiter)]
+            row = _numbers(cells, form) if len(cells) == len(form.names) else None
         except ValueError:
-            row = []
-        if len(row) == len(form.names):
+            row = None
+        if row is not None:
             rows.append(row)
         elif line.strip():
             damaged.append(place)
         place += len(line) + 1
-    return [_table(np.array(rows).reshape(-1, len(form.names)), form.names)], damaged
+    return [_table(np.array(rows).reshape(-1, len(form.numbers())), form.numbers())], damaged
+
+
+def _numbers(cells: list[bytes], form: Form) -> list[float]:
+    """Return a row's numbers. Raises ValueError for another cell in a column of numbers."""
+    return [
+        seconds_of_date(cell) if name in form.dates else _number(cell)
+        for name, cell in zip(form.names, cells, strict=True)
+        if name not in form.text
+    ]
 
 
 def _table(rows: np.ndarray, names: list[str]) -> pa.Table:
@@ -248,24 +296,30 @@ def _damage(data: bytes, places: list[int], line: int, form: Form) -> Iterator[D
         line += data.count(b"\n", before, place)
         before = place
         cells = data[place : _end_of_line(data, place)].rstrip(b"\n").split(form.delimiter)
-        yield Damage(line, _fault(cells, len(form.names)))
+        yield Damage(line, _fault(cells, form))
 
 
-def _fault(cells: list[bytes], width: int) -> str:
+def _fault(cells: list[bytes], form: Form) -> str:
     """Return why a line is damaged."""
-    if len(cells) != width:
-        return f"it has {len(cells)} cells"
-    wrong = next(cell for cell in cells if not _is_cell(cell)).strip().decode(errors="replace")
+    if len(cells) != len(form.names):
+        listed = "; give each number of a list its own column" if b"[" in b"".join(cells) else ""
+        return f"it has {len(cells)} cells{listed}"
+    read = [
+        cell
+        for name, cell in zip(form.names, cells, strict=True)
+        if name not in form.text and not (name in form.dates and DATE.match(cell.strip()))
+    ]
+    wrong = next(cell for cell in read if not _is_cell(cell)).strip().decode(errors="replace")
     cause = "; a spreadsheet program may have changed it" if SPREADSHEET.search(wrong) else ""
     return f"{wrong[:20]!r} is not a number{cause}"
 
 
-def _report_damaged(log: Log, damaged: list[Damage], table: pd.DataFrame) -> None:
+def _report_damaged(log: Log, damaged: list[Damage], table: pd.DataFrame, width: int) -> None:
     """Report which lines are damaged and what is wrong with the first.
 
     Raises InputError when most lines are damaged: then the columns differ from those declared.
     """
-    width, count, (first, fault) = len(table.columns), len(damaged), damaged[0]
+    count, (first, fault) = len(damaged), damaged[0]
     if table.empty:
         raise InputError(
             f"{log.path}, line {first}: expected {width} numbers ({fault}), and no other line "

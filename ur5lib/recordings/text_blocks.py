@@ -13,6 +13,7 @@ from ur5lib.strict import expect_file
 SIZE = 1 << 25  # bytes of a block
 SHORT = 1 << 20  # bytes; a shorter rest joins the block before it
 BRACKETS, LETTERS = b"()[]", re.compile(rb"[A-DF-Za-df-z]")  # all but the e of 1e-3
+QUOTED = re.compile(rb'"[^"\n]*"')
 GZIP, MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
@@ -66,8 +67,23 @@ def _plain(block: bytes) -> bytes:
     if b"\r" in block:
         block = block.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if b'"' in block:
-        block = block.replace(b'"', b"")
+        block = _unquoted(block)
     return block.translate(None, BRACKETS) if _is_grouped(block) else block
+
+
+def _unquoted(block: bytes) -> bytes:
+    """Return a block without quotes, and with blanks for the commas of quoted words."""
+    top = b"\n".join(block.split(b"\n", 2)[:2])
+    if any(_is_listing(quoted) for quoted in QUOTED.findall(top)):
+        block = QUOTED.sub(
+            lambda found: found[0].replace(b",", b" ") if _is_listing(found[0]) else found[0],
+            block,
+        )
+    return block.replace(b'"', b"")
+
+
+def _is_listing(quoted: bytes) -> bool:
+    return b"," in quoted and LETTERS.search(quoted) is not None
 
 
 def _is_grouped(block: bytes) -> bool:
