@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import scipy.io
 
 from tests.entries import read_recording
 from tests.stored_files import JOINTS, Channels, Made, frame, made_up_channels, write_hdf5
@@ -173,3 +174,65 @@ def test_lists_in_cells_are_named(tmp_path: Path, made: Made) -> None:
     table = pd.DataFrame({"time": made[0]} | {n: made[1][n].tolist() for n in MOVED})
     with pytest.raises(InputError, match="give each number of a list its own column"):
         import_files([saved(table, tmp_path / "run.csv")], ["ur5"])
+
+
+def test_an_arm_that_the_pose_excludes_is_refused(tmp_path: Path, made: Made) -> None:
+    path = saved(rtde(made, *MOVED, "actual_TCP_pose"), tmp_path / "run.csv")
+    with pytest.raises(InputError, match=r"arm is not ur10e: .* is the flange of `robot: ur5`"):
+        import_files([path], ["ur10e"])
+
+
+def test_an_arm_that_gravity_contradicts_is_told(tmp_path: Path, made: Made) -> None:
+    path = saved(rtde(made), tmp_path / "run.csv")
+    comments = ["\n".join(import_files([path], [arm])[0].comments) for arm in ("ur5", "ur10e")]
+    told = ["explains the efforts far better" in text for text in comments]
+    assert told == [False, True]
+
+
+NAMES = {  # of positions, velocities and currents
+    "{joint}_{kind}": ("pos", "vel", "cur"),
+    "J{n} {kind}": ("pos [°]", "vel [°/s]", "current [A]"),
+    "{kind}": ("Axis{n}.Position", "Axis{n}.Speed", "Axis{n}.Current"),
+    "{panel} {kind}": ("Position", "Speed", "Current"),
+}
+PANEL = ["Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"]
+
+
+@pytest.mark.parametrize(("pattern", "kinds"), NAMES.items())
+def test_names_of_joints_and_units(
+    tmp_path: Path, made: Made, pattern: str, kinds: tuple[str, ...]
+) -> None:
+    columns = {"t": made[0]}
+    for kind, name in zip(kinds, MOVED, strict=True):
+        factor = 180 / np.pi if "°" in kind else 1.0
+        for k in BY_NAME:
+            words = {"joint": PANEL[k].lower().replace(" ", ""), "panel": PANEL[k], "n": k + 1}
+            title = pattern.format(kind=kind, **words).format(**words)
+            columns[title] = factor * made[1][name][:, k]
+    entry, _ = imported(saved(pd.DataFrame(columns), tmp_path / "run.csv"))
+    raw = read_recording({"units": {}} | entry).robot.table
+    for name in MOVED:
+        np.testing.assert_allclose(channel(raw, name), made[1][name])
+
+
+def test_structures_with_stamps_of_their_own(tmp_path: Path, made: Made) -> None:
+    """As Simulink saves signals: in each, the time and below it the values."""
+    parts = zip(("joint_pos", "joint_vel", "joint_current"), MOVED, strict=True)
+    run = {n: {"time": made[0], "signals": {"values": made[1][name]}} for n, name in parts}
+    scipy.io.savemat(tmp_path / "run.mat", run)
+    entry, _ = imported(tmp_path / "run.mat")
+    assert entry["channels"]["actual_current"] == "joint_current/signals/values"
+
+
+def test_what_a_file_lacks_is_said(tmp_path: Path, made: Made) -> None:
+    table = rtde(made)
+    slow = saved(table.iloc[::125], tmp_path / "slow.csv")
+    with pytest.raises(InputError, match=r"0 stretches of 0.1 s are complete, in 0.005 s .* in ms"):
+        import_files([slow], ["ur5"])
+    unknown = {f"actual_{n}": f"{c}" for n, c in (("q", "j"), ("qd", "v"), ("current", "c"))}
+    names = {f"{n}_{k}": f"{c}{k}" for n, c in unknown.items() for k in range(6)}
+    with pytest.raises(InputError, match="neither efforts or currents nor a TCP pose"):
+        import_files([saved(table.rename(columns=names), tmp_path / "run.csv")], ["ur5"])
+    lone = table[["timestamp", "actual_current_0"]].rename(columns={"actual_current_0": "i"})
+    with pytest.raises(InputError, match=r"none is named like positions .*; it holds i \(1\)"):
+        import_files([saved(lone, tmp_path / "lone.csv")], ["ur5"])

@@ -20,12 +20,22 @@ TARGET |= {"action", "actions"}  # of a policy
 CONTAINERS = {"data", "value", "values", "signals"}  # in which a path ends behind its quantity
 TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
 OF_IMU = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
+UNIT = re.compile(r" *[\[(](?!J?\d*[\])])[^\])]*[\])]$", re.IGNORECASE)  # at the end of a name
+NUMBERED = r"(.*?)(?:[jJ]oint|[aA]xis|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
+JOINT_NAMES = [  # of drivers, and as the teach panel has them
+    re.compile(name, re.IGNORECASE)
+    for name in (
+        r"shoulder[ _]?pan|(?<![a-z])base(?=[ _.][a-z]+$|$)",
+        r"shoulder[ _]?lift|(?<![a-z])shoulder(?![ _]?pan)",
+        *("elbow", r"wrist[ _]?1", r"wrist[ _]?2", r"wrist[ _]?3"),
+    )
+]
 NAMELESS = "column "  # and its number: a column of a table without a header
 MEANINGS = {  # of a block with a column for each joint, by a word of its name
     "q": {"q", "position", "positions", "pos", "angle", "angles"},
     "qd": {"qd", "dq", "qdot", "velocity", "velocities", "vel", "speed", "speeds"},
     "qdd": {"qdd", "ddq", "acceleration", "accelerations", "acc"},
-    "current": {"i", "current", "currents"},
+    "current": {"i", "current", "currents", "curr", "cur"},
     "torque": {"m", "torque", "torques", "tau", "moment", "moments"},
     "effort": {"effort", "efforts"},
 }
@@ -168,18 +178,18 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
 
 def names_joints(name: str) -> bool:
     """Return whether a column's name contains the name of a joint, not only a number."""
-    return any(joint in name for joint in JOINTS)
+    return any(joint.search(name) for joint in JOINT_NAMES)
 
 
 def place_of(name: str) -> tuple[str, int]:
     """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
-    name = re.sub(r" *[\[(][^\])]*[A-Za-z]{1,2}[\])]$", "", name)
-    for place, joint in enumerate(JOINTS):
-        if joint in name:
-            return name.replace(joint, ""), place
+    name = UNIT.sub("", name)
+    for place, joint in enumerate(JOINT_NAMES):
+        if joint.search(name):
+            return joint.sub("", name), place
     if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
         return numbered[1], int(numbered[2])
-    if numbered := re.fullmatch(r"(.*?)[jJ]oint[ _.]?(\d)[ _.](.{2,})", name):  # Joint1_Pos
+    if numbered := re.fullmatch(NUMBERED + r"[ _.](.{2,})", name):  # Joint1_Pos, J1 pos, A1.pos
         return numbered[1] + numbered[3], int(numbered[2])
     if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
         return f"{part[1] or ''}_{part[2]}", "xyz".index(part[3])

@@ -81,8 +81,8 @@ def contents(path: Path) -> Contents:
     format = FORMATS.get(path.suffix.lower())
     if format is None:
         raise InputError(
-            f"{path}: no reader knows files that end in {path.suffix or 'nothing'}; give one of "
-            f"{', '.join(FORMATS)}, or write the entry by hand (raw/README.md)"
+            f"{path}: no reader knows files that end in {path.suffix or 'nothing'}; save it as one "
+            f"of {', '.join(FORMATS)}"
         )
     findings: list[Finding] = []
     header = read_header(path) if format == "table-csv" else Header()
@@ -209,9 +209,15 @@ def _possible(values: np.ndarray) -> Array:
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
-    """Return the clock of an array: equally long, and nearest to it in the file's tree."""
+    """Return the clock of an array: equally long, and nearest to it in the file's tree.
+
+    Of clocks with equal stamps, as in each structure of a MAT file, the first.
+    """
     same = [clock for clock, stamps in clocks.items() if len(stamps) == length]
-    return max(same, key=lambda clock: _shared(name, clock), default=None)
+    if not same:
+        return None
+    stamps = clocks[max(same, key=lambda clock: _shared(name, clock))]
+    return next(clock for clock in same if np.array_equal(clocks[clock], stamps))
 
 
 def _shared(one: str, other: str) -> int:

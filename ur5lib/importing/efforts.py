@@ -175,8 +175,9 @@ def _expect_order(
     margins = [own_order(replace(means, offset=may), name, arm, order) for may in (False, True)]
     if max(margins) < -SURE:
         raise InputError(
-            f"{block.title}: its joints are in another order than those of the positions: gravity "
-            "and friction explain it far better so; bring both into one order"
+            f"{block.title}: its joints are in another order than those of the positions, or are "
+            "those of another arm: gravity and friction explain it far better so; bring both into "
+            "one order, and give each arm a file"
         )
     if min(margins) < SURE:
         evidence.assumed.append(f"{block.title} has the joints' order of the positions")

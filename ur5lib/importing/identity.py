@@ -107,12 +107,10 @@ def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Readi
     elif likely:
         order = _by_gravity(case, likely)
     else:
-        raise ambiguous(
-            case.file,
-            "the joints' order",
-            "base to wrist",
-            "any other",
-            "name the joints in the file",
+        raise InputError(
+            f"{case.file.path}: the joints' order is unknown: the file has neither efforts or "
+            "currents nor a TCP pose under a known name, nor names of joints; name its columns "
+            "(`actual_current_0`, `shoulder_pan_position`)"
         )
     likely = readings.readings(case.means, case.efforts, arms, [order], OR_FREE)
     return _sure_arm(case, likely, bool(names))
@@ -170,6 +168,13 @@ def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list
     ranked, bare = placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
     good = fitting(ranked)
     if not good:
+        tried = placed(moving.in_si()["actual_q"], pose.rows[:, :3], _all_of(file.joints), orders)
+        if others := fitting(tried[0]):
+            raise InputError(
+                f"{file.path}: the arm is not {' or '.join(arm.name for arm in arms)}: "
+                f"{pose.title} is the flange of `robot: {others[0].arm}`, or a tool on it, within "
+                f"{1000 * others[0].miss:.1f} mm; name that arm"
+            )
         evidence.left_out.append(pose.names)
         evidence.assumed.append(
             f"{pose.title} is no pose of the flange, or of a tool on it, in m and the base frame; "
@@ -183,6 +188,11 @@ def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list
             f"{1000 * best.miss:.1f} mm of {pose.title}"
         )
     return good
+
+
+def _all_of(joints: int) -> list[Robot]:
+    """Return the described arms with a number of joints."""
+    return [arm for arm in map(described, robot_names()) if len(arm.joints) == joints]
 
 
 def _of_pose(case: Case, good: Sequence[Placed]) -> Reading:
@@ -251,7 +261,7 @@ def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Rea
     file, evidence, best = case.file, case.evidence, likely[0]
     rival = next((reading for reading in likely if reading.arm != best.arm), None)
     if rival is None and named_by_user:
-        evidence.assumed.append(f"robot {best.arm}, as given")
+        evidence.assumed.append(f"robot {best.arm}, as given{_likelier(case, best)}")
     elif named := _named(file, likely):
         evidence.assumed.append(
             f"robot {named.arm}, by name of file or folder: the efforts fit others about as well"
@@ -268,6 +278,15 @@ def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Rea
     else:
         evidence.proven.append(f"robot {best.arm}: no other described arm fits the efforts as well")
     return best
+
+
+def _likelier(case: Case, given: Reading) -> str:
+    """Return that another described arm explains the efforts far better than a given one, if so."""
+    arms = _all_of(len(given.order))
+    best = readings.readings(case.means, case.efforts, arms, [given.order], OR_FREE)[0]
+    if best.score - given.score < SURE:
+        return ""
+    return f", although `robot: {best.arm}` explains the efforts far better: check it, and the tool"
 
 
 def _named(file: Contents, likely: Sequence[Reading]) -> Reading | None:

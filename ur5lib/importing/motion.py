@@ -1,7 +1,7 @@
 """The blocks that are positions and velocities: the latter are derivatives of the former."""
 
 import itertools
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,8 +22,9 @@ TARGETS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # i
 TURN = 4 * np.pi  # rad; no joint turns further
 COUNTS = {6: "six", 7: "seven", 8: "eight"}
 NO_PAIR = (
-    "no block of {} columns is the derivative of another; import it together with a recording of "
-    "the same columns in which the arm moves, or name the columns"
+    "none is named like positions (`actual_q_0`, `joint_position`), and no block of {} columns is "
+    "the derivative of another; it holds {}; name the columns, or import it together with a "
+    "recording of the same columns in which the arm moves"
 )
 
 
@@ -179,10 +180,16 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
             + (
                 f"{several} may be; name the columns"
                 if pairs
-                else NO_PAIR.format(COUNTS[file.joints])
+                else NO_PAIR.format(COUNTS[file.joints], _listed(file.blocks))
             )
         )
     return pairs[0]
+
+
+def _listed(blocks: Sequence[Block]) -> str:
+    """Return the titles of the first blocks, and how many columns each has."""
+    shown = [f"{block.title} ({block.rows.shape[1]})" for block in blocks[:6]]
+    return ", ".join(shown) + (", ..." if len(blocks) > 6 else "") or "nothing beside its clock"
 
 
 def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:

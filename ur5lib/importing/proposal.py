@@ -165,13 +165,20 @@ def _means(
         rows = np.hstack([block.rows for block in wrench])
         values["wrench"] = np.pad(rows, ((0, 0), (0, 6 - rows.shape[1])))
     columns = {f"{name}_{k}": rows[:, k] for name, rows in values.items() for k in range(6)}
-    stamps = file.clocks[moving.position.clock]
+    clock = moving.position.clock
+    stamps = file.clocks[clock]
     table = pd.DataFrame({"time": stamps - stamps[0], **columns})
     positions = [f"actual_q_{k}" for k in range(6)]  # in rad since `find_motion`
     robot, timing, _ = repair_frames(table, None, 0.1, str(file.path), positions)
     means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
     if len(means.q) < FEWEST:
-        raise InputError(f"{file.path}: too short to analyse; record two seconds or more")
+        unit, step = file.units.get(clock, "s"), np.median(np.diff(stamps))
+        raise InputError(
+            f"{file.path}: too short or with too many gaps to analyse: {len(means.q)} stretches of "
+            f"0.1 s are complete, in {np.ptp(stamps):.3g} s with a median step of "
+            f"{step:.3g} s, by stamps in {unit}; record "
+            "two seconds or more, at 10 Hz or faster, with all digits of the stamps"
+        )
     turned = np.ptp(means.q, axis=0) > RESTS
     return replace(means, offset=bool(turned.sum() < SEVERAL))  # postures of one kind, seen often
 
