@@ -236,3 +236,26 @@ def test_what_a_file_lacks_is_said(tmp_path: Path, made: Made) -> None:
     lone = table[["timestamp", "actual_current_0"]].rename(columns={"actual_current_0": "i"})
     with pytest.raises(InputError, match=r"none is named like positions .*; it holds i \(1\)"):
         import_files([saved(lone, tmp_path / "lone.csv")], ["ur5"])
+
+
+def test_desired_motion_of_libfranka_is_not_what_was_measured(tmp_path: Path, made: Made) -> None:
+    """Its `logToCSV` also names the commands like the desired state, with other numbers."""
+    q, qd, current = (made[1][name] for name in MOVED)
+    blocks = {"q_d": np.roll(q, -3, axis=0), "q": q, "dq_d": np.roll(qd, -3, axis=0), "dq": qd}
+    blocks |= {"current": current, "q_d ": 0 * q}
+    columns = {f"{n}[{k}]": v[:, k] for n, v in blocks.items() for k in range(6)}
+    table = pd.DataFrame({"duration": np.round(1e3 * made[0])} | columns)
+    text = table.to_csv(index=False).replace("q_d [", "q_d[")
+    (tmp_path / "run.csv").write_text(text)
+    entry, comments = imported(tmp_path / "run.csv")
+    names = ["time", "target_q", "actual_q", "target_qd", "actual_qd", "actual_current"]
+    assert entry["columns"] == names + ["-"] * 6
+    assert "q_d[0], q_d[1], q_d[2], q_d[3], q_d[4], ... appear twice in the header" in comments
+
+
+def test_a_target_that_nothing_follows_is_left_out(tmp_path: Path, made: Made) -> None:
+    """As velocities that a lab calls q_d."""
+    table = rtde(made, *MOVED, q_d=made[1]["actual_qd"])
+    entry, comments = imported(saved(table, tmp_path / "run.csv"))
+    assert entry["format"] == "rtde-csv"  # which ignores them
+    assert "q_d_0 … q_d_5: left out, for what moves does not follow it" in comments

@@ -91,8 +91,8 @@ class Block:
         return (self.meaning() or "").startswith("target")
 
     def is_commanded(self) -> bool:
-        """Return whether a word of its name, or of its path in the file, says so."""
-        return bool(_words(self.names[0]) & TARGET)
+        """Return whether its name, or its path in the file, says so."""
+        return names_command(place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0])
 
     def meaning(self) -> str | None:
         """Return the meaning of the name: RTDE channel, kind of joint or spatial quantity."""
@@ -100,7 +100,7 @@ class Block:
         last, width = _last(stem), self.rows.shape[1]
         if last in SUFFIXES and len(SUFFIXES[last]) == width:
             return last
-        words = _words(last) | (_words(stem) & TARGET)
+        words = _words(last) | ({"target"} if names_command(stem) else set())
         if width == 6 and words & {"wrench", "ft"} and not words & (TOOL | TARGET):
             return "wrench"
         if width == self.joints and not words & TOOL:
@@ -124,6 +124,11 @@ def _last(name: str) -> str:
 def _words(name: str) -> set[str]:
     """Return the words of a name in lower case."""
     return {*re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower())}
+
+
+def names_command(stem: str) -> bool:
+    """Return whether a quantity was commanded: by a word of its name, or as `q_d`, `O_dP_EE_c`."""
+    return bool(_words(stem) & TARGET) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
 
 
 def _meaning(words: set[str], meanings: Mapping[str, set[str]]) -> str | None:

@@ -15,6 +15,8 @@ from ur5lib.importing.blocks import (
     grouped,
     joints_of,
     joints_of_nameless,
+    names_command,
+    place_of,
     with_names,
 )
 from ur5lib.recordings.array_files import ENDINGS
@@ -123,11 +125,15 @@ def read_header(path: Path) -> Header:
 
 
 def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.ndarray]:
-    """Return a table's columns by name, each once. Raises InputError where equal names differ."""
+    """Return a table's columns by name, each once, of commands the first.
+
+    Raises InputError where measurements of equal names differ.
+    """
     table = read_numbers(Log(path, "robot", findings), header.columns)
     for name in header.repeated:
         first = name.split(AGAIN)[0]
-        if name in table and not table[name].equals(table[first]):
+        stated = name in table and not names_command(place_of(first)[0])
+        if stated and not table[name].equals(table[first]):
             raise InputError(
                 f"{path}, line 1: {first!r} is ambiguous: it names two columns with different "
                 "numbers; give each column its own name"

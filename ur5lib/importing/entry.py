@@ -11,12 +11,14 @@ from ur5lib.channels import columns as columns_of
 from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.efforts import NAMED
+from ur5lib.importing.motion import TARGETS
 from ur5lib.importing.proposal import Proposal
 from ur5lib.recordings.entries import OPPOSITE, SKIPPED
 from ur5lib.recordings.readings import IN_ORDER
 
 WRAPPED = 100  # characters a line
-PROVEN = {c for name in (*NAMED, "actual_TCP_pose") for c in columns_of(name)}  # or left out
+ASKED = (*NAMED, *TARGETS, "actual_TCP_pose")  # channels that are proven, assumed, or left out
+PROVABLE = {c for name in ASKED for c in columns_of(name)}
 RTDE = ("ft_raw_wrench", "wrench_calc_from_currents", "payload", "payload_cog", "payload_inertia")
 KEPT = {c for name in (*RTDE, "target_gravity", "tcp_offset") for c in columns_of(name)}
 Entry = dict[str, Any]  # of a study, as YAML has it
@@ -58,7 +60,7 @@ def _of_table(proposal: Proposal) -> Entry:
         }
     units = _units(proposal)
     unchanged = all(name in (column, "time") for column, name in named.items())
-    whole = not any(column in PROVEN and column not in named for column in header.columns)
+    whole = not any(column in PROVABLE and column not in named for column in header.columns)
     if proposal.clock == "timestamp" and unchanged and whole and not (header.repeated or units):
         return {"format": "rtde-csv"}
     columns = [

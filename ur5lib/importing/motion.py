@@ -118,8 +118,8 @@ def find_motion(file: Contents, evidence: Evidence) -> ImportedMotion:
         position = named["actual_q"]
         if others := [b.title for b in file.blocks if b.meaning() == "actual_q"][1:]:
             evidence.assumed.append(
-                f"{position.title} are the positions; left out: {', '.join(others)}, which may be "
-                "those of another arm"
+                f"{position.title} are the positions; left out: {', '.join(others)}, named like "
+                "positions, too"
             )
         velocity = _on_clock_of(position, named.get("actual_qd"))
     else:
@@ -141,10 +141,10 @@ def _with_targets(
         ratio = _size(measured.in_si(), name, block, time)
         unit = DEGREES if "actual_q" in units else 1.0
         if ratio is not None:
-            unit = min((1.0, DEGREES), key=lambda factor: abs(np.log(abs(ratio) / factor)))
+            unit = DEGREES if abs(ratio) > np.sqrt(DEGREES) else 1.0
         if ratio is not None and not RATIO[0] < ratio / unit < RATIO[1]:
             evidence.left_out.append(block.names)
-            evidence.assumed.append(f"{block.title}: left out, {ratio:.3g} times what is measured")
+            evidence.assumed.append(f"{block.title}: left out, for what moves does not follow it")
             continue
         kept[name] = block
         units |= {name: TARGETS[name]} if unit == DEGREES else {}
@@ -152,7 +152,10 @@ def _with_targets(
 
 
 def _size(measured: dict[str, Array], name: str, block: Block, time: Array) -> float | None:
-    """Return the ratio of a target to what it commands; None where the motion does not tell it."""
+    """Return the ratio of a target to what it commands, None where nothing tells it.
+
+    NaN where most joints that move do not follow; accelerations may be too small to tell.
+    """
     own = measured.get({"target_q": "actual_q"}.get(name, "actual_qd"))
     if own is None:
         return None
@@ -161,8 +164,11 @@ def _size(measured: dict[str, Array], name: str, block: Block, time: Array) -> f
     else:
         both = zip((own - np.nanmean(own, axis=0)).T, block.rows.T, strict=True)
         ratios = [_ratio(*pair) for pair in both]
-    found = [ratio for ratio in ratios if ratio is not None and np.isfinite(ratio)]
-    return float(np.median(found)) if 2 * len(found) > len(ratios) - ratios.count(None) else None
+    moving = [ratio for ratio in ratios if ratio is not None]
+    found = [ratio for ratio in moving if np.isfinite(ratio)]
+    if 2 * len(found) > len(moving):
+        return float(np.median(found))
+    return None if name == "target_qdd" or not moving else np.nan
 
 
 def _on_clock_of(position: Block, block: Block | None) -> Block | None:

@@ -247,10 +247,15 @@ def _report_columns(file: Contents, evidence: Evidence) -> None:
     """Add the columns that are left out, and the assumed layout of a table, to the evidence."""
     if file.header.layout:
         evidence.assumed.append(f"columns as of {file.header.layout}")
-    for name in file.header.repeated:
-        first = name.split(AGAIN)[0]
-        evidence.proven.append(f"{first} appears twice in the header; read once, the first")
-    silent = [block.title for block in file.silent]
-    if silent:
-        more = ", ..." if len(silent) > 5 else ""
-        evidence.proven.append(f"{', '.join(silent[:5])}{more}: zero throughout, so not recorded")
+    if repeated := [name.split(AGAIN)[0] for name in file.header.repeated]:
+        verb = "appears" if len(repeated) == 1 else "appear"
+        evidence.proven.append(
+            f"{_first(repeated)} {verb} twice in the header; read once, the first"
+        )
+    if silent := [block.title for block in file.silent]:
+        evidence.proven.append(f"{_first(silent)}: zero throughout, so not recorded")
+
+
+def _first(names: Sequence[str]) -> str:
+    """Return the first names of a list."""
+    return ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")
