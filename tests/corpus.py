@@ -481,6 +481,7 @@ KINDS: list[Given] = [
         "CR": raw(lambda data: data.replace(b"\n", b"\r")),
         "quotes": lambda text: text.with_rows([[b'"%s"' % c for c in row] for row in text.rows]),
         "a stray quote": spliced(150, lambda row: [row[0], b'"' + row[1], *row[2:]]),
+        "a separator behind each row": raw(lambda data: data.replace(b"\n", b",\n")),
         "a comment on top": raw(lambda data: b"# made by a recorder\n" + data),
         "blank lines": lambda text: text.with_line(120, b"\n  \n"),
         "blank lines on top": raw(lambda data: b"\n\n" + data),
@@ -511,9 +512,6 @@ KINDS: list[Given] = [
         "a cell too many in most rows": select(
             lambda rows, _: [[*row, b"0.5"] if k % 5 else row for k, row in enumerate(rows)]
         ),
-    }),
-    (repaired("unknown channels"), UNUSABLE, {
-        "a separator behind each row": raw(lambda data: data.replace(b"\n", b",\n")),
     }),
     (BROKEN, BROKEN, {
         "zeros inside a row": zeros(9000, 3),
@@ -691,7 +689,6 @@ OF_THESIS: dict[str, Expected] = {
     "rows lost, few": MISSING,
     "time and position exchanged": OTHER_STEP,
     "time last": OTHER_STEP,
-    "a separator behind each row": refused("line [12]: .*; "),
 }
 ALSO_OF_THESIS = ["rows lost, many", "rows lost in turn", "misaligned rows", "text", "gzip"]
 ALSO_OF_THESIS += ["cut inside a number", "empty", "UTF-16", "an empty column", "empty cells"]
@@ -699,7 +696,7 @@ ALSO_OF_THESIS += ["clock reset", "a block repeated", "stale data"]  # joined by
 IN_ALL_FILES = [kind for kind in OF_ROBOT if "time" in kind or "seconds" in kind]
 IN_ALL_FILES += ["thousandths", "clock reset", "a block repeated", "stale data"]
 IN_ALL_FILES += ["rows lost, many", "rows lost in turn", "misaligned rows"]
-ONE_FILE = ["words in the first row", "rows lost, few", "a separator behind each row"]
+ONE_FILE = ["words in the first row", "rows lost, few"]
 OF_TABLE = ["cut inside the first row", "words in the first row", "a first time of 1e300"]
 OF_TABLE += ["clock reset", "rows shuffled", "stale stamps", "stale data", "rows lost, few"]
 OF_TABLE += ["rows lost, many", "rows lost in turn", "positions in degrees", "time last"]
@@ -761,10 +758,6 @@ class Case:
         known = OF_ROBOT
         if self.base.recording["format"] == "thesis-csv":
             known = OF_ROBOT | OF_THESIS
-        elif self.base.name == "table":
-            known = OF_ROBOT | {
-                "a separator behind each row": OF_THESIS["a separator behind each row"]
-            }
         return known[self.kind]
 
     @property

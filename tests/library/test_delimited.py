@@ -122,3 +122,27 @@ def test_zeros_further_down_are_a_damaged_line(tmp_path: Path) -> None:
 def test_a_torn_archive_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="damaged gzip file"):
         blocks(tmp_path / "torn.csv", gzip.compress(b"1,2\n" * 1000)[:-9])
+
+
+ROW = ",".join(["{0}", *["0.25"] * 6])
+NAMES = "time,a,b,c,d,e,f"
+
+
+@pytest.mark.parametrize(
+    ("head", "row"),
+    [
+        ("Robot,UR5e\nSerial,20205500123\n\n" + NAMES, ROW),
+        (NAMES, ROW + ","),
+        ("LabVIEW\t\n" + NAMES.replace(",", "\t"), ROW.replace(",", "\t").replace(".", ",")),
+        ("# of a lab\n# " + NAMES, ROW),
+        (NAMES + ",mode", ROW + ",RUNNING"),
+        ('time,"a","b",c,d,e,f,joints', ROW + ",\"['elbow', 'base']\""),
+    ],
+)
+def test_what_loggers_write_around_numbers(tmp_path: Path, head: str, row: str) -> None:
+    path = tmp_path / "some.csv"
+    path.write_text("\n".join([head, *(row.format(k) for k in range(40))]) + "\n")
+    table = read_numbers(Log(path, "robot", []), None)
+    assert [*table] == NAMES.split(",")
+    assert table["time"].tolist() == [*range(40)]
+    assert (table[["a", "f"]] == 0.25).all(axis=None)

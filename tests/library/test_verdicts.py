@@ -16,7 +16,7 @@ from ur5lib.report.verdicts.baseline import bars, error_bar, state
 from ur5lib.report.verdicts.force import judge_force
 from ur5lib.report.verdicts.models import judge_constants, judge_currents, judge_links, judge_motion
 from ur5lib.report.verdicts.recordings import judge_files
-from ur5lib.report.views.contacts import claim, scores
+from ur5lib.report.views.contacts import claim, felt_while_fitted, scores
 from ur5lib.report.views.currents import next_recordings
 from ur5lib.report.views.first_screen import (
     current_drawn,
@@ -378,6 +378,15 @@ def test_a_contact_beside_a_sensor_is_not_denied() -> None:
     assert force_drawn(results) == ["pushed"]
 
 
+def test_contacts_in_a_recording_to_fit_are_told() -> None:
+    """Fitted as friction, they widen bands and raise the threshold of alarms."""
+    contact = {"estimate": "Fmap", "kind": "contact", "recording": "fitted"}
+    results = study(contacts=[contact])
+    assert findings(results) == [say("findings.felt", name="fitted")]
+    assert [text for text in next_steps(results) if "role is fit" in text]
+    assert not felt_while_fitted(study(contacts=[contact | {"recording": "pushed"}]))
+
+
 def test_without_a_search_no_contact_is_denied() -> None:
     assert findings(study(RESTING)) == [say("findings.unsearched")]
     quiet = SENSED | {"largest_force_n": 2.0, "contacts": 0, "share_in_contact": 0.0}
@@ -415,7 +424,7 @@ def test_findings_count_contacts_false_alarms_and_the_smallest_push() -> None:
     ]
     contacts = [{"recording": name, "estimate": "Fmap", "kind": "contact"} for name in ROLES]
     found = [own.numbers for own in findings(study(detection=rows, contacts=contacts))]
-    assert [[own.value for own in numbers] for numbers in found] == [[1], [6, 8], [0.5], [56]]
+    assert [[own.value for own in numbers] for numbers in found] == [[], [1], [6, 8], [0.5], [56]]
 
 
 # Motion

@@ -112,7 +112,7 @@ def read_header(path: Path) -> Header:
     Those that are numbered like a list of the joints' names, as ROS writes it, have these names.
     """
     cells, row = first_cells(path)
-    if all(_is_number(cell) for cell in cells):
+    if all(_is_number(cell.replace(",", ".")) for cell in cells):
         nist = expand(NIST)
         if len(cells) == len(nist):
             return Header(nist, layout="NIST's UR5 degradation measurements")

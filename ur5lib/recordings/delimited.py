@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
@@ -29,6 +30,9 @@ PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment,
 SPREADSHEET = re.compile(r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d")
 BLOCK = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
 TAIL = 20  # lines that show what a complete last line looks like
+LEAD, ALIKE = 60, 6  # lines that show where a table begins: rows and cells that it has at least
+WITH_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
+UNNAMED = ""  # the column behind the last separator
 SHOWN = 5  # damaged lines that are named
 
 
@@ -56,7 +60,7 @@ def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
     """Return the complete rows of a delimited table; other lines are skipped and reported.
 
     names: of the columns, in order; None takes them from the header line. The separator is a
-    comma, semicolon, tab or blank; where it is a semicolon, commas are decimal points. Returns
+    comma, semicolon, tab or blank; beside semicolons and tabs, commas are decimal points. Returns
     float64, with NaN for empty cells and those with the text NaN, dates as seconds since 1970, and
     no column of other text that is not named like a channel. Raises InputError when the file
     cannot be read, is not text, lacks a required header, or has mostly damaged lines.
@@ -113,11 +117,27 @@ def _first_row(data: bytes) -> tuple[int, bytes, bytes]:
     comment above it if it names as many columns; else nothing.
     """
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
+    top += _length_of_title(data[top:].split(b"\n", LEAD)[:LEAD])
     first = data[top : _end_of_line(data, top)].strip()
     comment = data[:top].strip().rpartition(b"\n")[2].lstrip(b"#% \t").strip()
     names, cells = (line.split(_delimiter(first)) for line in (comment, first))
     header = len(names) == len(cells) > 1 and _is_cell(cells[0]) and not any(map(_is_cell, names))
     return top, first, comment if header else b""
+
+
+def _length_of_title(lines: list[bytes]) -> int:
+    """Return the length of the lines above a table's header, which have less than half its cells.
+
+    0 where there is no header below them.
+    """
+    forms = [(_delimiter(line), len(line.split(_delimiter(line)))) for line in lines if line]
+    (mark, width), count = Counter(forms).most_common(1)[0] if forms else ((b",", 0), 0)
+    if count < ALIKE or width < ALIKE:
+        return 0
+    first = next(k for k, line in enumerate(lines) if len(line.split(mark)) == width)
+    named = not any(map(_is_cell, lines[first].split(mark)))
+    short = all(2 * len(line.split(mark)) < width for line in lines[:first])
+    return sum(len(line) + 1 for line in lines[:first]) if named and short else 0
 
 
 def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, Form]:
@@ -128,13 +148,19 @@ def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, For
         header, top = first, _end_of_line(data, top)
     names = names or _header_names(path, header, delimiter)
     lines = data[top:].split(b"\n", SAMPLE)[:SAMPLE]
-    rows = [cells for line in lines if len(cells := line.split(delimiter)) == len(names)]
-    return top, Form(names, delimiter, *text_columns(rows, names, _number))
+    if delimiter in WITH_COMMAS:
+        lines = [line.replace(b",", b".") for line in lines]
+    cells = [line.split(delimiter) for line in lines if line.strip()]
+    if cells and all(len(row) == len(names) + 1 and not row[-1].strip() for row in cells):
+        names = [*names, UNNAMED]  # behind a separator at the end of each row
+    rows = [row for row in cells if len(row) == len(names)]
+    dates, text = text_columns(rows, names, _number)
+    return top, Form(names, delimiter, dates, [*text, UNNAMED])
 
 
 def _with_points(block: bytes, form: Form, log: Log) -> bytes:
     """Return a block of lines with points for decimal commas."""
-    if form.delimiter != b";" or b"," not in block:
+    if form.delimiter not in WITH_COMMAS or b"," not in block:
         return block
     note = Finding(log.device, "decimal commas", "note", 1, {"file": log.path.name})
     if note not in log.findings:  # once for all blocks
@@ -143,7 +169,10 @@ def _with_points(block: bytes, form: Form, log: Log) -> bytes:
 
 
 def _delimiter(line: bytes) -> bytes:
-    return next((mark for mark in (b";", b",", b"\t") if mark in line), b" ")
+    """Return what separates the cells of a line: a tab, if no cell has more than one comma."""
+    tabbed = b"\t" in line and line.count(b",") <= line.count(b"\t") + 1
+    marks = (b";", b"\t", b",") if tabbed else (b";", b",", b"\t")
+    return next((mark for mark in marks if mark in line), b" ")
 
 
 def _end_of_line(data: bytes, start: int) -> int:

@@ -95,6 +95,12 @@ def found_without_sensor(results: Results) -> dict[str, int]:
     return contacts.value_counts().reindex(names, fill_value=0).to_dict()
 
 
+def felt_while_fitted(results: Results) -> list[str]:
+    """Return the recordings of the role fit on which F̂ᵐᵃᵖ finds contacts, by a fit without them."""
+    rows = results.rows("contacts", estimate="Fmap", kind="contact")
+    return [name for name in results.with_role("fit") if name in {*rows["recording"]}]
+
+
 def counted(results: Results) -> Iterator[Sentence]:
     """Report the number of contacts on each recording without a sensor, also zero."""
     for name, count in [*found_without_sensor(results).items()][:MOST_SHOWN]:

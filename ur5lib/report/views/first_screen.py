@@ -21,6 +21,7 @@ from ur5lib.report.views.contacts import (
     claim,
     counted,
     elsewhere,
+    felt_while_fitted,
     quiet,
     readings,
     touched,
@@ -116,6 +117,8 @@ def touched_while_fitted(results: Results) -> Iterator[Sentence]:
     names = [name for name in results.with_role("fit") if name in touched]
     if names:
         yield say("steps.touched", some=_some(names))
+    if felt := [name for name in felt_while_fitted(results) if name not in names]:
+        yield say("steps.felt", some=_some(felt))
 
 
 def payloads(results: Results) -> Iterator[Sentence]:
@@ -198,6 +201,7 @@ def findings(results: Results) -> list[Sentence]:
         *comparison.rebuilt(results),
         *loads_found(results),
         *_each("findings.unlike", results.rows("remarks", code="unlike other arms")),
+        *(say("findings.felt", name=name) for name in felt_while_fitted(results)[:MOST_SHOWN]),
         *counted(results),
         *elsewhere(results),
         *loads_taken_up(results),
