@@ -259,3 +259,13 @@ def test_a_target_that_nothing_follows_is_left_out(tmp_path: Path, made: Made) -
     entry, comments = imported(saved(table, tmp_path / "run.csv"))
     assert entry["format"] == "rtde-csv"  # which ignores them
     assert "q_d_0 … q_d_5: left out, for what moves does not follow it" in comments
+
+
+def test_columns_without_names_are_left_out(tmp_path: Path, made: Made) -> None:
+    """An index, and what a spreadsheet program appends; silent channels need no other format."""
+    table = rtde(made, *MOVED, target_qdd=0 * made[1]["actual_q"])
+    text = table.to_csv().splitlines()
+    (tmp_path / "run.csv").write_text("".join(f"{line},,,\n" for line in text))
+    entry, comments = imported(tmp_path / "run.csv")
+    assert entry["format"] == "rtde-csv"
+    assert "twice" not in comments

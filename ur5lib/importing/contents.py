@@ -121,7 +121,7 @@ def read_header(path: Path) -> Header:
     cells = with_names(cells, re.findall(r"\w+", " ".join(lists)))
     first = {name: k for k, name in reversed([*enumerate(cells)])}
     names = [name if first[name] == k else f"{name}{AGAIN}{k + 1}" for k, name in enumerate(cells)]
-    return Header(names, [name for name in names if name not in first])
+    return Header(names, [name for name in names if name not in first and not is_unnamed(name)])
 
 
 def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.ndarray]:
@@ -138,8 +138,13 @@ def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.
                 f"{path}, line 1: {first!r} is ambiguous: it names two columns with different "
                 "numbers; give each column its own name"
             )
-    once = [name for name in table if name not in header.repeated]
+    once = [name for name in table if name not in header.repeated and not is_unnamed(name)]
     return {name: table[name].to_numpy() for name in once}
+
+
+def is_unnamed(name: str) -> bool:
+    """Return whether a column has no name, as a table's index or an empty one."""
+    return not name or name.startswith(AGAIN)
 
 
 def nameless(count: int) -> list[str]:

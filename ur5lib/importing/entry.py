@@ -60,7 +60,9 @@ def _of_table(proposal: Proposal) -> Entry:
         }
     units = _units(proposal)
     unchanged = all(name in (column, "time") for column, name in named.items())
-    whole = not any(column in PROVABLE and column not in named for column in header.columns)
+    silent = {name for block in proposal.contents.silent for name in block.names}
+    left_out = PROVABLE - silent - {*named}
+    whole = left_out.isdisjoint(header.columns)
     if proposal.clock == "timestamp" and unchanged and whole and not (header.repeated or units):
         return {"format": "rtde-csv"}
     columns = [

@@ -236,7 +236,7 @@ def _header_names(path: Path, line: bytes, delimiter: bytes) -> list[str]:
             f"{path}, line 1: no header; use format table-csv and name the columns in the study"
         )
     names = [cell.decode(errors="replace").strip() for cell in cells]
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
         raise InputError(
             f"{path}, line 1: column {twice[0]!r} appears twice; give each column its own name"
