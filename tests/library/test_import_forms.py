@@ -233,6 +233,9 @@ def test_what_a_file_lacks_is_said(tmp_path: Path, made: Made) -> None:
     names = {f"{n}_{k}": f"{c}{k}" for n, c in unknown.items() for k in range(6)}
     with pytest.raises(InputError, match="neither efforts or currents nor a TCP pose"):
         import_files([saved(table.rename(columns=names), tmp_path / "run.csv")], ["ur5"])
+    (tmp_path / "states.txt").write_text('{"q": [0.1, 0.2], "time": 1}\n' * 20)
+    with pytest.raises(InputError, match="holds JSON"):
+        import_files([tmp_path / "states.txt"], [])
     lone = table[["timestamp", "actual_current_0"]].rename(columns={"actual_current_0": "i"})
     with pytest.raises(InputError, match=r"none is named like positions .*; it holds i \(1\)"):
         import_files([saved(lone, tmp_path / "lone.csv")], ["ur5"])

@@ -112,6 +112,8 @@ def read_header(path: Path) -> Header:
     Those that are numbered like a list of the joints' names, as ROS writes it, have these names.
     """
     cells, row = first_cells(path)
+    if cells[0].startswith("{"):
+        raise InputError(f"{path}: holds JSON, no table; save each number in a column, as CSV")
     if all(_is_number(cell.replace(",", ".")) for cell in cells):
         nist = expand(NIST)
         if len(cells) == len(nist):
