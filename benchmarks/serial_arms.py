@@ -41,7 +41,7 @@ MOTION = {"kind": "fourier", "period_s": 20, "harmonics": 10, "amplitude_rad": 0
 # of the limits of speed: six to fit, a free one, a touched one
 SHARES = (0.5, 0.3, 0.1, 0.5, 0.3, 0.1, 0.3, 0.3)
 FITTED = len(SHARES) - 2
-BEND, SWAY = 0.5, 0.3  # rad, of each joint to one side or the other, and by which postures differ
+BEND, SWAY = 0.5, 0.3  # rad, of each joint from the middle of its range; by which postures differ
 FORCES = 10.0, 60.0  # N, range of pushes
 CONSTANT, GEAR, ROTOR = 0.1, 100.0, 2e-5  # Nm/A, 1, kg m²: of the motors of the arm with currents
 PRIOR = ContactPrior(force=SETTINGS.contact.force_n)
@@ -74,7 +74,8 @@ def with_motors(robot: Robot) -> Robot:
 def plans(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:
     """Yield recordings to fit, one that is free, and one that is touched."""
     random = np.random.default_rng(seed)
-    bent = BEND * (-1.0) ** np.array(robot.joint_numbers)
+    middle = np.clip(robot.position_limits(), -np.pi, np.pi).mean(axis=1)
+    bent = middle + BEND * (-1.0) ** np.array(robot.joint_numbers)
     for k, share in enumerate(SHARES):
         posture = bent + random.uniform(-SWAY, SWAY, len(bent))
         motion = MOTION | {"draw": 10 * seed + k, "posture": posture, "limit_share": share}

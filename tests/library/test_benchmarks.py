@@ -36,7 +36,8 @@ PRINTED = {  # what each prints at least
 }
 RESUMED = {"simulated_contacts"}
 OF_ALL_STUDIES = {"population"}  # that are built: in tests/artefacts/test_other_arms.py
-OF_A_URDF = {"serial_arms"}  # in tests/library/test_stand_of_other_arms.py
+# in tests/library/test_stand_of_other_arms.py and test_excite_other_arms.py
+OF_A_URDF = {"serial_arms", "serial_excitation"}
 OF_RECORDINGS = {"seven_joints"}
 IN_A_COPY = {"excitation_loop"}  # of the project: in tests/artefacts/test_next_recording.py
 OF_A_BUILT_STUDY = {

@@ -12,6 +12,8 @@ from ur5lib.robots.description import FullScale
 
 CURRENTS = [f"actual_current_{joint}" for joint in range(6)]
 
+LIMITS = [(-6.3, 6.3)] * 6, [3.2] * 6  # rad, rad/s
+
 
 def found(findings: list[Finding], name: str) -> Finding:
     (finding,) = [finding for finding in findings if finding.finding == name]
@@ -33,7 +35,7 @@ def moving_robot() -> pd.DataFrame:
 
 
 def contradictions(table: pd.DataFrame) -> list[str]:
-    return [said(reported) for reported in check_robot(table, PERIOD, [6.3] * 6, [3.2] * 6)]
+    return [said(reported) for reported in check_robot(table, PERIOD, *LIMITS)]
 
 
 def test_channels_that_agree_are_not_remarked() -> None:
@@ -108,12 +110,14 @@ def test_limits_are_each_joints_own() -> None:
     names = ("actual_q_2", "target_q_2")
     for name in names:
         table.loc[:4, name] = -6.5
-    bounds = [6.3] * 6, [3.2] * 6
-    (reported,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
-    assert reported.count == 5
+    turns, speeds = [*LIMITS[0]], LIMITS[1]
+    (reported,) = [f for f in check_robot(table, PERIOD, turns, speeds) if f.count == 5]
     assert "(joint 3: up to 6.5 rad)" in said(reported)
-    bounds[0][2] = 6.5  # reached, not exceeded
-    assert not [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
+    turns[2] = (-6.5, 6.5)  # reached, not exceeded
+    assert not [f for f in check_robot(table, PERIOD, turns, speeds) if f.finding == "joint limits"]
+    turns[2] = (-6.4, 9.0)
+    (reported,) = [f for f in check_robot(table, PERIOD, turns, speeds) if f.count == 5]
+    assert "(joint 3: up to -6.5 rad)" in said(reported)
 
 
 @pytest.mark.parametrize(("count", "reported"), [(9, False), (10, True)])
@@ -240,7 +244,7 @@ def test_what_is_missing_is_not_judged() -> None:
     """A recording of positions alone; rows that were filled in count for no derivative."""
     table = moving_robot()
     alone = table[["time", "segment", "interpolated", *(f"actual_q_{j}" for j in range(6))]]
-    assert check_robot(alone, PERIOD, [6.3] * 6, [3.2] * 6) == []
+    assert check_robot(alone, PERIOD, *LIMITS) == []
     filled = table.copy()
     filled.loc[100:2500, "interpolated"] = True
     filled.loc[101:2499, "actual_q_3"] *= 1.5

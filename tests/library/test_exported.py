@@ -68,14 +68,13 @@ def test_an_arm_of_seven_joints_is_exported(tmp_path: Path) -> None:
         inverse_dynamics(tmp_path / "arm.xml", motion(), GRAVITY)
 
 
-@pytest.mark.parametrize("command", [["singularities"], ["excite", "--write", "designed"]])
 def test_what_is_for_the_axes_of_a_ur_is_refused(
-    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     describe_urdf(saved(made_up(7), tmp_path), None, None, "mine")
-    with pytest.raises(InputError, match=f"`ur5 {command[0]}` .* mine with its 7 joints"):
-        CliRunner().invoke(app, [*command, "--robot", "mine"], catch_exceptions=False)
+    with pytest.raises(InputError, match=r"`ur5 singularities` .* mine with its 7 joints"):
+        CliRunner().invoke(app, ["singularities", "--robot", "mine"], catch_exceptions=False)
 
 
 def test_its_friction_is_coulomb_and_viscous(tmp_path: Path) -> None:
@@ -170,7 +169,7 @@ def test_sdf_has_limits_and_friction() -> None:
     axes = [*root.iter("axis")]
     assert root.get("version") == "1.9"
     upper = [axis.findtext("limit/upper") for axis in axes]
-    expected = [None if np.isinf(end) else str(end) for end in robot.position_limits()]
+    expected = [None if np.isinf(end) else str(end) for _, end in robot.position_limits()]
     assert upper == expected
     assert None in expected
     for field, values in (("damping", FRICTION.viscous), ("friction", FRICTION.coulomb)):
@@ -204,7 +203,7 @@ def test_json_describes_an_arm_without_results() -> None:
 def test_limits_are_those_of_the_joints() -> None:
     robot = load_robot(robot_path("ur5e"))
     model = mujoco.MjModel.from_xml_string(mjcf(robot, "maker", None))
-    np.testing.assert_allclose(model.jnt_range[:, 1], robot.position_limits(), rtol=1e-5)
+    np.testing.assert_allclose(model.jnt_range, robot.position_limits(), rtol=1e-5)
     most = [robot.motor(joint).torque_max for joint in range(1, 7)]
     np.testing.assert_allclose(model.actuator_ctrlrange[:, 1], most)
 

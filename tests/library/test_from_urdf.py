@@ -12,8 +12,13 @@ from ur5lib.commands.described import describe_urdf
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.robots.description import load_robot
+from ur5lib.robots.description import load_robot, robot_yaml
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.from_urdf import robot_from_urdf
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.mjcf import mjcf
+from ur5lib.stand.plan import Standstill
+from ur5lib.stand.trajectories import plan_targets
 from ur5lib.timeseries.arrays import Array
 
 
@@ -142,6 +147,38 @@ def test_endless_joints_and_limits_are_read(tmp_path: Path) -> None:
     assert robot.endless_joints == [1, 2]
     assert np.isinf(robot.position_limits()).all()
     assert [robot.motor(k).torque_max for k in robot.joint_numbers] == [20.0, 20.0]
+
+
+def test_a_range_to_one_side_is_that_of_the_file(tmp_path: Path) -> None:
+    """In its description, its exports, and what the stand refuses."""
+    root = made_up(2)
+    limit = next(root.iter("limit"))
+    limit.set("lower", "-3"), limit.set("upper", "-0.1")
+    robot, _ = robot_from_urdf(saved(root, tmp_path))
+    written = tmp_path / "arm.yaml"
+    written.write_text(robot_yaml(robot))
+    ends = [(-3.0, -0.1), (-2.5, 2.5)]
+    assert load_robot(written).position_limits() == robot.position_limits() == ends
+    (tmp_path / "arm.urdf").write_text(urdf(robot, rigid_bodies(robot, "maker"), None))
+    assert robot_from_urdf(tmp_path / "arm.urdf")[0].position_limits() == ends
+    model = mujoco.MjModel.from_xml_string(mjcf(robot, "maker", None))
+    np.testing.assert_allclose(model.jnt_range, ends)
+    still = Standstill(kind="standstill", posture=(0.0, 0.0))
+    with pytest.raises(InputError, match=r"joint 1 of .* to 0 rad, beyond its limit of -0\.1"):
+        plan_targets(still, robot, np.arange(0, 1, 0.1))
+
+
+def test_the_base_frame_lies_beside_the_base_links_origin(tmp_path: Path) -> None:
+    """On the first axis; where the joint's own origin is along it does not matter."""
+    root = planar(2)
+    joint = next(j for j in root.iter("joint") if j.get("name") == "swing_1")
+    origins = []
+    for along in (0.0, 0.7):
+        joint.find("origin").set("xyz", f"0.1 {along} 0.2")
+        robot, remarks = robot_from_urdf(saved(root, tmp_path))
+        assert "base frame at 0.1, 0, 0.2 m of base" in remarks[0]
+        origins.append(flange_kinematics(robot, np.zeros((1, 2)))[1][0])
+    np.testing.assert_allclose(origins[1] - origins[0], [0, 0, 0.7], atol=1e-12)
 
 
 def test_what_moves_beside_the_chain_is_held(tmp_path: Path) -> None:

@@ -67,8 +67,7 @@ def test_a_recording_has_the_joints_of_its_arm(count: int, tmp_path: Path) -> No
     found, robot = recorded(count, tmp_path), sensing(count)
     for name in ("actual_q", "actual_qd", "actual_current", "actual_torque"):
         assert channel(found.robot, name).shape[1] == count
-    limits = np.full(count, 10.0)
-    assert not check_robot(found.robot, PERIOD, limits, limits)
+    assert not check_robot(found.robot, PERIOD, [(-10.0, 10.0)] * count, [10.0] * count)
     assert not stop_signs(found.robot, robot, None, None, True)
 
 

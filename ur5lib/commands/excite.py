@@ -5,15 +5,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import yaml
 from pydantic import ValidationError
 from rich.console import Console
 from rich.progress import Progress
 
-from ur5lib.commands.exported import described, expect_ur
+from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.excitation.bands import Next, Outlook
+from ur5lib.excitation.bands import Next, Outlook, feels_forces
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import summary_of, write_files
 from ur5lib.excitation.objective import STEP, Task, Worth
@@ -30,6 +31,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.report.excitation import LOAD, excitation_figure, excitation_page
 from ur5lib.report.house_style import save
 from ur5lib.report.render import write_html
+from ur5lib.report.torques import in_torques
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.population import population_files
@@ -38,6 +40,11 @@ from ur5lib.strict import read_yaml
 BEFORE = (
     "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
     "at full speed."
+)
+RECORD = "ur5 record STUDY NAME --move"
+BY_DRIVER = (
+    "Let the arm's own driver move it along trajectory.csv, which has the time [s] and all joint "
+    "angles [rad], and add the recording to a study (docs/robots.md)."
 )
 SHOWN = Console(stderr=True)
 MAX_PRINTED = 6  # parameters whose standard errors are printed
@@ -76,18 +83,20 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     write_files(folder, options.robot, options.payload, task, planned.path, summary)
     drawn = folder / "excitation.svg"
     save(drawing, drawn)
-    command = f"ur5 record STUDY NAME --move {folder}/trajectory.csv --speed 1"
-    before = [] if options.payload is None else [_mounting(options.payload)]
+    ur = task.cell.robot.is_ur()
+    command = f"{RECORD} {folder}/trajectory.csv --speed 1" if ur else ""
+    last = len(task.cell.middle)
+    before = [] if options.payload is None else [_mounting(options.payload, last)]
     outlook = outlook_of(options.seconds, arm, known, task, planned.path)
-    page = excitation_page(
-        asked, [*before, BEFORE], command, planned, task.problem, worth, outlook, drawn
-    )
-    write_html(page, folder / "excitation.html")
+    steps = [*before, BEFORE, *([] if ur else [BY_DRIVER])]
+    page = excitation_page(asked, steps, command, planned, task.problem, worth, outlook, drawn)
+    sensed = task.problem.senses_torque
+    write_html(in_torques(page) if sensed else page, folder / "excitation.html")
     yield from planned.margins.lines()
     yield from _worth_lines(task.problem, worth)
-    yield from _band_lines(outlook)
+    yield from _band_lines(outlook, sensed)
     yield from before
-    yield f"{folder} written; next: {command}"
+    yield f"{folder} written; next: {command or BY_DRIVER}"
 
 
 def _design(task: Task, seed: int, effort: Effort) -> Design:
@@ -97,24 +106,24 @@ def _design(task: Task, seed: int, effort: Effort) -> Design:
         return design(task, seed, effort, lambda count: progress.advance(line, count))
 
 
-def _mounting(load: Payload) -> str:
-    """Return how to mount a load before its motion is recorded."""
+def _mounting(load: Payload, last: int) -> str:
+    """Return how to mount a load before its motion is recorded; last: number of its frame."""
     x, y, z = load.center_of_mass
     return (
-        f"Mount {load.mass:g} kg with its centre of mass at ({x:g}, {y:g}, {z:g}) m in frame 6; "
-        "declare it to the controller and as the payload of the recording."
+        f"Mount {load.mass:g} kg with its centre of mass at ({x:g}, {y:g}, {z:g}) m in frame "
+        f"{last}; declare it to the controller and as the payload of the recording."
     )
 
 
 def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
     """Return the arm as it is known, and what a study of earlier recordings knows of it, if any.
 
-    Raises InputError for another arm than a UR, and where a file of the study is missing.
+    Raises InputError for an unknown arm, and where a file of the study is missing.
     """
     if options.results is None:
-        return expect_ur(described(options.robot), "ur5 excite"), None
+        return described(options.robot), None
     study = FinishedStudy(options.results)
-    arm = expect_ur(study.arm(options.robot), "ur5 excite")
+    arm = study.arm(options.robot)
     friction = study.parameters(Friction, arm.name, "friction")
     base = study.parameters(Identification, arm.name, "identification")
     known = study.configuration()
@@ -135,7 +144,7 @@ def task_of(options: ExciteOptions, arm: Robot, known: Earlier | None) -> Task:
     else:
         problem, information = problem_after(arm, known, seeks_load)
     problem = problem.of_model(cell.model.parameters)
-    question = QUESTIONS[options.question](problem, cell.model)
+    question = QUESTIONS[options.question](problem, cell)
     return Task(cell, problem, question, information, options.seconds)
 
 
@@ -144,9 +153,10 @@ def outlook_of(
 ) -> list[Next]:
     """Return the bands as they are, and after the designed motion and others of some seconds.
 
-    Empty without a fit to earlier recordings, from which the bands come.
+    Empty without a fit to earlier recordings, from which the bands come, and for an arm that does
+    not feel all forces.
     """
-    if known is None or not known.fitted.fit.joints:
+    if known is None or not known.fitted.fit.joints or not feels_forces(arm):
         return []
     problem, information = problem_after(arm, known, has_payload=False)
     outlook, (_, states) = Outlook(arm, problem, known.fitted), path.sampled(1 / STEP)
@@ -190,10 +200,10 @@ def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
 
 def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
     """Yield the information of a trajectory, and the least determined parameters' errors."""
+    whole = f", of the whole problem {worth.condition:.0f}" if np.isfinite(worth.condition) else ""
     yield (
         f"log det of the information: {worth.log_det:.1f}, {worth.gain:.1f} more than before; "
-        f"condition number of the regressor {worth.regressor_condition:.0f}, of the whole problem "
-        f"{worth.condition:.0f}"
+        f"condition number of the regressor {worth.regressor_condition:.0f}{whole}"
     )
     yield "least determined so far, predicted standard errors before and after:"
     names, units = problem.names(), problem.units()
@@ -204,12 +214,13 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
         yield f"this motion would hardly lower the first of these errors: {LOAD}"
 
 
-def _band_lines(outlook: Sequence[Next]) -> Iterator[str]:
-    """Yield the bands before and after recordings."""
+def _band_lines(outlook: Sequence[Next], sensed: bool) -> Iterator[str]:
+    """Yield the bands before and after recordings; sensed: of torques in place of currents."""
+    name, unit = ("torque", "Nm") if sensed else ("current", "A")
     if outlook:
-        yield "half of the 95 % bands of a force in contact, a current and a load, on average:"
+        yield f"half of the 95 % bands of a force in contact, a {name} and a load, on average:"
     for row in outlook:
-        yield f"  {row.after:<46}{row.force:>7.2f} N {row.current:>7.4f} A {row.mass:>6.3f} kg"
+        yield f"  {row.after:<46}{row.force:>7.2f} N {row.current:>7.4f} {unit} {row.mass:>6.3f} kg"
 
 
 def _recorded(arm: Robot, study: FinishedStudy, name: str) -> Recorded:

@@ -79,7 +79,7 @@ def described(robot: str) -> Robot:
 
 def expect_ur(arm: Robot, command: str) -> Robot:
     """Return an arm. Raises InputError where a command knows arms of a UR's six joints alone."""
-    if len(arm.joints) != 6 or not arm.denavit_hartenberg:
+    if not arm.is_ur():
         raise InputError(
             f"`{command}` knows arms with the axes of a UR alone, not {arm.name} with its "
             f"{len(arm.joints)} joints"

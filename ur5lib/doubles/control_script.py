@@ -173,7 +173,7 @@ class ControlScript:
 
     def is_within_limits(self) -> None:
         """Answer whether joint angles are within the limits."""
-        limits = self.box.arm.rig.robot.position_limits()
+        limits = [high for _, high in self.box.arm.rig.robot.position_limits()]
         self.write_result(bool((np.abs(self._doubles(0, 6)) <= limits).all()))
 
     def outputs(self, name: str) -> Array:

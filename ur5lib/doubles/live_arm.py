@@ -88,7 +88,8 @@ class LiveArm:
     @cached_property
     def _limits(self) -> tuple[list[float], list[float]]:
         motors = [self._bare.motor(joint) for joint in self._bare.joint_numbers]
-        return self._bare.position_limits(), [motor.velocity_max for motor in motors]
+        furthest = [high for _, high in self._bare.position_limits()]
+        return furthest, [motor.velocity_max for motor in motors]
 
     def _step(self) -> None:
         warmth = float(self.plan.temperature(self.time)) - USUAL

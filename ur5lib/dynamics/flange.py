@@ -9,6 +9,8 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks
 
+POSTURES, RANK = 20, 1e-6  # random ones that tell an arm's twists; what counts as zero, m and rad
+
 
 def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
     """Return R_n (N, 3, 3), o_n (N, 3) [m] and J_g (N, 6, n), base frame. q: (N, n) [rad]."""
@@ -24,14 +26,22 @@ def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
     return rotation.reshape(-1, 3, 3), origin, jacobian.reshape(len(q), 6, -1)
 
 
-def differentiable_singular_value(robot: Robot, q: Array) -> tuple[Array, PullBack]:
-    """Return the smallest singular value of J_g (N,), in which metres and radians count alike, and
-    the pull-back of its derivative to q. q: (N, n) [rad].
+def independent_twists(robot: Robot) -> int:
+    """Return how many independent twists the flange has: the largest rank of J_g, at most 6."""
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSTURES, len(robot.joints)))
+    return int(np.linalg.matrix_rank(flange_kinematics(robot, q)[2], tol=RANK).max())
+
+
+def differentiable_singular_value(robot: Robot, q: Array, twists: int) -> tuple[Array, PullBack]:
+    """Return the smallest singular value of J_g (N,) that is not always zero, in which metres and
+    radians count alike, and the pull-back of its derivative to q.
+
+    q: (N, n) [rad]; twists: see `independent_twists`.
     """
     arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
 
     def smallest(q: torch.Tensor) -> torch.Tensor:
-        return torch.linalg.svdvals(kinematics.jacobian(arm, q))[:, -1]
+        return torch.linalg.svdvals(kinematics.jacobian(arm, q))[:, twists - 1]
 
     return with_pull_back(smallest, q)
 

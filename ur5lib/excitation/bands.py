@@ -15,9 +15,8 @@ from scipy.special import stdtrit
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.posterior import Fitted
-from ur5lib.excitation.problem import CORRELATED, LINK_6, Problem, random_states
+from ur5lib.excitation.problem import CORRELATED, LOAD_WIDTH, Problem, random_states
 from ur5lib.excitation.questions import PREDICTED_ACCELERATION, PREDICTED_SPEED
-from ur5lib.identification.base_parameters import prior_width
 from ur5lib.identification.current_regression import MOVING
 from ur5lib.identification.currents import BETWEEN_DAYS
 from ur5lib.robots.description import Payload, Robot
@@ -30,6 +29,7 @@ FAST, SLOW = (1.5, 3.0), (0.2, 0.4)  # rad/s, rad/s²: of recordings that may co
 BETWEEN_SEEN = 0.035
 LOAD = Payload(mass=2.0, center_of_mass=(0.06, 0.0, 0.05))  # kg, m
 WEIGHED = 20.0  # s, along which a load is found
+FELT = 1e-6  # m; a smaller lever is none
 
 
 @dataclass(frozen=True)
@@ -51,15 +51,21 @@ class Next:
     mass: float
 
 
+def feels_forces(arm: Robot) -> bool:
+    """Return whether an arm's joints feel forces at the flange in all directions."""
+    linear = flange_kinematics(arm, random_states(arm, *FAST)[0])[2][:, :3]
+    return bool(np.linalg.matrix_rank(linear, tol=FELT).max() == 3)
+
+
 class Outlook:
-    """The bands of an arm by the information on its parameters."""
+    """The bands of an arm by the information on its parameters; of one that `feels_forces`."""
 
     def __init__(self, arm: Robot, problem: Problem, fitted: Fitted) -> None:
         """Evaluate the arm at random states; problem: without a payload among its parameters."""
-        q, qd, qdd = random_states(PREDICTED_SPEED, PREDICTED_ACCELERATION)
+        q, qd, qdd = random_states(arm, PREDICTED_SPEED, PREDICTED_ACCELERATION)
         Y = LinkModel(arm, arm.fullest_model()).regressor(q, qd, qdd)
         self._arm, self._problem, self._fitted = arm, problem, fitted
-        self._rows = problem.rows(problem.theta, Y, qd)[:, 6:]  # over the noise
+        self._rows = problem.rows(problem.theta, Y, qd)[:, problem.joints :]  # over the noise
         self._friction = problem.friction_current(Y, qd)
         self._with_load = problem.rows_with_load(Y, qd)
         self._jacobian = flange_kinematics(arm, q)[2][:, :3]
@@ -70,15 +76,15 @@ class Outlook:
         further: recordings beyond those of the fit; other_day: whether on another day.
         """
         rows = self._rows * self._problem.noise.current[:, None]
-        doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, 6, 6) [A²]
+        doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
         apart = self._within(further) ** 2 + (self._between(other_day) * self._friction) ** 2
-        current = doubt + apart[..., None] * np.eye(6)
+        current = doubt + apart[..., None] * np.eye(self._problem.joints)
         constant = 1 / self._problem.theta[self._problem.of_currents][::5]
         torque = np.linalg.inv(current * np.outer(constant, constant))
         force = np.linalg.inv(self._jacobian @ torque @ self._jacobian.mT)
         variance = {
             "force": np.median(np.trace(force, axis1=1, axis2=2)) / 3,
-            "current": np.trace(current, axis1=1, axis2=2).mean() / 6,
+            "current": np.trace(current, axis1=1, axis2=2).mean() / self._problem.joints,
             "mass": self._mass(information, apart),
         }
         return Bands(**{name: NORMAL95 * float(np.sqrt(own)) for name, own in variance.items()})
@@ -104,7 +110,7 @@ class Outlook:
             ("all joints with 2 kg", LOAD, FAST),
         ):
             model = LinkModel(self._arm.carrying(load), self._arm.fullest_model())
-            q, qd, qdd = random_states(*motion)
+            q, qd, qdd = random_states(self._arm, *motion)
             problem = self._problem.of_model(model.parameters)
             Y = model.regressor(q, qd, qdd)
             yield f"{seconds:g} s, {name}", problem.information(Y, qd, seconds / len(q))
@@ -115,7 +121,7 @@ class Outlook:
         return [(name, False), (f"{name}, on another day", True)] if one_day else [(name, False)]
 
     def _within(self, further: int) -> Array:
-        """Return the standard deviations (6,) [A] by which recordings differ.
+        """Return the standard deviations (n,) [A] by which recordings differ.
 
         The quantile of Student's t falls with their number.
         """
@@ -134,11 +140,11 @@ class Outlook:
     def _mass(self, information: Array, apart: Array) -> float:
         """Return the variance [kg²] of a load's mass along WEIGHED seconds of the states.
 
-        apart: variance (N, 6) [A²] of currents, independent every CORRELATED.
+        apart: variance (N, n) [A²] of currents, independent every CORRELATED.
         """
         count = len(information)
-        load = np.diag(prior_width(66)[LINK_6] ** -2.0)
-        relative = self._problem.noise.current / np.sqrt(apart)  # (N, 6)
+        load = np.diag(LOAD_WIDTH**-2.0)
+        relative = self._problem.noise.current / np.sqrt(apart)  # (N, n)
         J = (self._with_load * relative[..., None]).reshape(-1, count + 10)
         seconds = WEIGHED / CORRELATED / len(relative)
         whole = block_diag(information, load) + J.T @ J * seconds

@@ -7,7 +7,6 @@ from operator import itemgetter
 import numpy as np
 from scipy.optimize import minimize
 
-from ur5lib.dynamics.flange import differentiable_singular_value
 from ur5lib.errors import InputError
 from ur5lib.excitation.objective import Objective, Task
 from ur5lib.excitation.trajectory import Cell, Margins, Path
@@ -16,7 +15,7 @@ from ur5lib.timeseries.profiles import resting_series
 
 RATE, COARSE = 1000.0, 25.0  # Hz, at which results and attempts are checked
 POSTURES = 1000  # random ones that are tried
-TURNED = 2.6  # rad, largest angle of a joint in random postures
+TURNED = 2.6  # rad, largest angle of a joint from the middle of its range in random postures
 HALVINGS = 8  # steps of the bisection for the largest share of a path
 CAUTION, ATTEMPTS = 0.97, 30  # factor of a path that fails the fine check, and number of attempts
 
@@ -61,10 +60,10 @@ def _largest_share(cell: Cell, path: Path) -> float:
 def random_path(task: Task, random: np.random.Generator, postures: Array) -> Path:
     """Return a random path, as large as the limits allow.
 
-    postures: (M, 6) [rad], of which one is drawn as the start; see `free_postures`.
+    postures: (M, n) [rad], of which one is drawn as the start; see `free_postures`.
     """
     basis = resting_series(task.seconds, task.harmonics)
-    drawn = basis @ random.normal(size=(basis.shape[1], 6))
+    drawn = basis @ random.normal(size=(basis.shape[1], postures.shape[1]))
     posture = postures[random.integers(len(postures))]
     path = Path(posture, drawn, task.seconds)
     speed = np.abs(path.sampled(COARSE)[1].qd).max(axis=0)
@@ -72,12 +71,12 @@ def random_path(task: Task, random: np.random.Generator, postures: Array) -> Pat
 
 
 def free_postures(cell: Cell, random: np.random.Generator) -> Array:
-    """Return random postures (M, 6) [rad] in which the arm keeps all limits at rest.
+    """Return random postures (M, n) [rad] in which the arm keeps all limits at rest.
 
     Raises InputError if there is none; its message names the limit that is broken most often.
     """
-    q = random.uniform(-TURNED, TURNED, (POSTURES, 6))
-    q = np.clip(q, -cell.limits.position, cell.limits.position)
+    turned = np.minimum(TURNED, cell.limits.position)
+    q = cell.middle + random.uniform(-turned, turned, (POSTURES, len(turned)))
     broken = _broken_at_rest(cell, q)
     free = ~np.any(list(broken.values()), axis=0)
     if not free.any():
@@ -90,7 +89,7 @@ def free_postures(cell: Cell, random: np.random.Generator) -> Array:
 
 
 def _broken_at_rest(cell: Cell, q: Array) -> dict[str, Mask]:
-    """Return by limit whether the arm exceeds it at rest in postures (N, 6) [rad]."""
+    """Return by limit whether the arm exceeds it at rest in postures (N, n) [rad]."""
     still, near = np.zeros_like(q), cell.capsules.near(q)
     torque = cell.model.inverse_dynamics(q, still, still)
     touched = dict[str, Mask]()
@@ -102,8 +101,7 @@ def _broken_at_rest(cell: Cell, q: Array) -> dict[str, Mask]:
         "gravity needs more than the torque limit": np.any(
             np.abs(torque) > cell.limits.torque, axis=1
         ),
-        "the arm is near a singularity": differentiable_singular_value(cell.robot, q)[0]
-        < cell.limits.singular_value,
+        "the arm is near a singularity": cell.singular_value(q)[0] < cell.limits.singular_value,
     }
 
 

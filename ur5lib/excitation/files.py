@@ -1,4 +1,4 @@
-"""The files of a designed trajectory: for `ur5 record`, for the arm's controller, for the stand."""
+"""The files of a designed trajectory: for `ur5 record`, for a UR's controller, for the stand."""
 
 from dataclasses import dataclass
 from pathlib import Path as File
@@ -14,7 +14,7 @@ from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
-RATE = 125.0  # Hz, at which servoj runs on every controller
+RATE = 125.0  # Hz, at which servoj runs on every UR
 BESIDE = 3.0  # s at rest that the stand records before and after the motion, in total
 DENSE = 20  # checked states between two way-points
 SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s between way-points; the widest without collision is used
@@ -69,10 +69,11 @@ def write_files(
     texts = {
         "trajectory.csv": _csv(np.column_stack([time, states.q])),
         "way_points.csv": _csv(way_points(task.cell, path)),
-        "trajectory.script": script(states.q),
         "stand.yaml": stand_study(robot, payload, path),
         "excitation.json": json_text(summary),
     }
+    if task.cell.robot.is_ur():
+        texts["trajectory.script"] = script(states.q)
     for name, text in texts.items():  # all of them are made before the first is written
         write_text(text, folder / name)
 
@@ -100,10 +101,10 @@ def summary_of(
 
 
 def way_points(cell: Cell, path: Path) -> Array:
-    """Return postures (M, 6) [rad] along a path, dense enough for straight moves to keep clear."""
+    """Return postures (M, n) [rad] along a path, dense enough for straight moves to keep clear."""
     for spacing in SPACINGS:
         points = path.sampled(1 / spacing)[1].q
-        steps = np.linspace(points[:-1], points[1:], DENSE, axis=1).reshape(-1, 6)
+        steps = np.linspace(points[:-1], points[1:], DENSE, axis=1).reshape(-1, points.shape[1])
         if not (cell.capsules.near(steps).distance < cell.limits.clearance / 2).any():
             break
     return points

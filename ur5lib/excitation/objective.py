@@ -5,7 +5,6 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.dynamics.flange import differentiable_singular_value
 from ur5lib.excitation.problem import Problem
 from ur5lib.excitation.questions import Criterion
 from ur5lib.excitation.trajectory import REACH, Cell, Path, States
@@ -48,12 +47,12 @@ class Task:
 class Objective:
     """The criterion of a path minus a penalty for the limits that it breaks, with its gradient.
 
-    The variables x of a path are its posture (6,) and the coefficients (K, 6) of series that begin
+    The variables x of a path are its posture (n,) and the coefficients (K, n) of series that begin
     and end at rest (`resting_series`).
     """
 
     def __init__(self, task: Task) -> None:
-        self._task = task
+        self._task, self._joints = task, len(task.cell.middle)
         time = np.arange(0, task.seconds, STEP)
         self._basis = resting_series(task.seconds, task.harmonics)
         terms = fourier_terms(task.seconds, task.harmonics, time)
@@ -61,7 +60,8 @@ class Objective:
 
     def path(self, x: Array) -> Path:
         """Return the path of x."""
-        return Path(x[:6], self._basis @ x[6:].reshape(-1, 6), self._task.seconds)
+        posture, weights = self._parts(x)
+        return Path(posture, self._basis @ weights, self._task.seconds)
 
     def variables(self, path: Path) -> Array:
         """Return x of a path that rests at both ends."""
@@ -70,8 +70,13 @@ class Objective:
 
     def states(self, x: Array) -> States:
         """Return the states that the optimisation checks, one every STEP seconds."""
-        q, qd, qdd, jerk = (term @ x[6:].reshape(-1, 6) for term in self._terms)
-        return States(q + x[:6], qd, qdd, jerk)
+        posture, weights = self._parts(x)
+        q, qd, qdd, jerk = (term @ weights for term in self._terms)
+        return States(q + posture, qd, qdd, jerk)
+
+    def _parts(self, x: Array) -> tuple[Array, Array]:
+        """Return the posture (n,) and the coefficients (K, n) of x."""
+        return x[: self._joints], x[self._joints :].reshape(-1, self._joints)
 
     def __call__(self, x: Array, weight: float) -> tuple[float, Array]:
         """Return the criterion less the weighted penalty, and its gradient, both negated."""
@@ -100,7 +105,7 @@ class Objective:
         """Return the sum of squared excesses over the limits, its slopes by states and torque."""
         cell, total, slopes = self._task.cell, 0.0, []
         limits = [*cell.limits.of_states(), cell.limits.torque]
-        for part, limit in zip([*states, torque], limits, strict=True):
+        for part, limit in zip([*cell.limited(states), torque], limits, strict=True):
             value, slope = _beyond(part, INNER * limit)
             total += value
             slopes.append(slope)
@@ -120,13 +125,13 @@ class Objective:
     def _singularity(self, q: Array) -> tuple[float, Array]:
         """Return the penalty of singular values that are too small, and its slope by q."""
         least = self._task.cell.limits.singular_value / INNER
-        value, pull_back = differentiable_singular_value(self._task.cell.robot, q)
+        value, pull_back = self._task.cell.singular_value(q)
         missing = np.maximum(1 - value / least, 0)
         return float(missing @ missing), pull_back(-2 / least * missing)[0]
 
 
 def _beyond(values: Array, limit: Array) -> tuple[float, Array]:
-    """Return Σ (|v|/limit - 1)² of values (N, 6) beyond a limit (6,), and its derivative."""
+    """Return Σ (|v|/limit - 1)² of values (N, n) beyond a limit (n,), and its derivative."""
     over = np.maximum(np.abs(values) / limit - 1, 0)
     return float(np.sum(over**2)), 2 * over * np.sign(values) / limit
 
@@ -141,8 +146,9 @@ class Worth:
     log_det: log det of the information M (P, P) after the recording; gain: increase by the
     recording; regressor_condition: condition number of the base parameters' regressor in SI units
     (Gautier 1992); condition: condition number of J, each column in units of its prior standard
-    deviation; prior, before, after: standard errors (P,) of `Problem.names` in physical units, by
-    the prior alone, before the recording, and after it.
+    deviation, infinite where no target torque tells masses from gains; prior, before, after:
+    standard errors (P,) of `Problem.names` in physical units, by the prior alone, before the
+    recording, and after it.
     """
 
     log_det: float
@@ -172,13 +178,14 @@ class Worth:
         W = Y[..., problem.base.columns].reshape(-1, problem.count)
         J = problem.rows(problem.theta, Y, states.qd).reshape(-1, len(problem.theta))
         width = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
+        told = np.isfinite(problem.noise.torque).all()
         information = task.information(path)
         log_det, earlier = (np.linalg.slogdet(one)[1] for one in (information, task.earlier))
         return cls(
             log_det=float(log_det),
             gain=float(log_det - earlier),
             regressor_condition=float(np.linalg.cond(W)),
-            condition=float(np.linalg.cond(J * width)),
+            condition=float(np.linalg.cond(J * width)) if told else np.inf,
             prior=problem.standard_errors(problem.prior),
             before=problem.standard_errors(task.earlier),
             after=problem.standard_errors(information),

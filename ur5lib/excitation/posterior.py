@@ -21,7 +21,7 @@ ROUNDS = 4  # iterations, after which predicted standard errors are within 3 % o
 
 class Recorded(NamedTuple):
     """Independent states of a recording: link model with its payload and mounting, regressor Y
-    (N, 6, 66), velocities (N, 6) [rad/s].
+    (N, n, 11 n), velocities (N, n) [rad/s].
     """
 
     model: LinkModel
@@ -32,7 +32,7 @@ class Recorded(NamedTuple):
     def along(cls, robot: Robot, time: Array, *motion: Array) -> Self:
         """Return the states of a recording every INDEPENDENT, without unknown ones.
 
-        robot: mounted, with its payload; time: (N,) [s]; motion: q, q̇, q̈, (N, 6) each.
+        robot: mounted, with its payload; time: (N,) [s]; motion: q, q̇, q̈, (N, n) each.
         """
         model = LinkModel(robot, robot.fullest_model())
         every = max(1, round(INDEPENDENT / float(np.median(np.diff(time)))))
@@ -43,7 +43,7 @@ class Recorded(NamedTuple):
 
 @dataclass(frozen=True)
 class Fitted:
-    """A study's fit of currents, its parameters, and the noise (6,) [Nm] of its target torques.
+    """A study's fit of currents, its parameters, and the noise (n,) [Nm] of its target torques.
 
     recordings: how many it was fitted to, 0 where it is what other arms have.
     """
@@ -64,9 +64,10 @@ class Fitted:
         return Maps(np.array([_kept(joint) for joint in self.fit.joints]), Noise(torque, current))
 
     def observed(self) -> Array:
-        """Return the standard errors (6, 5) of KEPT, NaN for a missing term."""
+        """Return the standard errors (n, 5) of KEPT, NaN for a missing term."""
         errors = {(row.joint, row.name): row.std_error for row in self.parameters}
-        return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in range(1, 7)])
+        joints = range(1, len(self.fit.joints) + 1)
+        return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in joints])
 
 
 class Earlier(NamedTuple):
@@ -98,14 +99,14 @@ def _kept(joint: JointFit) -> list[float]:
 
 
 def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Array) -> Problem:
-    """Return the problem with the noise of currents scaled to the observed standard errors (6, 5).
+    """Return the problem with the noise of currents scaled to the observed standard errors (n, 5).
 
     One factor for each joint: the median over its five parameters, at least 1.
     """
-    noise, factor = problem.noise, np.ones(6)
+    noise, factor = problem.noise, np.ones(problem.joints)
     for _ in range(ROUNDS):
         errors = problem.standard_errors(_information(problem, recordings))
-        predicted = errors[problem.of_currents].reshape(6, 5)
+        predicted = errors[problem.of_currents].reshape(-1, 5)
         factor = np.maximum(factor * np.nanmedian(observed / predicted, axis=1), 1)
         problem = replace(problem, noise=replace(noise, current=noise.current * factor))
     return problem

@@ -1,9 +1,11 @@
 """The parameters that a recording is to determine: those of an arm's torques and motor currents.
 
-The controller's target torques are those of its link model, τ = Y β. Motor currents are
-i = a T + b + c z + v q̇ + l |T| z with T = τ + Y_6 p, as `identification/currents.py` fits them:
+A UR's target torques are those of its controller's link model, τ = Y β. Motor currents are
+i = a T + b + c z + v q̇ + l |T| z with T = τ + Y_n p, as `identification/currents.py` fits them:
 a = 1/k is the inverse torque constant, b an offset, z = tanh(q̇/ε) the direction of dry friction, c,
-v and l Coulomb, viscous and load-dependent friction over k, and p a payload's ten parameters.
+v and l Coulomb, viscous and load-dependent friction over k, and p a payload's ten parameters, which
+moves as link n does. Torque sensors take the place of currents with a k of nearly 1, and with the
+little friction that lies between them and the links.
 """
 
 from dataclasses import dataclass, replace
@@ -12,14 +14,16 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import InputError
 from ur5lib.identification.base_parameters import (
+    LINK,
+    OF_JOINT,
     BaseParameters,
     base_parameters,
-    parameter_names,
     prior_width,
 )
 from ur5lib.identification.excitation import candidate_motions
-from ur5lib.identification.population import Population, typical_arm
+from ur5lib.identification.population import Population, typical_of
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import STEP as INDEPENDENT
@@ -33,19 +37,23 @@ TORQUE_NOISE = 0.02  # Nm, of target torques, unless a study has estimated it
 CURRENT_NOISE = 0.01  # relative to the current at the largest torque; likewise
 CONSTANT_WIDTH = 0.3  # relative standard deviation of the maker's torque constants
 NOMINAL = (0.06, 0.06, 0.05)  # Coulomb, viscous friction over the largest torque; load friction
+BEHIND = 0.05  # share of a joint's friction and offset that its torque sensor sees
+SENSOR_NOISE = 0.003  # relative to the largest torque: what two real arms' sensors leave of a fit
+GAIN_WIDTH = 0.03  # standard deviation of calibrated torque sensors' gains
 PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
 UNITS = ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm")
-PARAMETERS = parameter_names(66)  # of the links and rotors of six joints
+SENSED, SENSED_UNITS = ("gain", "bias", *PER_JOINT[2:]), ("Nm/Nm", *UNITS[1:])
 LINK_UNITS = {"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"}  # by a name's start
-LINK_6 = slice(50, 60)  # of the columns of Y: a payload moves as link 6 does
+LOAD_WIDTH = prior_width(OF_JOINT)[: len(LINK)]  # standard deviations of a load's ten parameters
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that determine base parameters
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations of target torques (6,) [Nm] and currents (6,) [A], every INDEPENDENT.
+    """Standard deviations of target torques (n,) [Nm] and currents (n,) [A], every INDEPENDENT.
 
     Errors that are independent only every T seconds count as √(T / INDEPENDENT) times as large.
+    That of target torques is infinite where the controller states none.
     """
 
     torque: Array
@@ -54,7 +62,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class Maps:
-    """The joints' maps from torque to current, (6, 5): a [A/Nm], b [A], c, v, l over k."""
+    """The joints' maps from torque to current, (n, 5): a [A/Nm], b [A], c, v, l over k."""
 
     coefficients: Array
     noise: Noise
@@ -65,7 +73,8 @@ class Problem:
     """The parameters θ = (β, the joints' a b c v l in turn, p) and their measurement.
 
     base: β, (B,); theta: (P,), nominal values; prior: (P, P), the information before any recording;
-    has_payload: whether p, whose nominal value is zero, is among the parameters.
+    has_payload: whether p, whose nominal value is zero, is among the parameters; senses_torque:
+    whether torque sensors take the place of currents.
     """
 
     base: BaseParameters
@@ -73,6 +82,12 @@ class Problem:
     noise: Noise
     prior: Array
     has_payload: bool
+    senses_torque: bool = False
+
+    @property
+    def joints(self) -> int:
+        """Return the number of joints, n."""
+        return len(self.noise.current)
 
     @property
     def count(self) -> int:
@@ -82,96 +97,111 @@ class Problem:
     @property
     def of_currents(self) -> slice:
         """Return the place of the joints' maps to currents in θ."""
-        return slice(self.count, self.count + 30)
+        return slice(self.count, self.count + 5 * self.joints)
 
     @property
     def of_payload(self) -> slice:
         """Return the place of the payload's parameters in θ, empty if none is estimated."""
-        return slice(self.count + 30, None)
+        return slice(self.count + 5 * self.joints, None)
+
+    @property
+    def of_last_link(self) -> slice:
+        """Return the place of the last link in the columns of Y: a payload moves as it does."""
+        return slice(len(LINK) * (self.joints - 1), len(LINK) * self.joints)
 
     def of_model(self, parameters: Array) -> "Problem":
-        """Return the problem about other inertial parameters π (66,): another load, for example."""
+        """Return the problem about other inertial parameters π (11 n,), as of another load."""
         beta = self.base.groups @ parameters
         return replace(self, theta=np.concatenate([beta, self.theta[self.count :]]))
 
     def names(self) -> list[str]:
         """Return the parameters' names, in physical terms."""
-        links = [PARAMETERS[column] for column in self.base.columns]
-        joints = [f"{name} of joint {k}" for k in range(1, 7) for name in PER_JOINT]
-        return [*links, *joints, *(f"payload: {PARAMETERS[k]}" for k in _payload(self.has_payload))]
+        own = SENSED if self.senses_torque else PER_JOINT
+        joints = [f"{name} of joint {k + 1}" for k in range(self.joints) for name in own]
+        return [*self._links(), *joints, *(f"payload: {name}" for name in self._load())]
 
     def units(self) -> list[str]:
         """Return the units of the parameters, in the order of `names`."""
-        links = [PARAMETERS[column] for column in [*self.base.columns, *_payload(self.has_payload)]]
-        units = [next(u for word, u in LINK_UNITS.items() if n.startswith(word)) for n in links]
-        return [*units[: self.count], *UNITS * 6, *units[self.count :]]
+        names = [*self._links(), *self._load()]
+        units = [next(u for word, u in LINK_UNITS.items() if n.startswith(word)) for n in names]
+        own = SENSED_UNITS if self.senses_torque else UNITS
+        return [*units[: self.count], *own * self.joints, *units[self.count :]]
+
+    def _links(self) -> list[str]:
+        """Return the names of the base parameters' columns."""
+        return [self.base.parameters[column] for column in self.base.columns]
+
+    def _load(self) -> list[str]:
+        """Return the names of the payload's parameters, none if no load is estimated."""
+        return list(self.base.parameters[self.of_last_link]) if self.has_payload else []
 
     def measured(self, theta: Array, Y: Array, qd: Array) -> Array:
-        """Return target torques and currents (N, 12) [Nm, A] over their noise, for θ (P,).
+        """Return target torques and currents (N, 2 n) [Nm, A] over their noise, for θ (P,).
 
-        Y: (N, 6, 66); qd: (N, 6) [rad/s].
+        Y: (N, n, 11 n); qd: (N, n) [rad/s].
         """
         torque, load = self._torques(theta, Y)
-        a, b, c, v, per_load = theta[self.of_currents].reshape(6, 5).T
+        a, b, c, v, per_load = theta[self.of_currents].reshape(-1, 5).T
         z = np.tanh(qd / DIRECTION)
         current = a * load + b + c * z + v * qd + per_load * np.abs(load) * z
         return np.hstack([torque / self.noise.torque, current / self.noise.current])
 
     def rows(self, theta: Array, Y: Array, qd: Array) -> Array:
-        """Return J = ∂measured/∂θ (N, 12, P); see `measured`."""
+        """Return J = ∂measured/∂θ (N, 2 n, P); see `measured`."""
         _, load = self._torques(theta, Y)
         z, gain = self._gain(theta, load, qd)
-        J = np.zeros((len(Y), 12, len(theta)))
-        J[:, :6, : self.count] = Y[..., self.base.columns]
-        J[:, 6:, : self.count] = Y[..., self.base.columns] * gain[..., None]
+        J = np.zeros((len(Y), 2 * self.joints, len(theta)))
+        J[:, : self.joints, : self.count] = Y[..., self.base.columns]
+        J[:, self.joints :, : self.count] = Y[..., self.base.columns] * gain[..., None]
         for joint, columns in enumerate(self._joint_columns()):
             T, sign = load[:, joint], z[:, joint]
             terms = [T, np.ones(len(Y)), sign, qd[:, joint], np.abs(T) * sign]
-            J[:, 6 + joint, columns] = np.stack(terms, axis=1)
+            J[:, self.joints + joint, columns] = np.stack(terms, axis=1)
         if self.has_payload:
-            J[:, 6:, self.of_payload] = Y[..., LINK_6] * gain[..., None]
+            J[:, self.joints :, self.of_payload] = Y[..., self.of_last_link] * gain[..., None]
         return J / np.concatenate([self.noise.torque, self.noise.current])[:, None]
 
     def rows_with_load(self, Y: Array, qd: Array) -> Array:
-        """Return ∂currents/∂(θ, p) over their noise (N, 6, P + 10), p a load's ten parameters."""
+        """Return ∂currents/∂(θ, p) over their noise (N, n, P + 10), p a load's ten parameters."""
         theta = np.concatenate([self.theta, np.zeros(10)])
-        return replace(self, theta=theta, has_payload=True).rows(theta, Y, qd)[:, 6:]
+        return replace(self, theta=theta, has_payload=True).rows(theta, Y, qd)[:, self.joints :]
 
     def friction_current(self, Y: Array, qd: Array) -> Array:
-        """Return the part (N, 6) [A] of the nominal current that friction takes."""
-        a, b = self.theta[self.of_currents].reshape(6, 5).T[:2]
-        current = self.measured(self.theta, Y, qd)[:, 6:] * self.noise.current
+        """Return the part (N, n) [A] of the nominal current that friction takes."""
+        a, b = self.theta[self.of_currents].reshape(-1, 5).T[:2]
+        current = self.measured(self.theta, Y, qd)[:, self.joints :] * self.noise.current
         return np.asarray(current - a * self.torque(Y) - b)
 
     def pull_back(self, Y: Array, qd: Array, sensitivity: Array) -> tuple[Array, Array]:
-        """Return ∂f/∂Y (N, 6, 66) and ∂f/∂q̇ (N, 6) from ∂f/∂J (N, 12, P), J at the nominal θ."""
+        """Return ∂f/∂Y (N, n, 11 n) and ∂f/∂q̇ (N, n) from ∂f/∂J (N, 2 n, P), J at nominal θ."""
         theta, columns = self.theta, self.base.columns
         _, load = self._torques(theta, Y)
         z, gain = self._gain(theta, load, qd)
-        of_torque = sensitivity[:, :6] / self.noise.torque[:, None]
-        of_current = sensitivity[:, 6:] / self.noise.current[:, None]
+        of_torque = sensitivity[:, : self.joints] / self.noise.torque[:, None]
+        of_current = sensitivity[:, self.joints :] / self.noise.current[:, None]
         # J of currents = gain Y, with gain = a + l z sign T
         of_Y = np.zeros_like(Y)
         of_Y[..., columns] = of_torque[..., : self.count]
         of_Y[..., columns] += of_current[..., : self.count] * gain[..., None]
         of_gain = np.sum(of_current[..., : self.count] * Y[..., columns], axis=2)
         if self.has_payload:
-            of_Y[..., LINK_6] += of_current[..., self.of_payload] * gain[..., None]
-            of_gain += np.sum(of_current[..., self.of_payload] * Y[..., LINK_6], axis=2)
+            load_columns = Y[..., self.of_last_link]
+            of_Y[..., self.of_last_link] += of_current[..., self.of_payload] * gain[..., None]
+            of_gain += np.sum(of_current[..., self.of_payload] * load_columns, axis=2)
         # J of currents by the map of each joint = (T, 1, z, q̇, |T| z)
         parts = [of_current[:, j, c] for j, c in enumerate(self._joint_columns())]
         of_T, _, of_sign, of_rate, of_load = np.moveaxis(np.stack(parts, axis=1), -1, 0)
-        per_load, sign = theta[self.of_currents].reshape(6, 5)[:, 4], np.sign(load)
+        per_load, sign = theta[self.of_currents].reshape(-1, 5)[:, 4], np.sign(load)
         of_Y += self.pull_back_torque(of_T + of_load * z * sign)
         of_z = of_sign + of_load * np.abs(load) + of_gain * per_load * sign
         return of_Y, of_rate + of_z * (1 - z**2) / DIRECTION
 
     def pull_back_torque(self, sensitivity: Array) -> Array:
-        """Return ∂f/∂Y (N, 6, 66) from ∂f/∂T (N, 6), T the torque of arm and nominal payload."""
-        of_Y = np.zeros((*sensitivity.shape, 66))
+        """Return ∂f/∂Y (N, n, 11 n) from ∂f/∂T (N, n), T the torque of arm and nominal payload."""
+        of_Y = np.zeros((*sensitivity.shape, OF_JOINT * self.joints))
         of_Y[..., self.base.columns] = sensitivity[..., None] * self.theta[: self.count]
         if self.has_payload:
-            of_Y[..., LINK_6] += sensitivity[..., None] * self.theta[self.of_payload]
+            of_Y[..., self.of_last_link] += sensitivity[..., None] * self.theta[self.of_payload]
         return of_Y
 
     def information(self, Y: Array, qd: Array, step: float) -> Array:
@@ -183,7 +213,7 @@ class Problem:
         return J.T @ J * (step / INDEPENDENT)
 
     def torque(self, Y: Array) -> Array:
-        """Return T (N, 6) [Nm] of arm and nominal payload."""
+        """Return T (N, n) [Nm] of arm and nominal payload."""
         return self._torques(self.theta, Y)[1]
 
     def standard_errors(self, information: Array) -> Array:
@@ -202,42 +232,59 @@ class Problem:
         return D
 
     def _torques(self, theta: Array, Y: Array) -> tuple[Array, Array]:
-        """Return the link model's torque τ and the torque T with the payload, (N, 6) each [Nm]."""
+        """Return the link model's torque τ and the torque T with the payload, (N, n) each [Nm]."""
         torque = Y[..., self.base.columns] @ theta[: self.count]
         if not self.has_payload:
             return torque, torque
-        return torque, torque + Y[..., LINK_6] @ theta[self.of_payload]
+        return torque, torque + Y[..., self.of_last_link] @ theta[self.of_payload]
 
     def _gain(self, theta: Array, load: Array, qd: Array) -> tuple[Array, Array]:
-        """Return z and ∂i/∂T = a + l z sign T, (N, 6) each."""
-        a, _, _, _, per_load = theta[self.of_currents].reshape(6, 5).T
+        """Return z and ∂i/∂T = a + l z sign T, (N, n) each."""
+        a, _, _, _, per_load = theta[self.of_currents].reshape(-1, 5).T
         z = np.tanh(qd / DIRECTION)
         return z, a + per_load * z * np.sign(load)
 
     def _joint_columns(self) -> list[slice]:
         """Return the place of each joint's map in θ."""
-        return [slice(self.count + 5 * k, self.count + 5 * k + 5) for k in range(6)]
+        return [slice(self.count + 5 * k, self.count + 5 * k + 5) for k in range(self.joints)]
 
 
 def nominal_maps(robot: Robot) -> Maps:
     """Return the expected maps and noise of an arm without recordings.
 
-    The noise has the longest correlation time of recorded arms.
+    The noise has the longest correlation time of recorded arms. Raises InputError where no joint
+    has a torque constant.
     """
     constants = np.array(robot.maker_torque_constants())
+    if not np.isfinite(constants).any():
+        raise InputError(
+            f"{robot.name} has no torque constants: write its motors' `torque_constant` and "
+            "`gear_ratio` into its description, 1 and 1 where its joints sense torque"
+        )
     constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
-    largest = np.array(robot.torque_limits())
-    coulomb, viscous, load = NOMINAL
-    torques = [np.ones(6), np.zeros(6), coulomb * largest, viscous * largest, np.full(6, load)]
+    largest, ones, seen = np.array(robot.torque_limits()), np.ones_like(constants), _seen(robot)
+    coulomb, viscous, load = (seen * share for share in NOMINAL)
+    torques = [ones, 0 * ones, coulomb * largest, viscous * largest, load * ones]
     slow = np.sqrt(CORRELATED / INDEPENDENT)
-    noise = Noise(np.full(6, slow * TORQUE_NOISE), slow * CURRENT_NOISE * largest / constants)
+    relative = SENSOR_NOISE if robot.senses_torque() else CURRENT_NOISE
+    targets = slow * TORQUE_NOISE if robot.is_ur() else np.inf
+    noise = Noise(targets * ones, slow * relative * largest / constants)
     return Maps(np.stack(torques, axis=1) / constants[:, None], noise)
 
 
-def random_states(speed: float, acceleration: float) -> tuple[Array, Array, Array]:
-    """Return random q, q̇, q̈ of all joints, (300, 6) each, up to a speed and an acceleration."""
-    *_, states = candidate_motions(6, speed, acceleration, count=300).values()
-    return states
+def _seen(robot: Robot) -> float:
+    """Return the share of the joints' friction that currents or torque sensors contain."""
+    return BEHIND if robot.senses_torque() else 1.0
+
+
+def random_states(robot: Robot, speed: float, acceleration: float) -> tuple[Array, Array, Array]:
+    """Return random q, q̇, q̈ of all joints, (300, n) each, up to a speed and an acceleration.
+
+    Positions are within the joints' ranges, and at most half a turn from their middle.
+    """
+    *_, (q, qd, qdd) = candidate_motions(len(robot.joints), speed, acceleration, 300).values()
+    ends = np.nan_to_num(robot.position_limits(), posinf=np.pi, neginf=-np.pi)
+    return ends.mean(axis=1) + q * np.minimum(np.ptp(ends, axis=1) / 2 / np.pi, 1), qd, qdd
 
 
 def build_problem(
@@ -251,33 +298,32 @@ def build_problem(
 
     has_payload: whether a load is estimated; population: from which friction is expected, if any.
     """
-    base = base_parameters(model.regressor(*random_states(SPEED, ACCELERATION)))
+    base = base_parameters(model.regressor(*random_states(robot, SPEED, ACCELERATION)))
     beta = base.groups @ model.parameters
     theta = np.concatenate([beta, maps.coefficients.ravel(), np.zeros(10 * has_payload)])
-    prior = _prior(robot, base, maps, has_payload, population or {})
-    return Problem(base, theta, maps.noise, prior, has_payload)
+    prior = _prior(robot, base, maps, has_payload, population)
+    return Problem(base, theta, maps.noise, prior, has_payload, robot.senses_torque())
 
 
 def _prior(
-    robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool, population: Population
+    robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool, population: Population | None
 ) -> Array:
-    """Return the information of the priors of the fits, before any recording."""
-    spread = base.groups * prior_width(len(PARAMETERS))
-    torque_max = np.array(robot.torque_limits())
-    typical, inverse = typical_arm(population, torque_max), maps.coefficients[:, 0]
+    """Return the information of the priors of the fits, before any recording.
+
+    That of torque sensors is narrower: their gains are calibrated, and they see little friction.
+    """
+    spread = base.groups * prior_width(base.groups.shape[1])
+    torque_max = _seen(robot) * np.array(robot.torque_limits())
+    typical, inverse = typical_of(robot, population), maps.coefficients[:, 0]
     ratio = typical.pop("torque_constant", None)
     if ratio is None:
-        precision = np.diag((CONSTANT_WIDTH * inverse) ** -2.0)
+        width = GAIN_WIDTH if robot.senses_torque() else CONSTANT_WIDTH
+        precision = np.diag((width * inverse) ** -2.0)
     else:
         covariance = ratio.covariance * np.outer(inverse, inverse)
         precision = np.asarray(np.linalg.inv(covariance), dtype=np.float64)
     known = Normal(inverse, precision)
     joints = Prior(known, torque_max, typical=typical).over([BASE] * len(inverse))
     blocks = [np.linalg.inv(spread @ spread.T), joints.precision]
-    width = prior_width(len(PARAMETERS))[_payload(has_payload)]
-    return np.asarray(block_diag(*blocks, np.diag(width**-2.0)))
-
-
-def _payload(has_payload: bool) -> range:
-    """Return the columns of Y of a payload, none if no load is estimated."""
-    return range(LINK_6.start, LINK_6.stop) if has_payload else range(0)
+    blocks += [np.diag(LOAD_WIDTH**-2.0)] * has_payload
+    return np.asarray(block_diag(*blocks))

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.problem import Problem, random_states
+from ur5lib.excitation.trajectory import Cell
 from ur5lib.timeseries.arrays import Array, Mask
 
 Criterion = Callable[[Array], tuple[float, Array]]
@@ -69,7 +69,7 @@ def conditioning(scale: Array) -> Criterion:
     return value_and_gradient
 
 
-def _model(problem: Problem, _: LinkModel) -> Criterion:
+def _model(problem: Problem, _: Cell) -> Criterion:
     """Return D-optimality plus two condition numbers, to which it is hardly sensitive.
 
     That of the base parameters is in SI units, as in the literature; that of all parameters is in
@@ -90,7 +90,7 @@ def _model(problem: Problem, _: LinkModel) -> Criterion:
     return value_and_gradient
 
 
-def _undetermined(problem: Problem, _: LinkModel) -> Criterion:
+def _undetermined(problem: Problem, _: Cell) -> Criterion:
     """Return I-optimality of standard errors relative to the prior's.
 
     The largest ratios dominate their mean square.
@@ -105,17 +105,17 @@ def _d_optimality_of(problem: Problem, place: slice) -> Criterion:
     return d_optimality(wanted)
 
 
-def _force_bands(problem: Problem, model: LinkModel) -> Criterion:
+def _force_bands(problem: Problem, cell: Cell) -> Criterion:
     """Return I-optimality of the currents that are predicted at random states.
 
     External forces are estimated from the difference between measured and predicted currents.
     """
-    q, qd, qdd = random_states(PREDICTED_SPEED, PREDICTED_ACCELERATION)
-    rows = problem.rows(problem.theta, model.regressor(q, qd, qdd), qd)
-    return i_optimality(rows[:, 6:].reshape(-1, len(problem.theta)))
+    q, qd, qdd = random_states(cell.robot, PREDICTED_SPEED, PREDICTED_ACCELERATION)
+    rows = problem.rows(problem.theta, cell.model.regressor(q, qd, qdd), qd)
+    return i_optimality(rows[:, problem.joints :].reshape(-1, len(problem.theta)))
 
 
-QUESTIONS: dict[str, Callable[[Problem, LinkModel], Criterion]] = {
+QUESTIONS: dict[str, Callable[[Problem, Cell], Criterion]] = {
     "model": _model,
     "undetermined": _undetermined,
     "friction": lambda problem, _: _d_optimality_of(problem, problem.of_currents),

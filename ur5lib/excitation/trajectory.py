@@ -5,7 +5,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ur5lib.dynamics.flange import differentiable_singular_value
+from ur5lib.dynamics.arm import PullBack
+from ur5lib.dynamics.flange import differentiable_singular_value, independent_twists
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot
@@ -15,7 +16,7 @@ from ur5lib.timeseries.profiles import fourier_terms
 
 
 class States(NamedTuple):
-    """States along a path, (N, 6) each [rad, rad/s, rad/s², rad/s³]."""
+    """States along a path, (N, n) each [rad, rad/s, rad/s², rad/s³]."""
 
     q: Array
     qd: Array
@@ -27,7 +28,7 @@ class States(NamedTuple):
 class Path:
     """q(t) = posture + Σ_k a_k sin(2πkt/T) + b_k cos(2πkt/T), with T the duration.
 
-    posture: (6,) [rad], at which it begins and ends; coefficients: (2 H, 6) [rad], of the sines,
+    posture: (n,) [rad], at which it begins and ends; coefficients: (2 H, n) [rad], of the sines,
     then of the cosines; seconds: T.
     """
 
@@ -47,7 +48,7 @@ class Path:
         return time, self.at(time)
 
     def shrunk(self, share: float | Array) -> "Path":
-        """Return the path scaled about its posture; share: one factor, or one per joint (6,)."""
+        """Return the path scaled about its posture; share: one factor, or one per joint (n,)."""
         return replace(self, coefficients=self.coefficients * share)
 
 
@@ -65,9 +66,9 @@ PER_JOINT = ("position", "velocity", "acceleration", "jerk", "torque")
 class Limits:
     """The limits of a trajectory; those of joints hold for both signs.
 
-    position, velocity, acceleration, jerk, torque: (6,) [rad, rad/s, rad/s², rad/s³, Nm];
-    clearance: smallest allowed distance between parts [m]; singular_value: the value below which
-    the Jacobian's smallest singular value must not fall.
+    position, velocity, acceleration, jerk, torque: (n,) [rad, rad/s, rad/s², rad/s³, Nm], the
+    first from the middle of a joint's range; clearance: smallest allowed distance between parts
+    [m]; singular_value: the value below which the Jacobian's smallest singular value must not fall.
     """
 
     position: Array
@@ -83,23 +84,28 @@ class Limits:
         """Return the limits of a trajectory: shares of the limits in the arm's description."""
         velocities = [robot.motor(joint).velocity_max for joint in robot.joint_numbers]
         return cls(
-            POSITION * np.nan_to_num(robot.position_limits(), posinf=TURN),
+            POSITION * np.ptp(_ranges(robot), axis=1) / 2,
             VELOCITY * np.array(velocities),
             ACCELERATION * np.array(robot.acceleration_limits()),
-            np.full(6, JERK),
+            np.full(len(velocities), JERK),
             TORQUE * np.array(robot.torque_limits()),
         )
 
     def of_states(self) -> list[Array]:
-        """Return the limits of q, q̇, q̈ and jerk, (6,) each."""
+        """Return the limits of q, q̇, q̈ and jerk, (n,) each."""
         return [self.position, self.velocity, self.acceleration, self.jerk]
+
+
+def _ranges(robot: Robot) -> Array:
+    """Return the lowest and highest angles (n, 2) [rad] of the joints, TURN without a limit."""
+    return np.asarray(np.nan_to_num(robot.position_limits(), posinf=TURN, neginf=-TURN))
 
 
 @dataclass(frozen=True)
 class Margins:
     """The use of its limits by a trajectory, which keeps them if `broken` returns nothing.
 
-    used: by the name of a limit, the largest share of it that each joint uses, (6,); clearance:
+    used: by the name of a limit, the largest share of it that each joint uses, (n,); clearance:
     smallest distance between parts [m], at most REACH; nearest: the names of these parts, empty
     beyond REACH; singular_value: the smallest of the Jacobian.
     """
@@ -148,22 +154,42 @@ class Margins:
 
 @dataclass(frozen=True)
 class Cell:
-    """An arm in its surroundings, with all that checks a trajectory."""
+    """An arm in its surroundings, with all that checks a trajectory.
+
+    middle: of the joints' ranges (n,) [rad]; twists: how many the flange has, at most 6.
+    """
 
     robot: Robot
     model: LinkModel
     limits: Limits
     capsules: Capsules
+    middle: Array
+    twists: int
 
     @classmethod
     def around(cls, robot: Robot, surroundings: Surroundings) -> Self:
         """Return an arm, with its fullest link model and its limits, in its surroundings."""
         model = LinkModel(robot, robot.fullest_model())
-        return cls(robot, model, Limits.from_robot(robot), Capsules(robot, surroundings, REACH))
+        return cls(
+            robot,
+            model,
+            Limits.from_robot(robot),
+            Capsules(robot, surroundings, REACH),
+            _ranges(robot).mean(axis=1),
+            independent_twists(robot),
+        )
+
+    def limited(self, states: States) -> States:
+        """Return states as they are limited to both sides: positions from the middle."""
+        return states._replace(q=states.q - self.middle)
+
+    def singular_value(self, q: Array) -> tuple[Array, PullBack]:
+        """Return the smallest singular value (N,) of J_g along a path q (N, n) [rad]."""
+        return differentiable_singular_value(self.robot, q, self.twists)
 
     def margins(self, states: States) -> Margins:
         """Return the margins of a trajectory to the limits."""
-        parts = zip(PER_JOINT, states, self.limits.of_states(), strict=False)
+        parts = zip(PER_JOINT, self.limited(states), self.limits.of_states(), strict=False)
         used = {name: np.abs(part).max(axis=0) / limit for name, part, limit in parts}
         torque = self.model.inverse_dynamics(states.q, states.qd, states.qdd)
         used["torque"] = np.abs(torque).max(axis=0) / self.limits.torque
@@ -174,5 +200,5 @@ class Cell:
             used,
             REACH if nearest is None else float(near.distance[nearest]),
             "" if nearest is None else " and ".join(near.pairs[nearest]),
-            float(differentiable_singular_value(self.robot, states.q)[0].min()),
+            float(self.singular_value(states.q)[0].min()),
         )

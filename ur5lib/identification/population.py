@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ur5lib.robots.description import Robot, joint_sizes
 from ur5lib.robots.population import Measured, Trait, read_measured
 from ur5lib.timeseries.arrays import Array, Labels
 
@@ -110,6 +111,13 @@ def fit_population(measured: Measured) -> Population:
                 value, error = np.log(value), error / value
             spreads[name] = _fit(kind, value, error, rows.torque_max, rows.arm)
     return spreads
+
+
+def typical_of(robot: Robot, population: Population | None) -> dict[str, Typical]:
+    """Return the traits of an arm's joints, none where they have no motor of the measured sizes."""
+    if population is None or not {*robot.joints} <= {*joint_sizes()}:
+        return {}
+    return typical_arm(population, np.array(robot.torque_limits()))
 
 
 def typical_arm(population: Population, torque_max: Array) -> dict[str, Typical]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ur5lib.identification.population import Population, typical_arm
+from ur5lib.identification.population import Population, typical_of
 from ur5lib.identification.prior import (
     Prior,
     makers_covariance,
@@ -15,7 +15,7 @@ from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.robots.description import Robot, joint_sizes
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
@@ -76,8 +76,7 @@ def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | Non
     controller = np.array([np.median(column) if column else np.nan for column in columns])
     torque_max = np.array(robot.torque_limits())
     known = np.array(robot.maker_torque_constants())
-    alike = population is not None and {*robot.joints} <= {*joint_sizes()}
-    typical = typical_arm(population, torque_max) if alike and population is not None else {}
+    typical = typical_of(robot, population)
     if (ratio := typical.pop("torque_constant", None)) is not None:
         family = np.array(robot.family_torque_constants()) * ratio.mean
         measured = np.isfinite(family)

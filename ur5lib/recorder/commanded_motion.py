@@ -93,7 +93,8 @@ def dense_path(q: Array) -> Array:
 
 def position_limits(robot: Robot) -> Array:
     """Return the largest angles of the joints (6,) [rad]."""
-    return np.nan_to_num(robot.position_limits(), nan=FARTHEST, posinf=FARTHEST)
+    ends = [high for _, high in robot.position_limits()]
+    return np.nan_to_num(ends, nan=FARTHEST, posinf=FARTHEST)
 
 
 def _beyond_limits(path: Array, robot: Robot) -> Iterator[str]:

@@ -43,19 +43,24 @@ TURNED = 3.0  # m/s²; a component of gravity changes at least this much where a
 
 
 def check_robot(
-    robot: pd.DataFrame, period: float, position_max: Sequence[float], velocity_max: Sequence[float]
+    robot: pd.DataFrame,
+    period: float,
+    positions: Sequence[tuple[float, float]],
+    velocity_max: Sequence[float],
 ) -> list[Finding]:
     """Return the contradictions between the channels of a repaired robot table.
 
-    period: of its time grid [s]; position_max, velocity_max: limits of the joints [rad, rad/s].
+    period: of its time grid [s]; positions: each joint's lowest and highest angle [rad];
+    velocity_max: their largest speeds [rad/s].
     """
+    speeds = [(-speed, speed) for speed in velocity_max]
     return [
         *_derivatives(robot, period),
         *_twins(robot),
         *_ratios(robot),
         *_swapped(robot, "actual_current", "target_current"),
-        *_limits(robot, "actual_q", position_max, "rad"),
-        *_limits(robot, "actual_qd", velocity_max, "rad/s"),
+        *_limits(robot, "actual_q", positions, "rad"),
+        *_limits(robot, "actual_qd", speeds, "rad/s"),
     ]
 
 
@@ -217,15 +222,18 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
 
 
 def _limits(
-    robot: pd.DataFrame, name: str, bounds: Sequence[float], unit: str
+    robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]], unit: str
 ) -> Iterator[Finding]:
     if not recorded(robot, name):
         return
-    values = np.abs(channel(robot, name))
-    beyond = values > np.asarray(bounds)
+    values, (low, high) = channel(robot, name), np.transpose(bounds)
+    values = np.where(low == -high, np.abs(values), values)
+    excess = np.maximum(low - values, values - high)
+    beyond = excess > 0
     if beyond.any():
         wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
-        most = [remark("most", joint=j + 1, value=float(np.nanmax(values[:, j]))) for j in wrong]
+        worst = values[np.nanargmax(excess[:, wrong], axis=0), wrong].tolist()
+        most = [remark("most", joint=j + 1, value=v) for j, v in zip(wrong, worst, strict=True)]
         count, limits = int(beyond.any(axis=1).sum()), {"name": name, "each": most, "unit": unit}
         yield Finding("robot", "joint limits", "note", count, limits)
 

@@ -62,9 +62,8 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
         add_finding(findings, "force", "no moments", "note", len(sensed))
-    motors = [arm.motor(joint) for joint in arm.joint_numbers]
-    limits = arm.position_limits(), [m.velocity_max for m in motors]
-    findings += check_robot(robot, timing.period, *limits)
+    speeds = [arm.motor(joint).velocity_max for joint in arm.joint_numbers]
+    findings += check_robot(robot, timing.period, arm.position_limits(), speeds)
     for device, (record, _) in placed.items():
         findings += _check_sensor(device, record.table, arm)
     quality = Quality(

@@ -18,7 +18,7 @@ from ur5lib.recordings.block_means import BlockMeans, combination
 from ur5lib.recordings.current_checks import CONSTANTS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 Order = tuple[int, ...]  # the column of joints 1 to 6, from 0
 Units = Mapping[str, tuple[float, float]]  # bounds of effort per Nm, by unit
@@ -34,7 +34,7 @@ SURE = 8.0  # difference of log-likelihoods from which on a reading is proven
 CLOSE = 40.0  # difference of log-likelihoods on few blocks up to which all blocks are looked at
 LEVEL = 1e-4  # of the mean square of all efforts; no joint's is explained better
 FASTER = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
-FARTHER = 1.05  # times the largest angle of a joint, which a controller enforces
+FARTHER = 1.05  # times the range of a joint, which a controller enforces
 UNABLE = 100.0  # by which the log-likelihood of an arm falls that cannot move so
 HEAVIER = 2.5  # the base's rotor, seen through an effort, is at least this many times a wrist's
 
@@ -95,7 +95,7 @@ def readings(
     means: `currents` holds the efforts, columns as in the file; units: possible ones.
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
-    farthest = np.abs(means.q).max(axis=0)
+    reached = np.array([means.q.min(axis=0), means.q.max(axis=0)])
     free = {name: _without_motion(means, means.currents[name]) for name in efforts}
     found = []
     for arm in arms:
@@ -107,12 +107,21 @@ def readings(
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
         fastest = np.array([arm.motor(joint).velocity_max for joint in arm.joint_numbers])
         beyond = speed[columns] > FASTER * fastest
-        beyond |= farthest[columns] > FARTHER * np.array(arm.position_limits())
+        beyond |= _farther(reached[:, columns], np.transpose(arm.position_limits()))
         total -= UNABLE * beyond.any(axis=1)
         for place, order in enumerate(orders):
             likely = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
             found.append(Reading(arm.name, order, likely, float(total[place])))
     return sorted(found, key=lambda reading: -reading.score)
+
+
+def _farther(reached: Array, ends: Array) -> Mask:
+    """Return whether joints leave their range by more than FARTHER allows, (...).
+
+    reached: lowest and highest angles (2, ...) [rad]; ends: those of the ranges (2, n).
+    """
+    slack = (FARTHER - 1) / 2 * (ends[1] - ends[0])
+    return np.asarray((reached[0] < ends[0] - slack) | (reached[1] > ends[1] + slack))
 
 
 def likeliest(

@@ -56,7 +56,7 @@ def excitation_figure(
         _, origins = link_frames(robot, states.q)
         for view, axes in VIEWS.items():
             _draw_sweep(panels[view], view, origins[..., list(axes)], ["xyz"[k] for k in axes])
-    columns = {f"q_{joint + 1}": states.q[:, joint] for joint in range(6)}
+    columns = {f"q_{joint + 1}": states.q[:, joint] for joint in range(states.q.shape[1])}
     return Drawing(figure, pd.DataFrame({"time": time} | columns))
 
 
@@ -64,7 +64,7 @@ def _draw_path(panel: Axes, time: Array, q: Array) -> None:
     for joint, (angle, color) in enumerate(zip(q.T, JOINTS, strict=False), 1):
         panel.plot(time, angle, color=color, label=f"joint {joint}")
     panel.set(xlabel="time [s]", ylabel="angle [rad]")
-    panel.legend(ncols=6, fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    panel.legend(ncols=q.shape[1], fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 
 
 def _draw_spectrum(panel: Axes, path: Path) -> None:
@@ -79,8 +79,10 @@ def _draw_spectrum(panel: Axes, path: Path) -> None:
 def _draw_margins(panel: Axes, margins: Margins) -> None:
     """Draw the largest share of each limit, a bar for each joint."""
     used = 100 * np.array([*margins.used.values()])
+    count, width = used.shape[1], 1 / (used.shape[1] + 2)
     for joint, (shares, color) in enumerate(zip(used.T, JOINTS, strict=False)):
-        panel.bar(np.arange(len(shares)) + (joint - 2.5) / 8, shares, 1 / 8, color=color)
+        place = np.arange(len(shares)) + (joint - (count - 1) / 2) * width
+        panel.bar(place, shares, width, color=color)
     panel.axhline(100, color="black", linewidth=0.8)
     panel.set_xticks(range(len(margins.used)), list(margins.used))
     panel.set_ylabel("share of the limit [%]")
@@ -99,10 +101,10 @@ def _draw_errors(panel: Axes, problem: Problem, worth: Worth) -> None:
 
 
 def _draw_sweep(panel: Axes, title: str, origins: Array, axes: list[str]) -> None:
-    """Draw the arm at some times, and the flange's path; origins: (N, 7, 2) [m]."""
+    """Draw the arm at some times, and the flange's path; origins: (N, n + 1, 2) [m]."""
     for arm in origins[:: max(1, len(origins) // POSTURES)]:
         panel.plot(*arm.T, color="black", linewidth=0.6, alpha=0.35)
-    panel.plot(*origins[:, 6].T, color=JOINTS[1], linewidth=0.8)
+    panel.plot(*origins[:, -1].T, color=JOINTS[1], linewidth=0.8)
     panel.set(title=title, xlabel=f"{axes[0]} [m]", ylabel=f"{axes[1]} [m]", aspect="equal")
 
 
@@ -119,8 +121,9 @@ def excitation_page(
     """Return the page of a trajectory.
 
     asked: robot, question and seed; before: the steps before recording, one sentence each;
-    command: the command that records it; found: the trajectory; worth: predicted standard errors;
-    outlook: bands after it and other recordings, if any are known; drawing: the figure.
+    command: the command that records it, empty if there is none; found: the trajectory; worth:
+    predicted standard errors; outlook: bands after it and other recordings, if any are known;
+    drawing: the figure.
     """
     motion = Picture(
         "Angles, amplitudes of their harmonics, largest shares of the limits, standard errors "
@@ -139,7 +142,7 @@ def excitation_page(
             ],
         ),
         Section("The motion", [motion, Items(found.margins.lines()[len(found.margins.used) :])]),
-        Section("How to record it", [Items([*before]), Code(command)]),
+        Section("How to record it", [Items([*before]), *([Code(command)] if command else [])]),
         Section("All parameters", [_parameters(problem, worth)]),
     ]
     return Document(

@@ -1,9 +1,10 @@
 """Collisions of an arm with itself and its surroundings, by capsules around its links, in MuJoCo.
 
-A capsule reaches from one Denavit-Hartenberg frame to the next, as thick as the joint's housing:
-coarse, for a warning before an arm moves, not for planning close to obstacles.
+A capsule reaches from one link's frame to the next, as thick as the joint's housing: coarse, for a
+warning before an arm moves, not for planning close to obstacles.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -11,15 +12,20 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field
+from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Positive, Robot, Vector3
 from ur5lib.robots.mjcf import add_arm
+from ur5lib.robots.statics import link_frames
 from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array
 
 THICKNESS = 0.09  # radius of a capsule as a share of the longest link, at joint 1
 HOUSING = 0.02  # m, by which the joints' housings protrude from the capsules
-THINNER = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # factor of the radius by link
+THINNER = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # factor of the radius by link of a UR
+THICKER = 1.7  # that of all links of another arm; a Panda's have a radius of 6 cm
+BETWEEN = 0.05  # m, of free space between links of another arm that do not overlap by construction
+POSTURES = 100  # random ones, by which this is found
 TABLE = "table"
 
 
@@ -35,7 +41,7 @@ class Box(Strict):
 class Surroundings(Strict):
     """The obstacles near an arm, in the base frame.
 
-    table: height of a horizontal plane [m], None for none.
+    table: height of a horizontal plane [m], None for none; it lies across the described gravity.
     """
 
     model_config = ConfigDict(allow_inf_nan=False)
@@ -48,7 +54,7 @@ class Surroundings(Strict):
 class Clearances:
     """M pairs of parts that are near each other along a path.
 
-    sample: (M,); distance: (M,) [m], negative where they overlap; gradient: (M, 6) [m/rad], of the
+    sample: (M,); distance: (M,) [m], negative where they overlap; gradient: (M, n) [m/rad], of the
     distance, empty if not requested; pairs: (M,), names of the parts.
     """
 
@@ -61,9 +67,9 @@ class Clearances:
 def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, str, str]]:
     """Return the first collision of each pair of parts along a path: sample and both parts.
 
-    q: (N, 6) [rad], so dense that no collision is skipped; table: height of a horizontal plane in
-    the base frame [m], None for none. Parts collide that are closer than HOUSING: `link_1` to
-    `link_6`, and the plane `table`.
+    q: (N, n) [rad], so dense that no collision is skipped; table: height of a horizontal plane
+    above the base frame [m], None for none. Parts collide that are closer than HOUSING: `link_1`
+    to the last one, and the plane `table`.
     """
     first = dict[tuple[str, str], int]()
     near = Capsules(robot, Surroundings(table=table), reach=HOUSING).near(q)
@@ -81,7 +87,7 @@ class Capsules:
         self._data = mujoco.MjData(self._model)
 
     def near(self, q: Array, gradient: bool = False) -> Clearances:
-        """Return the parts that are near each other along a path q (N, 6) [rad]."""
+        """Return the parts that are near each other along a path q (N, n) [rad]."""
         count = np.zeros(len(q), dtype=np.intp)
         distance, slopes, geoms = [np.empty(0)], list[Array](), [np.empty((0, 2), dtype=np.intp)]
         for k, self._data.qpos in enumerate(q):
@@ -98,7 +104,7 @@ class Capsules:
         return Clearances(
             np.repeat(np.arange(len(q)), count),
             np.concatenate(distance),
-            np.array(slopes).reshape(-1, 6),
+            np.array(slopes).reshape(-1, self._model.nv),
             self._names(np.concatenate(geoms)),
         )
 
@@ -108,13 +114,13 @@ class Capsules:
         return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
 
     def _gradient(self, contact: mujoco.MjContact) -> Array:
-        """Return ∂distance/∂q (6,) = n · (J_2 - J_1), with n from the first part to the second."""
+        """Return ∂distance/∂q (n,) = e · (J_2 - J_1), with e from the first part to the second."""
         first, second = (self._jacobian(geom, contact.pos) for geom in contact.geom)
         return np.asarray(contact.frame[:3] @ (second - first))
 
     def _jacobian(self, geom: int, point: Array) -> Array:
-        """Return J_v (3, 6) of a point [m] fixed to a part."""
-        jacobian = np.zeros((3, 6))
+        """Return J_v (3, n) of a point [m] fixed to a part."""
+        jacobian = np.zeros((3, self._model.nv))
         mujoco.mj_jac(self._model, self._data, jacobian, None, point, self._model.geom_bodyid[geom])
         return jacobian
 
@@ -122,35 +128,66 @@ class Capsules:
 def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     add_arm(spec, robot, robot.chosen_model)
-    poses = [np.array(pose.position) for pose in robot.link_poses()]
-    radius = THICKNESS * max(float(np.linalg.norm(position)) for position in poses)
+    radii = _radii(robot)
     links = [body for body in spec.bodies if body.name.startswith("link_")]
-    for body, thinner in zip(links, THINNER, strict=True):
+    for body, radius in zip(links, radii, strict=True):
         near = np.array(body.joints[0].pos)
         body.add_geom(
             name=body.name,
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-            size=[radius * thinner, 0, 0],
+            size=[radius, 0, 0],
             # to the frame's origin, or 1 mm off where both coincide
             fromto=[*near, 0, 0, 0 if np.linalg.norm(near) > 1e-3 else 1e-3],
         )
-    # neighbouring links overlap by construction, in the wrist up to three apart
-    for (first, one), (second, other) in combinations(enumerate(links), 2):
-        if second - first <= (3 if first >= 2 else 1):
-            spec.add_exclude(bodyname1=one.name, bodyname2=other.name)
-    _add_surroundings(spec, surroundings)
+    _add_surroundings(spec, surroundings, _upright(robot))
+    for one, other in _overlapping(robot, radii, surroundings.table):
+        spec.add_exclude(bodyname1=one, bodyname2=other)
     for geom in spec.geoms:
         geom.margin = reach / 2  # MuJoCo adds those of both parts
     return spec.compile()
 
 
-def _add_surroundings(spec: mujoco.MjSpec, surroundings: Surroundings) -> None:
-    """Add the table, on which link 1 stands, and the boxes, each a body of its own."""
+def _radii(robot: Robot) -> Array:
+    """Return the radii (n,) [m] of the links' capsules."""
+    longest = max(float(np.linalg.norm(np.array(pose.position))) for pose in robot.link_poses())
+    factors = THINNER if robot.is_ur() else [THICKER] * len(robot.joints)
+    return THICKNESS * longest * np.array(factors)
+
+
+def _upright(robot: Robot) -> Array:
+    """Return the upward vertical (3,), base frame."""
+    return -np.array(robot.gravity) / np.linalg.norm(robot.gravity)
+
+
+def _overlapping(robot: Robot, radii: Array, table: float | None) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of bodies that overlap by construction.
+
+    Of a UR: each link and the next one, in the wrist up to three apart, and link 1 and the table.
+    Of another arm: links whose ends are near each other in all random postures, and links that
+    begin hardly above the table in all of them. radii: (n,) [m].
+    """
+    ends = np.clip(robot.position_limits(), -np.pi, np.pi)
+    q = np.random.default_rng(0).uniform(ends[:, 0], ends[:, 1], (POSTURES, len(radii)))
+    origins = link_frames(robot, q)[1]  # link k reaches from origin k - 1 to origin k
+    for first, second in combinations(range(len(radii)), 2):
+        apart = np.linalg.norm(origins[:, first + 1] - origins[:, second], axis=1).max()
+        alike = apart < radii[first] + radii[second] + BETWEEN
+        if second - first <= (3 if first >= 2 else 1) if robot.is_ur() else alike:
+            yield f"link_{first + 1}", f"link_{second + 1}"
+    if table is not None:
+        height = origins @ _upright(robot) - table
+        for k, radius in enumerate(radii):
+            low = height[:, k].min() > -BETWEEN and height[:, k].max() < radius + BETWEEN
+            if k == 0 or (low and not robot.is_ur()):
+                yield "world", f"link_{k + 1}"
+
+
+def _add_surroundings(spec: mujoco.MjSpec, surroundings: Surroundings, up: Array) -> None:
+    """Add the table and the boxes, each a body of its own; up: the vertical (3,), base frame."""
     if surroundings.table is not None:
-        plane = mujoco.mjtGeom.mjGEOM_PLANE
-        height = [0, 0, surroundings.table]
-        spec.worldbody.add_geom(name=TABLE, type=plane, size=[5, 5, 1], pos=height)
-        spec.add_exclude(bodyname1="world", bodyname2="link_1")
+        plane = spec.worldbody.add_geom(name=TABLE, type=mujoco.mjtGeom.mjGEOM_PLANE)
+        plane.size, plane.pos = [5, 5, 1], surroundings.table * up
+        plane.quat = Rotation.align_vectors([up], [[0, 0, 1]])[0].as_quat(scalar_first=True)
     for k, box in enumerate(surroundings.boxes, start=1):
         body = spec.worldbody.add_body(name=f"box_{k}", pos=box.center)
         half = [edge / 2 for edge in box.size]

@@ -62,11 +62,13 @@ class Pose(Strict):
 class Motor(Strict):
     """Manufacturer's data of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
 
-    torque_constant [Nm/A], rotor_inertia [kg m²]: of the motor, before the gear;
-    family_torque_constant: of the e-Series motor of that size, where the former is another.
+    position_min: where it is not -position_max; torque_constant [Nm/A], rotor_inertia [kg m²]: of
+    the motor, before the gear; family_torque_constant: of the e-Series motor of that size, where
+    the former is another.
     """
 
-    position_max: Positive
+    position_min: float | None = None
+    position_max: float
     velocity_max: Positive
     torque_max: Positive
     acceleration_max: Positive | None = None
@@ -79,6 +81,18 @@ class Motor(Strict):
     family_torque_constant: Positive | None = None
     gear_ratio: Positive | None = None
     rotor_inertia: NotNegative | None = None
+
+    @model_validator(mode="after")
+    def _can_turn(self) -> Self:
+        low, high = self.positions()
+        if not low < high:
+            raise ValueError("`position_max` must be above `position_min`, and without it above 0")
+        return self
+
+    def positions(self) -> tuple[float, float]:
+        """Return the lowest and the highest angle [rad]."""
+        low = -self.position_max if self.position_min is None else self.position_min
+        return low, self.position_max
 
     def reflected_rotor(self) -> float | None:
         """Return the rotor's inertia seen through the gear [kg m²], None where unknown."""
@@ -276,12 +290,14 @@ class Robot(Strict):
             for m in motors
         ]
 
-    def position_limits(self) -> list[float]:
-        """Return the largest angle of each joint to either side [rad], infinity if endless."""
-        endless = self.endless_joints or []
-        return [
-            math.inf if k in endless else self.motor(k).position_max for k in self.joint_numbers
-        ]
+    def is_ur(self) -> bool:
+        """Return whether its axes are a UR's: six, by their Denavit-Hartenberg parameters."""
+        return len(self.joints) == 6 and bool(self.denavit_hartenberg)
+
+    def position_limits(self) -> list[tuple[float, float]]:
+        """Return each joint's lowest and highest angle [rad], infinite if it is endless."""
+        endless, without = self.endless_joints or [], (-math.inf, math.inf)
+        return [without if k in endless else self.motor(k).positions() for k in self.joint_numbers]
 
     def torque_limits(self) -> list[float]:
         """Return the largest torque of each joint's motor [Nm]."""

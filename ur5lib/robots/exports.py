@@ -148,8 +148,8 @@ def _inertia(bodies: RigidBodies, k: int) -> dict[str, str]:
 
 def _limit(robot: Robot, k: int) -> dict[str, str]:
     """Return the limits of joint k; those of an endless joint are without position."""
-    motor, end = robot.motor(k), robot.position_limits()[k - 1]
-    bounds = {"lower": -end, "upper": end} if math.isfinite(end) else {}
+    motor, (low, high) = robot.motor(k), robot.position_limits()[k - 1]
+    bounds = {"lower": low, "upper": high} if math.isfinite(high) else {}
     limits = bounds | {"effort": motor.torque_max, "velocity": motor.velocity_max}
     return {name: _text([value]) for name, value in limits.items()}
 

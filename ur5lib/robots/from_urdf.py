@@ -32,8 +32,9 @@ def robot_from_urdf(
     """Return the arm between two links of a URDF, and in sentences what had to be assumed.
 
     base: link that stands still, the root by default; tip: link whose frame is the flange's, the
-    one that the last joint turns by default. Joint k turns about the z axis of frame k - 1. What
-    is fixed to a link belongs to it; what moves beside the chain is at its position zero.
+    one that the last joint turns by default. Joint k turns about the z axis of frame k - 1; frame 0
+    lies where the first axis is nearest to the base link's origin. What is fixed to a link belongs
+    to it; what moves beside the chain is at its position zero.
 
     Raises InputError where the file is no URDF, has no such chain of 2 to 8 revolute joints, or
     lacks limits, masses or inertias.
@@ -47,6 +48,10 @@ def robot_from_urdf(
     _expect_complete(tree, joints, bodies, path)
     start, *frames = _joint_frames(tree, base, tip, joints, bodies)
     tails = [_z_to(joint.axis).T @ frame for joint, frame in zip(joints, frames, strict=True)]
+    # frame 0 may lie anywhere on the first axis: where it is nearest to the base link's origin
+    along = np.eye(4)
+    along[2, 3] = start[:3, 3] @ start[:3, 2]
+    start, tails[0] = start @ np.linalg.inv(along), along @ tails[0]
     links = [_as_one(tree, *pair) for pair in zip(bodies, frames, strict=True)]
     description = {
         "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
@@ -223,10 +228,13 @@ def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Arr
     return float(mass), center, inertia
 
 
-def _motor(joint: Any) -> dict[str, float]:
-    ends = [abs(joint.limit.lower or 0), abs(joint.limit.upper or 0)]
+def _motor(joint: Any) -> dict[str, float | None]:
+    low, high = joint.limit.lower or 0.0, joint.limit.upper or 0.0
+    if joint.type == "continuous":
+        low, high = -2 * np.pi, 2 * np.pi
     return {
-        "position_max": 2 * np.pi if joint.type == "continuous" else max(ends),
+        "position_min": None if np.isclose(low, -high) else low,
+        "position_max": high,
         "velocity_max": joint.limit.velocity,
         "torque_max": joint.limit.effort,
         "torque_constant": 1.0,  # measured torques take the place of currents
@@ -260,7 +268,7 @@ def _remarks(
     bodies: list[dict[str, Array]],
     start: Array,
 ) -> Iterator[str]:
-    """Yield what a user has to know about the frames, the limits and what was folded in."""
+    """Yield what a user has to know about the frames and what was folded in."""
     place = ", ".join(f"{value:.6g}" for value in start[:3, 3])
     turned = "" if np.allclose(start[:3, :3], np.eye(3)) else ", turned to the axis of joint 1"
     yield f"base frame at {place} m of {base}{turned}; forces act at the origin of {tip}"
@@ -273,8 +281,3 @@ def _remarks(
     ]
     if held:
         yield f"held at 0, as they are beside the chain: {', '.join(held)}"
-    for joint in joints:
-        low, high = joint.limit.lower or 0, joint.limit.upper or 0
-        if joint.type == "revolute" and not np.isclose(low, -high):
-            largest = _motor(joint)["position_max"]
-            yield f"{joint.name} turns from {low:g} to {high:g} rad; described: ±{largest:g}"

@@ -25,11 +25,11 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
     spec.modelname, spec.compiler.degree = robot.name, False
     spec.option.gravity = robot.gravity
     add_arm(spec, robot, model, ROUNDED)
-    for k, (joint, limit) in enumerate(zip(spec.joints, robot.position_limits(), strict=True)):
+    for k, (joint, ends) in enumerate(zip(spec.joints, robot.position_limits(), strict=True)):
         joint.name = f"joint_{k + 1}"
-        joint.limited = np.isfinite(limit)
+        joint.limited = np.isfinite(ends).all()
         if joint.limited:
-            joint.range = (-limit, limit)
+            joint.range = ends
         if friction is not None and (known := friction.coefficients(k + 1)):
             joint.frictionloss, viscous = known
             joint.damping = (viscous, 0, 0)  # a polynomial of the velocity

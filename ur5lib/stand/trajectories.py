@@ -80,12 +80,14 @@ def _way_point(line: str, place: str) -> Six:
 def _expect_within_limits(targets: Targets, robot: Robot) -> None:
     for joint in range(len(robot.joints)):
         motor = robot.motor(joint + 1)
-        for values, limit, unit in (
-            (targets.q, motor.position_max, "rad"),
-            (targets.qd, motor.velocity_max, "rad/s"),
+        fastest = motor.velocity_max
+        for values, (low, high), unit in (
+            (targets.q, motor.positions(), "rad"),
+            (targets.qd, (-fastest, fastest), "rad/s"),
         ):
-            peak = float(np.abs(values[:, joint]).max())
-            if not peak <= limit:  # also rejects NaN
+            least, most = float(values[:, joint].min()), float(values[:, joint].max())
+            if not low <= least <= most <= high:  # also rejects NaN
+                peak, limit = (least, low) if low - least > most - high else (most, high)
                 raise InputError(
                     f"the trajectory takes joint {joint + 1} of {robot.name} to {peak:.3g} {unit}, "
                     f"beyond its limit of {limit:.3g}; choose a slower or smaller motion"

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.excitation.bands import Next, Outlook
+from ur5lib.excitation.bands import Next, Outlook, feels_forces
 from ur5lib.excitation.posterior import Earlier, Fitted, Recorded, problem_after
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.carried import Carried
@@ -21,7 +21,7 @@ def rank_recordings(input: Any, output: Any, params: Any) -> None:
     base = read_record(Identification, input.identification)
     population = input.population or population_files(params.population)
     rows = list[Next]()
-    if friction.fit.joints and len(arm.joints) == 6:  # of more, no motion is designed
+    if friction.fit.joints and feels_forces(arm):
         fitted = Fitted(friction.fit, friction.parameters, base.noise, len(friction.from_))
         recordings = []
         files = zip(params.recordings, params.gravities, input.motion, input.loads, strict=True)
