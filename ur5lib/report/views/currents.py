@@ -73,7 +73,7 @@ def next_recordings(results: Results) -> Iterator[Sentence]:
     for robot, rows in results.tables["friction"].groupby("robot", sort=False):
         worst = rows.sort_values("prior_share", ascending=False)[:LEAST_KNOWN]
         parts = [say("currents.least known", row=row) for row in worst.itertuples()]
-        words = {"robot": robot, "study": study, "table": f"{table:g}"}
+        words = {"robot": robot, "study": study, "table": f"{table:g}", "last": rows["joint"].max()}
         yield say("currents.next recording", parts=parts, **words)
 
 
