@@ -44,7 +44,7 @@ def task(robot: Robot, question: str = "model") -> Task:
 
 @pytest.mark.parametrize(
     ("count", "currents", "question"),
-    [(2, False, "model"), (3, True, "payload"), (7, False, "force-bands"), (8, True, "model")],
+    [(2, False, "model"), (3, True, "payload"), (4, False, "force-bands"), (8, True, "model")],
 )
 def test_the_gradient_is_that_of_finite_differences(
     count: int, currents: bool, question: str, tmp_path: Path
