@@ -37,7 +37,8 @@ CONSTANTS = (2.5, 40.0)  # Nm/A; the torque constants of all arms lie between
 ONE = (0.5, 2.0)  # Nm per “A” where the current is a torque
 ERRORS = 5.0  # standard errors that are no chance
 UNEXPLAINED = 0.5  # share of a current's square that gravity, friction and inertia may leave
-UNDECLARED = 1.0  # kg; right recordings show up to 0.4 kg, all of it friction
+UNDECLARED = 1.0  # kg; right recordings show up to 0.3 kg, all of it friction
+LEAST = 30  # blocks of a joint in motion that show a load
 SEEN = 0.2  # least share of the difference of the currents that such a load explains
 
 
@@ -257,16 +258,20 @@ def _unexpected(means: BlockMeans, known: Robot, declared: Array) -> tuple[Array
     """Return torque per load (n, 4), and the torque (n,) that measured currents hold beyond
     target_current, both without friction and in units of its spread, of all joints that bear.
 
-    declared: torque (M, 6) [Nm] that is known to be in it.
+    Only of joints in motion: at rest, stiction bears an unknown part of what a posture demands,
+    which looks like a load. declared: torque (M, 6) [Nm] that is known to be in it.
     """
     gravity, loads = means.gravity(known), load_torque(known, means.q)
     measured, target = means.currents["actual_current"], means.currents["target_current"]
     rows = [np.empty((0, 5))]
     for joint in range(gravity.shape[1]):
+        own = np.abs(means.qd[:, joint]) > MOVES
+        if np.count_nonzero(own) < LEAST:
+            continue
         held = _held(means, gravity, target, joint)
         if held.left < UNEXPLAINED and 1 / CONSTANTS[1] < held.slope < 1 / CONSTANTS[0]:
-            torque = (measured - target)[:, joint] / held.slope - declared[:, joint]
-            pair, friction = np.column_stack([loads[:, joint], torque]), means.friction(joint)
+            torque = (measured - target)[own, joint] / held.slope - declared[own, joint]
+            pair, friction = np.column_stack([loads[own, joint], torque]), means.friction(joint)[own]
             pair -= friction @ np.linalg.lstsq(friction, pair, rcond=None)[0]
             rows.append(pair / max(pair[:, -1].std(), 0.1))
     every = np.vstack(rows)
