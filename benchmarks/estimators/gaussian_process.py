@@ -10,6 +10,7 @@ C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT
 """
 
 import torch
+from scipy.optimize import minimize
 
 from benchmarks.harness.learned_residual import Predict, Samples, Scale, on_top
 from ur5lib.timeseries.arrays import Array
@@ -20,6 +21,7 @@ GROUP = torch.tensor([0] * 6 + [1] * 6 + [2] * 6)  # which length an input has
 # Logarithms of the lengths, amplitude and noise, in units of the standard deviations: where the
 # search starts, and the prior's centre; its width is a factor of e.
 START = [1.5, 1.5, 1.5, 0.0, -0.5]
+WIDEST = 5.0  # of the search, in widths of the prior
 
 
 def kernel(first: torch.Tensor, second: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
@@ -62,18 +64,17 @@ def train(learnt: Samples, _: Samples) -> Predict:
 
 def most_likely(points: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
     """Return the logarithms (5,) of lengths, amplitude and noise."""
-    logs = torch.tensor(START, dtype=torch.float64, requires_grad=True)
-    optimiser = torch.optim.LBFGS([logs], max_iter=ROUNDS, line_search_fn="strong_wolfe")
 
-    def closure() -> torch.Tensor:
-        optimiser.zero_grad()
-        unlikely = ((logs - logs.new_tensor(START)) ** 2).sum() / 2
-        loss = negative_log_likelihood(points, values, logs) + unlikely
-        loss.backward()
-        return loss
+    def cost(logs: Array) -> tuple[float, Array]:
+        at = torch.tensor(logs, requires_grad=True)
+        unlikely = ((at - at.new_tensor(START)) ** 2).sum() / 2
+        loss = negative_log_likelihood(points, values, at) + unlikely
+        (slope,) = torch.autograd.grad(loss, at)
+        return loss.item(), slope.numpy()
 
-    optimiser.step(closure)
-    return logs.detach()
+    bounds = [(log - WIDEST, log + WIDEST) for log in START]
+    found = minimize(cost, START, jac=True, bounds=bounds, options={"maxiter": ROUNDS})
+    return torch.as_tensor(found.x)
 
 
 ESTIMATORS = on_top("Gaussian process", "Rasmussen and Williams 2006", train, STEP)
