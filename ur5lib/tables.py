@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar, cast
 
 import numpy as np
 import pandas as pd
@@ -175,12 +175,17 @@ def named(values: Array, name: str) -> dict[str, Array]:
 
 def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
     """Write a table of results: an empty cell where no value applies, numbers to some digits."""
-    write_aside(path, lambda aside: table.to_csv(aside, index=False, float_format=f"%.{digits}g"))
+    write_aside(path, lambda aside: csv_text(table, digits, aside))
+
+
+def csv_text(table: pd.DataFrame, digits: int = 9, path: Path | None = None) -> str | None:
+    """Return a table of results as it is written; None if it is written to a path."""
+    return table.to_csv(path, index=False, float_format=f"%.{digits}g")
 
 
 def write_rows(kind: type, rows: Sequence[object], path: str | Path) -> None:
     """Write records of one kind as CSV, a column for each field; infinity becomes an empty cell."""
-    table = pd.DataFrame(rows, columns=[field.name for field in fields(kind)])
+    table = pd.DataFrame([*map(vars, rows)], columns=[field.name for field in fields(kind)])
     write_csv(table.replace([math.inf, -math.inf], math.nan), path)
 
 
@@ -190,9 +195,9 @@ def read_csv(path: str | Path) -> pd.DataFrame:
     return pd.read_csv(path, dtype=names, keep_default_na=False, na_values=[""])
 
 
-def read_cells(path: str | Path) -> pd.DataFrame:
+def read_cells(file: str | Path | TextIO) -> pd.DataFrame:
     """Read a table of results, each cell as the text that stands there."""
-    return pd.read_csv(path, dtype=str, keep_default_na=False)
+    return pd.read_csv(file, dtype=str, keep_default_na=False)
 
 
 def checksum(path: str | Path) -> str:

@@ -25,6 +25,7 @@ from ur5lib.commands.check import (
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.findings import by_finding, group_findings
+from ur5lib.report.tables.files import name_copies
 from ur5lib.study.model import Settings, Study
 
 
@@ -198,7 +199,7 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     forces["two"]["offset_doubt"] = REST
     qualities = {"one": quality, "two": stale}
     rows = table("quality", quality=qualities, clocks=clocks, forces=forces, contradictions={})
-    grouped = group_findings(rows)
+    grouped = group_findings(name_copies(rows))
     reported = grouped.set_index(["recording", "finding"])["detail"].to_dict()
     assert reported["one", "torn last line"].startswith("a, line 3; b, line 3: ")
     assert words("two used here") <= words(reported["one", "same file"])

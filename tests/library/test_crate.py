@@ -31,7 +31,7 @@ def results(tmp_path: Path) -> Path:
     (tmp_path / "raw.csv").write_text("1,2,3")
     made = [str(folder / name) for name in ("report.html", "tables/force_mae.csv")]
     citation = read_yaml(PROJECT / "CITATION.cff")
-    crate = run_crate(folder, "My arm", [str(tmp_path / "raw.csv")], made, citation)
+    crate = run_crate(folder, "My arm", [str(tmp_path / "raw.csv")], made, citation, {})
     (folder / "ro-crate-metadata.json").write_text(json.dumps(crate))
     return folder
 

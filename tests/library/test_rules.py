@@ -14,7 +14,7 @@ from ur5lib.report.tables.models import FITS
 SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 DEVICES = ("force", "imu")
 TABLES = PROJECT / "ur5lib" / "report" / "tables"
-KINDS_READ = re.compile(r'\bsource(?:\.others)?[\[(]"(\w+)"[\])]')
+KINDS_READ = re.compile(r'\bsource\["(\w+)"\]')
 EVERYTHING = """\
 study: everything
 title: A study whose rules declare all that they can
@@ -80,20 +80,22 @@ def test_every_script_has_a_rule(declared: dict[str, Declared]) -> None:
     assert set(declared) == set(SCRIPTS)
 
 
-@pytest.mark.parametrize("step", sorted(SCRIPTS.keys() - {"make_tables"}))
+@pytest.mark.parametrize("step", sorted(SCRIPTS.keys() - {"make_tables", "tabulate_recording"}))
 def test_a_script_reads_what_its_rule_declares(step: str, declared: dict[str, Declared]) -> None:
     found = differences(read_names(SCRIPTS[step], PROJECT), declared[step])
     assert found == NOT_BY_NAME.get(step, [])
 
 
-def test_the_tables_read_what_their_rule_declares(declared: dict[str, Declared]) -> None:
-    """make_tables passes its inputs on, by kind, to the module of each table."""
+def test_the_tables_read_what_their_rules_declare(declared: dict[str, Declared]) -> None:
+    """Both pass their inputs on, by kind, to the module of each table."""
     kinds = {kind for path in TABLES.glob("*.py") for kind in KINDS_READ.findall(path.read_text())}
     tables = declarations()
     names = declared["make_tables"].names
     parts = names["output"] - tables.keys()  # which a step writes as they are shown
     assert {"health", "observability"} <= parts
-    assert names["input"] - {"reference"} == kinds | {*FITS} | parts
+    of_each = declared["tabulate_recording"].names["input"]
+    assert of_each | names["input"] == {"reference", "rows"} | kinds | {*FITS} | parts
+    assert of_each & names["input"] == {"reference"}
     assert {table.kind for _, table in tables.values()} <= kinds | {*FITS}
     assert tables.keys() <= names["output"]
 

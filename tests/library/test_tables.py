@@ -16,8 +16,10 @@ from hypothesis import strategies as st
 
 from ur5lib import tables
 from ur5lib.errors import InputError
+from ur5lib.report.tables.making import joined_texts
 from ur5lib.tables import (
     channel,
+    csv_text,
     named,
     read_columns,
     read_csv,
@@ -156,6 +158,14 @@ def test_names_come_back_as_they_are(names: list[str]) -> None:
         found = read_csv(Path(folder, "mae.csv"))
     assert [*found["recording"]] == names
     assert found["mae"].isna().all()
+
+
+def test_tables_of_recordings_join_to_that_of_all() -> None:
+    """Also if only some have the last columns, and cells contain commas and quotation marks."""
+    cells = {"recording": ["a", "a", "b"], "detail": ['x, "y"', "", "z"]}
+    whole = pd.DataFrame(cells | {"on_link_7": [np.nan, np.nan, 0.25]})
+    parts = whole[:2].drop(columns="on_link_7"), whole[2:], whole[:0]
+    assert joined_texts([str(csv_text(part)) for part in parts]) == csv_text(whole)
 
 
 def test_missing_numbers_are_null_and_empty(tmp_path: Path) -> None:

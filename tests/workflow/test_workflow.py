@@ -18,14 +18,15 @@ from ur5lib.study.turn import take_turn
 
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
-FROM_ALARMS = ["detect_contacts", "locate_contacts"]
+TABULATED = "tabulate_recording"
+FROM_ALARMS = ["detect_contacts", "locate_contacts", TABULATED]
 FROM_SENSOR = ["compare_forces", *FROM_ALARMS, "draw_figures", "ablate_forces"]
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
 FROM_TORQUES = ["compute_torques", "find_contradictions", *FROM_FRICTION]
 FROM_MOTION = ["smooth_motion", "fuse_imu", "compare_accelerations", *FROM_TORQUES]
 FROM_SIGNALS = ["estimate_gains", "draw_tracking", *FROM_MOTION]
-FROM_IMU = ["fuse_imu", "compare_accelerations", "draw_figures"]
+FROM_IMU = ["fuse_imu", "compare_accelerations", "draw_figures", TABULATED]
 FROM_CLOCKS = ["estimate_clocks", "align_signals", *FROM_SIGNALS]
 FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
 EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
@@ -186,7 +187,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
         ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),
         ("ur5lib/identification/closed_loop.py",
-         jobs("estimate_gains", "draw_tracking") | REPORT),
+         jobs("estimate_gains", "draw_tracking", TABULATED) | REPORT),
         ("ur5lib/robots/friction.py",  # whose terms a study may name
          jobs(*FROM_FRICTION) | FRICTION | {"compare_studies": 1} | REPORT),
         ("ur5lib/dynamics/rigid_body.py",
@@ -194,23 +195,23 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
         ("ur5lib/force/residual_model.py",
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
-        ("ur5lib/force/contact_link.py", jobs("locate_contacts") | REPORT),
+        ("ur5lib/force/contact_link.py", jobs("locate_contacts", TABULATED) | REPORT),
         ("ur5lib/identification/payload.py",
          jobs(*FROM_CURRENTS) | RESIDUALS | HEALTH | REPORT),
         ("ur5lib/timeseries/changes.py", TRACKED | REPORT),
         ("ur5lib/recordings/current_checks.py",
          jobs("find_contradictions", *FROM_FRICTION) | FRICTION | REPORT),
         # The wording of a warning, verdict or caption: no step but those of the report.
-        ("ur5lib/report/templates/findings.yaml", REPORT),
+        ("ur5lib/report/templates/findings.yaml", jobs(TABULATED) | REPORT),
         ("ur5lib/report/verdicts/force.py", DOCUMENTED),
         ("ur5lib/report/contents.yaml", DOCUMENTED),
         ("ur5lib/report/sentences.yaml", DOCUMENTED),
         ("ur5lib/commands/compare.py", {"compare_studies": 1} | DOCUMENT),
-        ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
+        ("workflow/scripts/ablate_forces.py", {"ablate_forces": 1, TABULATED: 1} | REPORT),
         ("ur5lib/report/house_style.py",
          jobs("draw_figures", "draw_tracking") | DRAWINGS | DOCUMENT),
         ("ur5lib/cli.py", {}),
-        ("ur5lib/report/tables/friction.py", REPORT),
+        ("ur5lib/report/tables/friction.py", jobs(TABULATED) | REPORT),
     ],
 )  # fmt: skip
 def test_editing_code_reruns_its_users(

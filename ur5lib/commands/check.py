@@ -22,6 +22,7 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.report.findings import by_finding, group_findings, shortened, worded
+from ur5lib.report.tables.files import name_copies
 from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
@@ -99,7 +100,7 @@ def print_tables(
     the least certain clock of each device.
     """
     kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "contradictions": {}}
-    quality, offsets = (make_table(name, kinds) for name in ("quality", "clocks"))
+    quality, offsets = name_copies(make_table("quality", kinds)), make_table("clocks", kinds)
     if detailed or len(qualities) == 1:
         console.print(_findings(quality, list(qualities)))
     else:

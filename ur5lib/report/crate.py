@@ -28,12 +28,13 @@ def run_crate(
     recordings: Sequence[str],
     results: Sequence[str],
     citation: Mapping[str, Any],
+    known: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return the content of ro-crate-metadata.json for the results of one study.
 
     folder: holds configuration.yaml, Snakefile and the results. recordings: device files, which
-    stay where they are; they are known by their checksums. citation: of the software, as in
-    CITATION.cff.
+    stay where they are; they are identified by their checksums. citation: of the software, as in
+    CITATION.cff. known: checksums of files that need not be read again.
     """
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms["sha256"] = SHA256
@@ -45,7 +46,9 @@ def run_crate(
     ]
     workflow = _workflow(crate, folder / "Snakefile", citation)
     used = [_file(crate, folder / "configuration.yaml", "configuration.yaml")]
-    used += [_file(crate, Path(path), f"urn:sha256:{checksum(path)}") for path in recordings]
+    for path in recordings:
+        own = known.get(path) or checksum(path)
+        used.append(_file(crate, Path(path), f"urn:sha256:{own}", own))
     made = [_file(crate, Path(path), os.path.relpath(path, folder)) for path in results]
     about = {
         "name": f"Run of the study {folder.name}",
@@ -79,13 +82,16 @@ def _context(crate: ROCrate, identifier: str, kind: str, name: str, **about: str
     return crate.add(ContextEntity(crate, identifier, {"@type": kind, "name": name, **about}))
 
 
-def _file(crate: ROCrate, path: Path, identifier: str) -> Any:
-    """Add a file under an identifier, with its name, format, size [bytes] and checksum."""
+def _file(crate: ROCrate, path: Path, identifier: str, sha256: str = "") -> Any:
+    """Add a file under an identifier, with its name, format, size [bytes] and checksum.
+
+    sha256: its checksum, if it is known.
+    """
     about = {
         "name": path.name,
         "contentSize": str(path.stat().st_size),
         "encodingFormat": mimetypes.guess_type(path.name)[0] or "application/octet-stream",
-        "sha256": checksum(path),
+        "sha256": sha256 or checksum(path),
     }
     external = ":" in identifier
     source, place = (identifier, None) if external else (path, identifier)

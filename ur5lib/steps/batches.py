@@ -145,10 +145,10 @@ class Batches:
     @cached_property
     def read_from(self) -> dict[str, set[str]]:
         """The steps of the same recording that a step reads from."""
-        sample = self.samples[0]
         return {
             step.name: {
                 made[0]
+                for sample in self.samples
                 for file in step.files("input", sample)
                 if (made := self.maker(file)) and made[1] == sample
             }

@@ -6,10 +6,11 @@ seconds, that takes longer than the computation.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import dropwhile
+from functools import cached_property
+from itertools import chain
 
 from ur5lib.steps.job import Job, StepError
-from ur5lib.steps.upkeep import delete_parts, is_current, run_if_changed, written_by
+from ur5lib.steps.upkeep import delete_parts, known, run_if_changed, written_by
 
 
 @dataclass
@@ -31,10 +32,18 @@ class Chains:
 
     jobs: dict[str, list[Job]]
 
+    @cached_property
+    def current(self) -> dict[str, list[list[str]]]:
+        """What each job of a recording wrote, until the first that must run: checksums.
+
+        Looked up once: of thousands of recordings, that is most of the work.
+        """
+        return {name: [*current_of(jobs)] for name, jobs in self.jobs.items()}
+
     def pending(self) -> Iterator[Job]:
         """Yield the jobs of each recording from the first on that must run."""
-        for chain in self.jobs.values():
-            yield from dropwhile(is_current, chain)
+        for name, jobs in self.jobs.items():
+            yield from jobs[len(self.current[name]) :]
 
     def steps(self) -> set[str]:
         """Return the steps that have to run, or may have to."""
@@ -42,21 +51,35 @@ class Chains:
 
     def next(self) -> Job:
         """Return the job that has to run next; the last one if none has to."""
-        *_, last = (job for chain in self.jobs.values() for job in chain)
-        return next(self.pending(), last)
+        *_, last = chain.from_iterable(self.jobs.values())
+        return next(Chains(self.jobs).pending(), last)  # looked up anew
 
     def run(self, start_up: float = 0.0) -> dict[str, End]:
         """Run the steps in this process; return how those of each recording ended.
 
         start_up: as of `Job.run`, for the first that runs.
         """
-        once = [start_up]
-        return {name: end_of(chain, once) for name, chain in self.jobs.items()}
+        once, ends = [start_up], {}
+        for name, jobs in self.jobs.items():
+            current = self.current[name]
+            ends[name] = end_of(jobs[len(current) :], [*chain.from_iterable(current)], once)
+        return ends
 
 
-def end_of(chain: list[Job], start_up: list[float]) -> End:
-    """Run the steps of a recording until one fails."""
-    end = End()
+def current_of(jobs: list[Job]) -> Iterator[list[str]]:
+    """Yield what each job of a recording wrote, until the first that must run."""
+    for job in jobs:
+        if (written := known(job)) is None:
+            return
+        yield written
+
+
+def end_of(jobs: list[Job], written: list[str], start_up: list[float]) -> End:
+    """Run the steps of a recording that must run until one fails.
+
+    written: checksums of what those before them wrote.
+    """
+    end = End(written=written)
 
     def run(job: Job) -> None:
         delete_parts(job)
@@ -64,7 +87,7 @@ def end_of(chain: list[Job], start_up: list[float]) -> End:
             end.error = error
             raise StepError
 
-    for job in chain:
+    for job in jobs:
         try:
             if run_if_changed(job, run):
                 end.ran.append(job.step)

@@ -18,7 +18,7 @@ Seen = tuple[int, int, str]  # when a file was changed [ns], its size [B] and it
 
 def run_if_changed(job: Job, run: Callable[[Job], None]) -> bool:
     """Run a step unless its files are those of its last run; return whether it ran."""
-    if is_current(job):
+    if known(job) is not None:
         return False
     record(job).unlink(missing_ok=True)
     read = {path: seen(path) for path in paths(job.input)}
@@ -46,14 +46,19 @@ def run_or_restore(job: Job, run: Callable[[Job], None]) -> None:
             shutil.copyfile(path, copy)
 
 
-def is_current(job: Job) -> bool:
-    """Return whether a step's files are those of its last run, by the present code and settings."""
-    if not record(job).exists():
-        return False
-    declared, read, written = json.loads(record(job).read_text(encoding="utf-8"))
-    return declared == declaration(job) and all(
+def known(job: Job) -> list[str] | None:
+    """Return the checksums of what a step's last run wrote; None if it must run again.
+
+    It need not where its files are those of its last run, by the present code and settings.
+    """
+    try:
+        declared, read, written = json.loads(record(job).read_bytes())
+    except FileNotFoundError:
+        return None
+    same = declared == declaration(job) and all(
         is_same(path, *then) for path, then in (read | written).items()
     )
+    return [checksum for _, _, checksum in written.values()] if same else None
 
 
 def write_whole(text: str, path: Path) -> None:

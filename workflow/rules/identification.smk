@@ -193,6 +193,7 @@ rule track_health:
         changes=parameter("health_changes.csv"),
     log:
         **traces("track_health", "{robot}"),
+    priority: 1  # beside batches that need nothing of it: of thousands of recordings, it takes long
     group:
         in_cluster("fits")
     params:

@@ -155,33 +155,49 @@ rule draw_current_torque:
         run_step(rule, input, output, params, log)
 
 
+rule tabulate_recording:
+    input:
+        **REFERENCE,
+        quality=result("quality.json"),
+        clocks=result("clocks.json"),
+        signals=result("signals.parquet"),
+        torques=result("torques.parquet"),
+        contradictions=result("contradictions.json"),
+        closed_loop=result_if_made("closed_loop.parquet", "estimate_gains"),
+        gains=result_if_made("gains.json", "estimate_gains"),
+        motion=result("motion.json"),
+        fused=result("fused_motion.json"),
+        forces=result("forces.json"),
+        constants=result("published_constants.json"),
+        currents=result("currents.json"),
+        detection=result("detection.json"),
+        links=result("links.json"),
+        ablation=result_if_made("ablation.json", "ablate_forces"),
+        audit=result_if_made("audit.json", "audit_sensor"),
+    output:
+        rows=result("rows.json"),
+    log:
+        **traces("tabulate_recording", "{recording}"),
+    group:
+        in_cluster("document")
+    params:
+        code=code("tabulate_recording", COLUMNS, TEMPLATES / "findings.yaml"),
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule make_tables:
     input:
         **REFERENCE,
         **PARTS,
-        quality=results("quality.json"),
-        clocks=results("clocks.json"),
-        signals=results("signals.parquet"),
-        torques=results("torques.parquet"),
-        contradictions=results("contradictions.json"),
-        closed_loop=results("closed_loop.parquet", examined()),
-        gains=results("gains.json", examined()),
+        rows=results("rows.json"),
         accelerations=results("accelerations.json"),
-        motion=results("motion.json"),
-        fused=results("fused_motion.json"),
-        forces=results("forces.json"),
-        constants=results("published_constants.json"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),
         friction=parameters("friction.json"),
         residuals=parameters("residuals.json"),
         arm=parameters("arm.yaml"),
-        currents=results("currents.json"),
-        detection=results("detection.json"),
-        links=results("links.json"),
-        ablation=results("ablation.json", recordings_of("ablate_forces")),
-        audit=results("audit.json", recordings_of("audit_sensor")),
     output:
         **tables([*TABLES, *PARTS]),
     log:
@@ -335,7 +351,7 @@ rule write_report:
         in_cluster("document")
     params:
         code=code("write_report", *PAGE, TEMPLATES / "report.typ"),
-        study=study_text(STUDY),
+        study=STUDY_TEXT,
     run:
         run_step(rule, input, output, params, log)
 
@@ -354,7 +370,7 @@ rule write_run:
         in_cluster("document")
     params:
         code=code("write_run", *PAGE),
-        study=study_text(STUDY),
+        study=STUDY_TEXT,
         recording="{recording}",
     run:
         run_step(rule, input, output, params, log)
@@ -364,6 +380,7 @@ rule describe_run:
     input:
         report=rules.write_report.output[:4],
         raw=[path for name in RECORDINGS for path in raw_files(name)],
+        files=rules.make_tables.output.files,
         tables=rules.write_report.input.tables,
         figures=rules.write_report.input.figures,
     output:

@@ -7,7 +7,7 @@ from typing import Any
 from ur5lib.lab.places import CITATION, SNAKEFILE
 from ur5lib.report.crate import run_crate
 from ur5lib.strict import read_yaml
-from ur5lib.tables import write_json
+from ur5lib.tables import read_csv, write_json
 
 
 def describe_run(input: Any, output: Any, params: Any) -> None:
@@ -15,4 +15,7 @@ def describe_run(input: Any, output: Any, params: Any) -> None:
     shutil.copyfile(SNAKEFILE, output.workflow)
     results = [*input.report, *input.tables, *input.figures]
     citation = read_yaml(CITATION)
-    write_json(run_crate(folder, params.title, input.raw, results, citation), output.crate)
+    read = read_csv(input.files)
+    known = dict(zip(read["file"], read["sha256"], strict=True))
+    crate = run_crate(folder, params.title, input.raw, results, citation, known)
+    write_json(crate, output.crate)

@@ -4,12 +4,14 @@ from collections.abc import Iterator
 from dataclasses import asdict
 
 import numpy as np
+import pandas as pd
 
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.findings import sentence, worded
 from ur5lib.report.tables.source import Row, Source
 
+SAME = "same file"  # the finding that a device's file is a copy of another recording's
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
@@ -60,7 +62,7 @@ def quality(source: Source) -> Iterator[Row]:
     yield from map(worded, contradictions.stop_signs)
     yield from map(worded, source["quality"].findings)
     yield from map(worded, contradictions.findings)
-    yield from _copies(source)
+    yield from _device_files(source)
     yield from _poor_clocks(source)
     yield from _doubted_sensor(source)
 
@@ -88,12 +90,33 @@ def _doubted_sensor(source: Source) -> Iterator[Row]:
             yield _finding("force", doubted, {"doubt": asdict(doubt)})
 
 
-def _copies(source: Source) -> Iterator[Row]:
-    """Yield device files that are identical to those of another recording."""
-    checksums = {name: quality.files for name, quality in source.others("quality").items()}
+def _device_files(source: Source) -> Iterator[Row]:
+    """Yield each device's file: `name_copies` says which are identical to those of others.
+
+    detail: its checksum; count: 1 where it is used, else 0.
+    """
     for device, checksum in source["quality"].files.items():
-        others = [name for name, files in checksums.items() if files.get(device) == checksum]
-        if others:
-            used = "used" if device in source["quality"].devices else "not used"
-            same = _finding(device, "same file", {"others": others, "used": used}, "note")
-            yield same | {"count": len(others)}
+        used = int(device in source["quality"].devices)
+        about = {"device": device, "finding": SAME, "severity": "note"}
+        yield about | {"count": used, "detail": checksum}
+
+
+def name_copies(quality: pd.DataFrame) -> pd.DataFrame:
+    """Return the findings of all recordings, of device files alone those that several have.
+
+    quality: with all device files; a finding of each copy names the other recordings.
+    """
+    files = quality[quality["finding"] == SAME]
+    alike = files.groupby(["device", "detail"], sort=False)
+    copies = {at: _copy(files.loc[at], own) for _, own in alike if len(own) > 1 for at in own.index}
+    others = quality.drop(files.index)
+    named = pd.DataFrame([*copies.values()], [*copies], quality.columns)
+    return pd.concat([others, named]).sort_index() if copies else others
+
+
+def _copy(row: pd.Series, alike: pd.DataFrame) -> Row:
+    """Return the finding of a file that is the same in several recordings."""
+    others = [name for name in alike["recording"] if name != row["recording"]]
+    used = "used" if int(row["count"]) else "not used"
+    detail = sentence(SAME, {"others": others, "used": used})
+    return {**row, "count": len(others), "detail": detail}

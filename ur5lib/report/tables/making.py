@@ -119,13 +119,26 @@ def make_table(
 
 
 def joined(parts: Sequence[str]) -> pd.DataFrame:
-    """Return a table that a step has written for each recording or arm, in the folder of its name.
+    """Return a table that a step has written for each arm, in the folder of its name.
 
     parts: paths; their cells are taken over as text.
     """
-    first = "recording" if Path(parts[0]).parts[-3] == "recordings" else "robot"
     tables = {Path(part).parent.name: read_cells(part) for part in parts}
-    return pd.concat(tables, names=[first, None]).reset_index(first)
+    return pd.concat(tables, names=["robot", None]).reset_index("robot")
+
+
+def joined_texts(parts: Sequence[str]) -> str:
+    """Return a table as CSV from those of each recording; some may have more columns at the end.
+
+    Thousands of tables are joined as text, since parsing takes a hundred times as long.
+    """
+    split = [part.partition("\n")[::2] for part in parts]
+    longest = max((header for header, _ in split), key=len)
+    rows = (
+        body.replace("\n", "," * (longest.count(",") - header.count(",")) + "\n")
+        for header, body in split
+    )
+    return "".join([longest, "\n", *rows])
 
 
 def _in_words(value: Any) -> Any:

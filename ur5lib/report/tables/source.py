@@ -27,10 +27,6 @@ class Source:
         """Return the result of a kind, `{}` where there is none."""
         return self.kinds[kind].get(self.name, {})
 
-    def others(self, kind: str) -> dict[str, Any]:
-        """Return the results of a kind of all other recordings, by name."""
-        return {name: result for name, result in self.kinds[kind].items() if name != self.name}
-
     def published(self, table: str) -> dict[str, tuple[float, ...]]:
         """Return a table's printed values of this recording; empty for any other recording."""
         return published(getattr(self.printed, table), self.name)
