@@ -3,9 +3,10 @@
     python -m benchmarks.serial_arms <urdf> [<tip>] [--seeds <n>] [--quick]
 
 The arm is described from its URDF, once with torque sensors in its joints and once with motor
-currents alone. Each seed draws postures, motions, forces and all noise: six recordings of 10 s to
-fit, one of 20 s without contact that no fit has seen, and one that is touched five times. Printed
-are, of F̂ᵐᵃᵖ in contact, the error beside that of an estimate of zero and the share inside the 95 %
+currents alone. Each seed draws postures, motions, forces, where they act, and all noise: six
+recordings of 10 s to fit, one of 20 s without contact that no fit has seen, and one that is touched
+five times. Two recordings are of one day; friction differs from day to day and from run to run as
+the identification assumes, and places of contacts as the force estimate does. Printed are, of F̂ᵐᵃᵖ in contact, the error beside that of an estimate of zero and the share inside the 95 %
 band; the contacts found, and alarms a minute without contact. `example-robot-data` on PyPI has a
 Panda.
 """
@@ -24,6 +25,7 @@ from benchmarks.stand_seeds import CURRENTS, SETTINGS, Taken, currents, fitted_m
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarm_threshold, alarms, match, spans
 from ur5lib.force.wrench_estimate import WrenchEstimate
+from ur5lib.identification.currents import BETWEEN_DAYS, BETWEEN_RUNS
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.truth import TrueParameters, Truth
 from ur5lib.pipeline.residual_fit import residual_models
@@ -40,7 +42,7 @@ FIRST, SEEDS, SECONDS, QUICK = 2, 20, 20.0, 10.0  # on seeds 0 and 1, `BLUR` was
 MOTION = {"kind": "fourier", "period_s": 20, "harmonics": 10, "amplitude_rad": 0.5}
 # of the limits of speed: six to fit, a free one, a touched one
 SHARES = (0.5, 0.3, 0.1, 0.5, 0.3, 0.1, 0.3, 0.3)
-FITTED = len(SHARES) - 2
+FITTED, OF_A_DAY = len(SHARES) - 2, 2
 BEND, SWAY = 0.5, 0.3  # rad, of each joint from the middle of its range; by which postures differ
 FORCES = 10.0, 60.0  # N, range of pushes
 CONSTANT, GEAR, ROTOR = 0.1, 100.0, 2e-5  # Nm/A, 1, kg m²: of the motors of the arm with currents
@@ -76,16 +78,24 @@ def plans(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:
     random = np.random.default_rng(seed)
     middle = np.clip(robot.position_limits(), -np.pi, np.pi).mean(axis=1)
     bent = middle + BEND * (-1.0) ** np.array(robot.joint_numbers)
+    rubbing = np.random.default_rng([seed, 1])  # so that motions do not depend on it
+    days = 1 + BETWEEN_DAYS * rubbing.normal(size=(len(SHARES) // OF_A_DAY, len(bent)))
+    runs = 1 + BETWEEN_RUNS * rubbing.normal(size=(len(SHARES), len(bent)))
     for k, share in enumerate(SHARES):
         posture = bent + random.uniform(-SWAY, SWAY, len(bent))
+        friction = [*(days[k // OF_A_DAY] * runs[k])]
         motion = MOTION | {"draw": 10 * seed + k, "posture": posture, "limit_share": share}
         length = seconds if k >= FITTED else seconds / 2
         own = {"trajectory": motion, "seed": 10 * seed + k, "seconds": length}
+        own |= {"coulomb_factor": friction, "viscous_factor": friction}
         yield own | ({"contacts": touches(random, seconds)} if k == len(SHARES) - 1 else {})
 
 
 def touches(random: np.random.Generator, seconds: float) -> list[dict[str, Any]]:
-    """Return two pushes, a hand, a spring and a grasped load, one after the other."""
+    """Return two pushes, a hand, a spring and a grasped load, one after the other.
+
+    Each acts at a place of its own near the tip.
+    """
     kinds = [
         {"kind": "push", "force": vector(random, *FORCES)},
         {"kind": "hand", "displacement": vector(random, 0.03, 0.1)},
@@ -94,7 +104,12 @@ def touches(random: np.random.Generator, seconds: float) -> list[dict[str, Any]]
         {"kind": "load", "mass": random.uniform(1.0, 3.0)},
     ]
     each = (seconds - 1.0) / len(kinds)
-    return [own | {"start_s": 1 + k * each, "seconds": each / 2} for k, own in enumerate(kinds)]
+    return [
+        own
+        | {"start_s": 1 + k * each, "seconds": each / 2}
+        | {"point": (PRIOR.lever * random.normal(size=3)).tolist()}
+        for k, own in enumerate(kinds)
+    ]
 
 
 def vector(random: np.random.Generator, least: float, most: float) -> list[float]:
