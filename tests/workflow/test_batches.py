@@ -32,6 +32,8 @@ def test_batches_give_the_same_results_and_repeat_what_changed(workflow: Workflo
         "compute_torques pushed",
         "estimate_gains pushed",
         "estimate_gains still",
+        "tabulate_recording pushed",
+        "tabulate_recording still",
     ]
     after = results(workflow)
     assert {name: after[name] for name in before} == before
