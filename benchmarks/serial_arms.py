@@ -6,9 +6,9 @@ The arm is described from its URDF, once with torque sensors in its joints and o
 currents alone. Each seed draws postures, motions, forces, where they act, and all noise: six
 recordings of 10 s to fit, one of 20 s without contact that no fit has seen, and one that is touched
 five times. Two recordings are of one day; friction differs from day to day and from run to run as
-the identification assumes, and places of contacts as the force estimate does. Printed are, of F̂ᵐᵃᵖ in contact, the error beside that of an estimate of zero and the share inside the 95 %
-band; the contacts found, and alarms a minute without contact. `example-robot-data` on PyPI has a
-Panda.
+the identification assumes, and places of contacts as the force estimate does. Printed are, of F̂ᵐᵃᵖ
+in contact, the error beside that of an estimate of zero and the share inside the 95 % band; the
+contacts found, and alarms a minute without contact. `example-robot-data` on PyPI has a Panda.
 """
 
 import tempfile

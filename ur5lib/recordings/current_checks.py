@@ -271,7 +271,8 @@ def _unexpected(means: BlockMeans, known: Robot, declared: Array) -> tuple[Array
         held = _held(means, gravity, target, joint)
         if held.left < UNEXPLAINED and 1 / CONSTANTS[1] < held.slope < 1 / CONSTANTS[0]:
             torque = (measured - target)[own, joint] / held.slope - declared[own, joint]
-            pair, friction = np.column_stack([loads[own, joint], torque]), means.friction(joint)[own]
+            pair = np.column_stack([loads[own, joint], torque])
+            friction = means.friction(joint)[own]
             pair -= friction @ np.linalg.lstsq(friction, pair, rcond=None)[0]
             rows.append(pair / max(pair[:, -1].std(), 0.1))
     every = np.vstack(rows)
