@@ -92,11 +92,15 @@ class Block:
 
     def is_commanded(self) -> bool:
         """Return whether its name, or its path in the file, says so."""
-        return names_command(place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0])
+        return names_command(self.stem())
+
+    def stem(self) -> str:
+        """Return the name of its quantity, a path in the file, without the joints' numbers."""
+        return place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
 
     def meaning(self) -> str | None:
         """Return the meaning of the name: RTDE channel, kind of joint or spatial quantity."""
-        stem = place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
+        stem = self.stem()
         last, width = _last(stem), self.rows.shape[1]
         if last in SUFFIXES and len(SUFFIXES[last]) == width:
             return last

@@ -75,8 +75,7 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
         return _of_serial_arm(file, possible, moving, evidence)
     clock = moving.position.clock
     efforts = {
-        f"effort{k}": as_amperes(block, evidence)
-        for k, block in enumerate(moving.beside(file, EFFORTS))
+        f"effort{k}": as_amperes(block, evidence) for k, block in enumerate(_efforts(file, moving))
     }
     wrench = _wrench(file, clock)
     means = _means(file, moving, efforts, wrench)
@@ -106,6 +105,18 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
         units["actual_TCP_force"] = OPPOSITE
     parts = file, clock, reading.arm, reading.order, channels, units, evidence
     return Proposal(*parts, sensor, opposite, pushed)
+
+
+def _efforts(file: Contents, moving: ImportedMotion) -> list[Block]:
+    """Return the efforts of a UR arm: by RTDE's names alone, where one is actual_current.
+
+    Beside recorded channels, a file may hold what was computed from them.
+    """
+    found = moving.beside(file, EFFORTS)
+    names = [block.stem().strip("_").rpartition("/")[2] for block in found]
+    if "actual_current" not in names:
+        return found
+    return [block for block, name in zip(found, names, strict=True) if name in NAMED]
 
 
 def _of_serial_arm(
