@@ -38,7 +38,7 @@ MEASURED = {  # sections by the name of what other benchmarks measure
     "days": "Days left out",
     "drawn": "Arms drawn from the population",
 }
-ABSENT = "Estimators of the tables above that did not run on these seeds:"
+ABSENT = "Estimators of the tables above that did not run on all of these seeds:"
 
 
 class Comparison(NamedTuple):

@@ -15,7 +15,7 @@ from benchmarks.harness.curve import (
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import prediction_findings, prediction_table
 from benchmarks.harness.pushes import EACH, FORCES, PLACES
-from benchmarks.harness.simulated import better_than_ours, simulated_table
+from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
 from ur5lib.tables import read_csv
 
 Section = dict[str, Any]
@@ -46,6 +46,7 @@ def simulated(table: pd.DataFrame) -> Section:
         "pushes": EACH * len(PLACES),
         "forces": f"{FORCES[0]:g} to {FORCES[1]:g} N",
         "better": [*better_than_ours(table)],
+        "refused": "; ".join(refused_on_some(table)),
         "table": simulated_table(table),
     }
 

@@ -35,6 +35,13 @@ def better_than_ours(table: pd.DataFrame) -> Iterator[str]:
             yield f"at the {place}: {'; '.join(named)}"
 
 
+def refused_on_some(table: pd.DataFrame) -> list[str]:
+    """Return the estimators that ran on some seeds but not on all, each with how many lack."""
+    lack = table["flange_square"].isna().groupby(table["estimator"]).agg(["sum", "size"])
+    some = lack[(lack["sum"] > 0) & (lack["sum"] < lack["size"])]
+    return [f"{name} on {missing} of {seeds}" for name, missing, seeds in some.itertuples()]
+
+
 def compared(table: pd.DataFrame) -> pd.DataFrame:
     """Return the figures of each estimator, the smallest error first.
 

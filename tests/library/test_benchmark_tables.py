@@ -20,7 +20,7 @@ from benchmarks.harness.detection import detection_tables
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import FLOOR, prediction_findings, prediction_table
 from benchmarks.harness.pushes import PLACES
-from benchmarks.harness.simulated import better_than_ours, simulated_table
+from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
 from benchmarks.simulated_contacts import force_at
 from ur5lib.identification.samples import Record
 from ur5lib.robots.description import Robot
@@ -53,6 +53,17 @@ def test_who_is_better_than_ours_is_said() -> None:
     flange, tool = better_than_ours(pd.DataFrame(rows))
     assert flange == "at the flange: better by −1.0 (−1.0 to −1.0) N"
     assert tool.startswith("at the tool: better")
+
+
+def test_who_was_refused_on_some_seeds_is_said() -> None:
+    lacking = {(1, "picky"), (0, "never"), (1, "never")}
+    rows = [
+        seed_row(*own, error=np.nan if own in lacking else 3.0)
+        for own in product((0, 1), (OURS, "picky", "never"))
+    ]
+    table = pd.DataFrame(rows)
+    assert refused_on_some(table) == ["picky on 1 of 2"]
+    assert "picky" not in simulated_table(table)
 
 
 def test_an_estimator_that_lacks_a_seed_is_left_out() -> None:
