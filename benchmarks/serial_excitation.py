@@ -34,6 +34,7 @@ from ur5lib.excitation.files import stand_study
 from ur5lib.excitation.objective import Task
 from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, Noise, Problem
 from ur5lib.excitation.trajectory import Path
+from ur5lib.identification.estimation import physical
 from ur5lib.robots.description import Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.timeseries.arrays import Array
@@ -88,7 +89,7 @@ def figures(task: Task, arm: Robot, motion: str, path: Path, seed: int) -> Itera
     spread = np.linalg.cholesky(np.linalg.inv(problem.prior))
     guess = replace(problem, theta=problem.theta + spread @ drawn.normal(size=len(spread)))
     fitted = fitted_to(guess, Y, qd, stated)
-    error = np.abs(physical(problem, fitted.theta) - physical(problem, true_parameters(task, own)))
+    error = np.abs(in_units(problem, fitted.theta) - in_units(problem, true_parameters(task, own)))
     columns = {
         "predicted": problem.standard_errors(task.information(path)),
         "stated": fitted.standard_errors(fitted.prior + fitted.information(Y, qd, INDEPENDENT)),
@@ -133,11 +134,11 @@ def fitted_to(problem: Problem, Y: Array, qd: Array, stated: Array) -> Problem:
     return replace(found, noise=problem.noise)
 
 
-def physical(problem: Problem, theta: Array) -> Array:
+def in_units(problem: Problem, theta: Array) -> Array:
     """Return parameters with gains, offsets and friction in their own units."""
-    maps = theta[problem.of_currents].reshape(-1, 5)
-    own = np.column_stack([1 / maps[:, 0], maps[:, 1:] / maps[:, :1]])
-    return np.concatenate([theta[: problem.count], own.ravel()])
+    return np.concatenate(
+        [theta[: problem.count], physical(theta[problem.of_currents].reshape(-1, 5)).ravel()]
+    )
 
 
 def true_parameters(task: Task, own: Taken) -> Array:

@@ -11,11 +11,12 @@ from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block, names_joints
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.motion import ImportedMotion
+from ur5lib.importing.serial import arms_of
 from ur5lib.recordings import readings
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.readings import IN_ORDER, OR_FREE, SURE, Order, Reading
-from ur5lib.robots.description import Robot, robot_names
+from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
@@ -91,8 +92,7 @@ def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Readi
     even where gravity contradicts them. Raises InputError with the alternatives and a remedy where
     they are ambiguous.
     """
-    known = map(described, names or robot_names())
-    arms = [arm for arm in known if len(arm.joints) == case.file.joints]
+    arms = _possible(case.file, names)
     by_name = names_order(case.moving.position, case.file)
     orders = [IN_ORDER] if by_name else readings.all_orders()
     by_pose = _by_pose(case, arms, orders)
@@ -168,7 +168,7 @@ def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list
     ranked, bare = placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
     good = fitting(ranked)
     if not good:
-        tried = placed(moving.in_si()["actual_q"], pose.rows[:, :3], _all_of(file.joints), orders)
+        tried = placed(moving.in_si()["actual_q"], pose.rows[:, :3], _possible(file), orders)
         if others := fitting(tried[0]):
             raise InputError(
                 f"{file.path}: the arm is not {' or '.join(arm.name for arm in arms)}: "
@@ -190,9 +190,9 @@ def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list
     return good
 
 
-def _all_of(joints: int) -> list[Robot]:
-    """Return the described arms with a number of joints."""
-    return [arm for arm in map(described, robot_names()) if len(arm.joints) == joints]
+def _possible(file: Contents, names: Sequence[str] = ()) -> list[Robot]:
+    """Return the arms with as many joints as a file; names: as of `arms_of`."""
+    return [described(name) for name in arms_of(file, names)]
 
 
 def _of_pose(case: Case, good: Sequence[Placed]) -> Reading:
@@ -282,7 +282,7 @@ def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Rea
 
 def _likelier(case: Case, given: Reading) -> str:
     """Return that another described arm explains the efforts far better than a given one, if so."""
-    arms = _all_of(len(given.order))
+    arms = _possible(case.file)
     best = readings.readings(case.means, case.efforts, arms, [given.order], OR_FREE)[0]
     if best.score - given.score < SURE:
         return ""
