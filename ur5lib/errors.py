@@ -1,6 +1,7 @@
 """Errors that a user can correct, and remarks about doubtful results."""
 
 import unicodedata
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -60,6 +61,11 @@ def optional(module: str, purpose: str, extra: str) -> Any:
         raise InputError(
             f"{purpose} needs the extra `{extra}`; install it: pip install 'ur5lib[{extra}]'"
         ) from error
+
+
+def some(names: Sequence[str], most: int = 5) -> str:
+    """Return the first names of a list, for a sentence."""
+    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
 
 
 def printable(text: str) -> str:

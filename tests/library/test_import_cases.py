@@ -63,7 +63,7 @@ def made_up(seed: int) -> Log:
 
 def motion(arm: Robot, time: Array, random: np.random.Generator) -> tuple[Array, Array, Array]:
     """Positions, velocities and accelerations (N, 6) of some joints that swing, at 1 to 3 rates."""
-    fastest = np.array([arm.motor(joint).velocity_max for joint in arm.joint_numbers])
+    fastest = np.array(arm.velocity_limits())
     moving = random.random(6) < random.choice([0.3, 1.0, 1.0])
     rates = 2 * np.pi * random.uniform(0.05, 0.5, (3, 6))
     size = moving * random.uniform(0.2, 0.9, (3, 6)) * fastest / rates / 6

@@ -15,7 +15,7 @@ from ur5lib.doubles.control_box import ControlBox
 from ur5lib.doubles.controller import EmulatedController, Ports
 from ur5lib.doubles.dashboard_server import answer
 from ur5lib.doubles.live_arm import JointMotion, LiveArm
-from ur5lib.doubles.truth import ForceReading, ImuReading, Truth
+from ur5lib.doubles.truth import Truth, force_reading, imu_reading
 from ur5lib.recorder.rtde_arm import RtdeClient
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.rtde_variables import RuntimeState, SafetyMode
@@ -235,15 +235,15 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox) -> None:
     truth = Truth(box.arm._truth.path)
     for _ in range(50):
         box.advance()
-    force = ForceReading(truth, ForceSensor(), seed=None)(0.05)
+    force = force_reading(truth, ForceSensor(), seed=None)(0.05)
     np.testing.assert_allclose(force - ForceSensor().bias, truth.part("force_sensor", 0.05))
-    read = ImuReading(truth, Imu(), 250.0, seed=None)
+    read = imu_reading(truth, Imu(), 250.0, seed=None)
     imu = np.array([read(k * 0.004) for k in range(10)])
     still = imu[:, :3] - Imu().accelerometer_bias
     np.testing.assert_allclose(np.linalg.norm(still, axis=1), 9.81, atol=0.02)
     np.testing.assert_allclose(imu[:, 3:6], [Imu().gyroscope_bias] * 10, atol=0.01)
     np.testing.assert_allclose(np.linalg.norm(imu[:, 6:], axis=1), 0.8, atol=0.01)
-    read = ImuReading(truth, Imu(), 250.0)
+    read = imu_reading(truth, Imu(), 250.0)
     noisy = np.array([read(k * 0.004) for k in range(10)])
     assert noisy.std(axis=0).min() > 0
 

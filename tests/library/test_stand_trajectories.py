@@ -49,7 +49,7 @@ def test_a_series_keeps_to_the_limits_and_uses_them(name: str, draw: int) -> Non
     robot = load_robot(robot_path(name))
     plan = Fourier(kind="fourier", draw=draw, limit_share=0.3)
     targets = plan_targets(plan, robot, TIME)
-    speed = np.array([robot.motor(joint).velocity_max for joint in range(1, 7)])
+    speed = np.array(robot.velocity_limits())
     most = [np.abs(values).max(axis=0) for values in (targets.q - plan.posture, targets.qd)]
     shares = np.stack([most[0] / plan.amplitude_rad, most[1] / (0.3 * speed)])
     assert shares.max() < 1 + 1e-3

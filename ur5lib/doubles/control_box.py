@@ -112,10 +112,6 @@ class ControlBox:
             self.safety_mode = SafetyMode.NORMAL
         return self.safety_mode == SafetyMode.NORMAL
 
-    def hold(self) -> None:
-        """End freedrive: the arm holds its posture."""
-        self.arm.motion.stopj(ENDING)
-
     def say(self, text: str) -> None:
         """Write to the robot's log."""
         for listener in self.log:

@@ -15,7 +15,6 @@ import numpy as np
 
 from ur5lib.doubles import urscript
 from ur5lib.doubles.control_box import ControlBox, Program, UnsupportedCommandError, Watchdog
-from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
 NAME = "def rtde_control()"
@@ -148,23 +147,15 @@ class ControlScript:
             raise UnsupportedCommandError("freedrive along some axes only is not emulated")
         self.box.arm.release()
 
-    def end_freedrive(self) -> Program:
-        """Stay where the arm was led."""
-        self.box.hold()
-        return urscript.wait_until_done(self.box)
-
     def set_payload(self) -> None:
         """Declare a payload: mass and centre of mass."""
-        self._declare(np.zeros(6))
+        mass, *center = self._doubles(0, 4)
+        self.box.arm.declare(mass, center)
 
     def set_target_payload(self) -> None:
         """Declare a payload: mass, centre of mass and inertia."""
-        self._declare(self._doubles(4, 6))
-
-    def _declare(self, inertia: Array) -> None:
-        mass, *center = self._doubles(0, 4)
-        payload = Payload(mass=mass, center_of_mass=tuple(center), inertia=tuple(inertia))
-        self.box.arm.declare(payload if mass else None)
+        mass, *rest = self._doubles(0, 10)
+        self.box.arm.declare(mass, rest[:3], rest[3:])
 
     def set_watchdog(self) -> None:
         """Stop the program when the client stops writing."""
@@ -203,7 +194,7 @@ HANDLERS: dict[int, Handler] = {
     16: ControlScript.stop_motion,  # servoStop
     17: ControlScript.set_payload,
     18: lambda script: script.box.arm.release(),  # teachMode
-    19: ControlScript.end_freedrive,  # endTeachMode
+    19: lambda script: urscript.end_freedrive(script.box),  # endTeachMode
     26: lambda script: script.answer(script.box.cycle),  # getStepTime
     29: lambda _: None,  # setTcp
     31: lambda script: script.box.protective_stop("commanded by the program"),
@@ -217,7 +208,7 @@ HANDLERS: dict[int, Handler] = {
     45: ControlScript.move_path,
     47: lambda script: script.write_result(not script.box.arm.motion.moving),  # isSteady
     52: ControlScript.freedrive,
-    53: ControlScript.end_freedrive,
+    53: lambda script: urscript.end_freedrive(script.box),
     54: lambda script: script.write_result(0),  # freedrive is possible in any posture
     58: lambda script: script.answer(*script.outputs("actual_TCP_pose")),
     65: ControlScript.set_target_payload,

@@ -171,7 +171,7 @@ class _Controller:
             "unlock": box.unlock,  # answers whether the stop is released
             "die": self._die,  # as when the power fails; the arm stands still
             "come back": self._open,
-            "freeze": self._freeze,  # True: keep the connections and send nothing
+            "freeze": partial(setattr, self, "_frozen"),  # True: send nothing
         }
 
     async def run(self) -> None:
@@ -242,9 +242,6 @@ class _Controller:
     async def _carry_out(self, order: str, arguments: list[Any]) -> None:
         answer = self.orders[order](*arguments)
         self._line.send(await answer if inspect.isawaitable(answer) else answer)
-
-    def _freeze(self, frozen: bool) -> None:
-        self._frozen = frozen
 
     def _die(self) -> None:
         """Close all connections and ports."""

@@ -161,10 +161,12 @@ class Emulated(ABC):
     """A device that samples by its own clock and answers requests, while the context lasts.
 
     reading: returns the true reading at a time [s, the host's monotonic], at or shortly before the
-    present; called in the device's thread. delivery: has the samples lost and late so far.
+    present; called in the device's thread. delivery: has the samples lost and late so far. line:
+    file descriptor from which requests are read.
     """
 
     is_stream: bool
+    line: int
 
     def __init__(self, reading: Reading, rate_hz: float, clock: Clock, faults: Faults) -> None:
         self.reading, self.rate_hz = reading, rate_hz
@@ -199,10 +201,6 @@ class Emulated(ABC):
         return self.clock.host(self.shown(sample))
 
     @abstractmethod
-    def line(self) -> int:
-        """Return the file descriptor from which requests are read."""
-
-    @abstractmethod
     def answer(self) -> None:
         """Read and answer the requests that have arrived."""
 
@@ -226,7 +224,7 @@ class Emulated(ABC):
         sampled, powered = 0, True
         while not self._stopped.is_set():
             wait = max(self.instant(sampled) - time.monotonic(), NAP)
-            asked = bool(select.select([self.line()], [], [], wait)[0])
+            asked = bool(select.select([self.line], [], [], wait)[0])
             before, powered = powered, self.is_powered()
             if powered and not before:
                 self.clock, sampled = self.clock.begun(), 0

@@ -10,7 +10,7 @@ import numpy as np
 from ur5lib.doubles.controller import HOST, EmulatedController
 from ur5lib.doubles.emulated import Clock
 from ur5lib.doubles.net_ft_box import INTERNAL_RATE, NetFTBox
-from ur5lib.doubles.truth import ForceReading, ImuReading
+from ur5lib.doubles.truth import force_reading, imu_reading
 from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.robots.description import Robot
@@ -34,9 +34,8 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
     after it is switched on. folder: of the recording; the truth is written beside its files.
     """
     with EmulatedController(robot, _plan(is_pushed), clock=ARM_CLOCK) as arm:
-        force, turning = ForceReading(arm.truth, FORCE_SENSOR), ImuReading(arm.truth, IMU, IMU_RATE)
-        box = NetFTBox(force, FORCE_RATE, FORCE_CLOCK)
-        imu = EmulatedXsens(turning, IMU_RATE, IMU_CLOCK)
+        box = NetFTBox(force_reading(arm.truth, FORCE_SENSOR), FORCE_RATE, FORCE_CLOCK)
+        imu = EmulatedXsens(imu_reading(arm.truth, IMU, IMU_RATE), IMU_RATE, IMU_CLOCK)
         with box, imu:
             yield Lab(
                 robot=ArmDevice(address=HOST),

@@ -1,6 +1,6 @@
 """The simulated arm, advanced as time passes, and its motion under URScript's commands."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import count
@@ -61,8 +61,15 @@ class LiveArm:
         """Add a contact; its start counts like `time`."""
         self.rig.contacts.add(self.rig.plant, contact)
 
-    def declare(self, payload: Payload | None) -> None:
-        """Configure the controller's payload; the arm's true load does not change."""
+    def declare(
+        self, mass: float, center: Sequence[float], inertia: Sequence[float] = (0.0,) * 6
+    ) -> None:
+        """Configure the controller's payload; the arm's true load does not change.
+
+        mass: [kg], 0 for none; center: its centre [m], inertia: [kg m²], as RTDE has them.
+        """
+        whole = {"mass": mass, "center_of_mass": (*center,), "inertia": (*inertia,)}
+        payload = Payload.model_validate(whole) if mass else None
         mounting = np.deg2rad((self.plan.imu or Imu()).mounting_deg)
         nominal = build_arm(self._bare.carrying(payload), self.rig.model, mounting, STEP)
         data = mujoco.MjData(nominal)
@@ -87,9 +94,8 @@ class LiveArm:
 
     @cached_property
     def _limits(self) -> tuple[list[float], list[float]]:
-        motors = [self._bare.motor(joint) for joint in self._bare.joint_numbers]
         furthest = [high for _, high in self._bare.position_limits()]
-        return furthest, [motor.velocity_max for motor in motors]
+        return furthest, self._bare.velocity_limits()
 
     def _step(self) -> None:
         warmth = float(self.plan.temperature(self.time)) - USUAL
@@ -176,7 +182,7 @@ class JointMotion:
         seconds = duration(goal - self.q, speed, acceleration)[2]
         time = step_times(int(np.ceil(seconds / STEP)) + 1)[1:]
         move = leg(time, self.q, goal, speed, acceleration)
-        yield from zip(move.q, move.qd, move.qdd, strict=True)
+        yield from zip(*move, strict=True)
 
     def _follow(self) -> Iterator[Target]:
         """Approach the goal like a critically damped spring, which lags by 2/rate."""

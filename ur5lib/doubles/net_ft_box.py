@@ -68,11 +68,10 @@ class NetFTBox(Emulated):
         ).encode()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind((HOST, 0))
-        self.port: int = self._socket.getsockname()[1]
+        self.line, self.port = self._socket.fileno(), self._socket.getsockname()[1]
         self._server = http.server.ThreadingHTTPServer((HOST, 0), self._handler())
         self.http_port: int = self._server.server_address[1]
         self._client: tuple[str, int] | None = None
-        self._last: int | None = None  # record of the stream; None: streams until it is stopped
         self._sequence = 0
         self._zero: Array | None = np.zeros(6)  # None: the next sample becomes the bias
 
@@ -82,29 +81,24 @@ class NetFTBox(Emulated):
         threading.Thread(target=self._server.serve_forever, args=[0.1], daemon=True).start()
         return self
 
-    def line(self) -> int:
-        """Return the descriptor of the RDT socket."""
-        return self._socket.fileno()
-
     def answer(self) -> None:
         """Obey a request: begin or end a stream, or set the bias."""
         data, sender = self._socket.recvfrom(64)
         if len(data) != rdt.REQUEST.size or not self.is_powered():
             return
-        header, command, count = rdt.REQUEST.unpack(data)
+        header, command, _ = rdt.REQUEST.unpack(data)
         if header != rdt.HEADER:
             return
         if command == rdt.STOP:
             self._client = None
         elif command == rdt.STREAM:
             self._client, self._sequence = sender, 0
-            self._last = count or None
         elif command == rdt.SET_BIAS:
             self._zero = None
 
     def packet(self, sample: int) -> bytes | None:
         """Return the record of a sample if somebody has asked for a stream."""
-        if self._client is None or self._sequence == self._last:
+        if self._client is None:
             return None
         true = self.reading(self.instant(sample))
         if self._zero is None:
@@ -126,7 +120,7 @@ class NetFTBox(Emulated):
 
     def restart(self) -> None:
         """Forget client and bias."""
-        self._client, self._last, self._zero = None, None, np.zeros(6)
+        self._client, self._zero = None, np.zeros(6)
 
     def disconnect(self) -> None:
         """Close both ports."""

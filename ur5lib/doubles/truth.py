@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ur5lib.doubles.emulated import Reading
 from ur5lib.stand.plan import ForceSensor, Imu
 from ur5lib.stand.rig import STEP, States, state_of
 from ur5lib.stand.sensors import ImuReader, read_force
@@ -80,36 +81,26 @@ class Truth:
         return os.fstat(self._file.fileno()).st_size // STATE.itemsize - 1
 
 
-class ForceReading:
-    """A force sensor: called with the host's time.monotonic [s], it returns (6,) [N, Nm].
+def force_reading(truth: Truth, sensor: ForceSensor, seed: int | None = 0) -> Reading:
+    """Return a force sensor's reading: force and torque on the arm (6,) [N, Nm].
 
-    Force and torque on the arm, at the sensor, axes of frame 6.
+    At the sensor, axes of frame 6. seed: of the noise, None for no noise.
     """
-
-    def __init__(self, truth: Truth, sensor: ForceSensor, seed: int | None = 0) -> None:
-        """seed: of the noise, None for no noise."""
-        self._truth, self._sensor = truth, sensor
-        self._random = None if seed is None else np.random.default_rng(seed)
-
-    def __call__(self, when: float) -> Array:
-        """Return the reading at a time [s]."""
-        return read_force(self._sensor, self._truth.part("force_sensor", when), self._random)
+    random = None if seed is None else np.random.default_rng(seed)
+    return lambda when: read_force(sensor, truth.part("force_sensor", when), random)
 
 
-class ImuReading:
-    """An IMU: called with the host's time.monotonic [s] of each sample, it returns (9,).
+def imu_reading(truth: Truth, imu: Imu, rate: float, seed: int | None = 0) -> Reading:
+    """Return an IMU's reading (9,), in its axes, to be called for each sample.
 
-    Specific force [m/s²], angular rate [rad/s] and magnetic field [normalised], in its axes.
+    Specific force [m/s²], angular rate [rad/s] and magnetic field [normalised]. rate: of the
+    samples [Hz]; seed: of the noise, None for no noise.
     """
+    reader = ImuReader(imu, rate, None if seed is None else np.random.default_rng(seed))
 
-    def __init__(self, truth: Truth, imu: Imu, rate: float, seed: int | None = 0) -> None:
-        """rate: of the samples [Hz]; seed: of the noise, None for no noise."""
-        random = None if seed is None else np.random.default_rng(seed)
-        self._truth, self._reader = truth, ImuReader(imu, rate, random)
+    def reading(when: float) -> Array:
+        true, rotation = (truth.part(name, np.array([when])) for name in ("imu", "rotation"))
+        acceleration, field, turning = reader.read(true, rotation)
+        return np.concatenate([acceleration[0], turning[0], field[0]])
 
-    def __call__(self, when: float) -> Array:
-        """Return the reading at a time [s]."""
-        now = np.array([when])
-        true, rotation = (self._truth.part(name, now) for name in ("imu", "rotation"))
-        acceleration, field, rate = self._reader.read(true, rotation)
-        return np.concatenate([acceleration[0], rate[0], field[0]])
+    return reading

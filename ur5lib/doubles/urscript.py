@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.doubles.control_box import ControlBox, Program, UnsupportedCommandError
-from ur5lib.robots.description import Payload
+from ur5lib.doubles.control_box import ENDING, ControlBox, Program, UnsupportedCommandError
 from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
 from ur5lib.timeseries.arrays import Array
 
@@ -94,14 +93,10 @@ def _freedrive(command: Command, box: ControlBox) -> None:
     box.arm.release()
 
 
-def _end_freedrive(_: Command, box: ControlBox) -> Program:
-    box.hold()
+def end_freedrive(box: ControlBox) -> Program:
+    """Stay where the arm was led; yield once per cycle until it rests."""
+    box.arm.motion.stopj(ENDING)
     return wait_until_done(box)
-
-
-def _set_payload(command: Command, box: ControlBox) -> None:
-    mass, center = command.arguments(m=0.0, cog=(0.0, 0.0, 0.0))
-    box.arm.declare(Payload(mass=mass, center_of_mass=tuple(center)) if mass else None)
 
 
 def _write_integer(command: Command, box: ControlBox) -> None:
@@ -116,10 +111,12 @@ COMMANDS: dict[str, Callable[[Command, ControlBox], Program | None]] = {
     "stopj": _stopj,
     "sleep": lambda command, box: wait(command.arguments(t=0.01)[0], box),
     "freedrive_mode": _freedrive,
-    "end_freedrive_mode": _end_freedrive,
+    "end_freedrive_mode": lambda _, box: end_freedrive(box),
     "teach_mode": _freedrive,
-    "end_teach_mode": _end_freedrive,
-    "set_payload": _set_payload,
+    "end_teach_mode": lambda _, box: end_freedrive(box),
+    "set_payload": lambda command, box: box.arm.declare(
+        *command.arguments(m=0.0, cog=(0.0, 0.0, 0.0))
+    ),
     "textmsg": lambda command, box: box.say("".join(map(str, command.values))),
     "protective_stop": lambda _, box: box.protective_stop("commanded by the program"),
     "zero_ftsensor": lambda _, box: box.zero_force(),

@@ -1,7 +1,7 @@
 """An emulated Xsens MTi: a motion tracker that speaks Xbus on a pseudo-terminal.
 
-Source of the protocol: Xsens, MT Low-Level Communication Protocol Documentation. Its encoding is
-written independently of the decoder in `recorder`, so that one proves the other.
+Source of the protocol: Xsens, MT Low-Level Communication Protocol Documentation. Its samples are
+encoded independently of the decoder in `recorder`, so that one proves the other.
 """
 
 import contextlib
@@ -55,21 +55,17 @@ class XsensDevice(Emulated):
     ) -> None:
         super().__init__(reading, rate_hz, clock, faults)
         self._is_legacy = is_legacy
-        self._master, self._slave = os.openpty()
+        self.line, self._slave = os.openpty()
         tty.setraw(self._slave)
-        os.set_blocking(self._master, False)
+        os.set_blocking(self.line, False)
         self.path = os.ttyname(self._slave)
         self._outputs = dict(FACTORY)  # kept without power
         self._asked = b""
         self._is_measuring = True
 
-    def line(self) -> int:
-        """Return the descriptor of the terminal's other end."""
-        return self._master
-
     def answer(self) -> None:
         """Obey the requests that are complete."""
-        data = os.read(self._master, 4096)
+        data = os.read(self.line, 4096)
         self._asked += data if self.is_powered() else b""
         while len(self._asked) >= 5:
             end = 5 + self._asked[3]
@@ -90,7 +86,7 @@ class XsensDevice(Emulated):
         # The counter starts where the clock does: with the clock's offset.
         count = round(self.shown(sample) * self.rate_hz) % 2**16
         if self._is_legacy:
-            return encode_message(mtdata.MTDATA, struct.pack(">9fH", *true, count))
+            return xbus.encode(mtdata.MTDATA, struct.pack(">9fH", *true, count))
         ticks = math.floor(self.shown(sample) * 10_000) % 2**32
         stamps = {
             mtdata.PACKET_COUNTER: count.to_bytes(2, "big"),
@@ -98,38 +94,38 @@ class XsensDevice(Emulated):
         }
         items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
         parts = (name.to_bytes(2, "big") + bytes([len(data)]) + data for name, data in items)
-        return encode_message(mtdata.MTDATA2, b"".join(parts))
+        return xbus.encode(mtdata.MTDATA2, b"".join(parts))
 
     def send(self, part: bytes) -> None:
         """Write bytes; unread ones are lost, as on a serial line."""
         with contextlib.suppress(BlockingIOError):
-            os.write(self._master, part)
+            os.write(self.line, part)
 
     def restart(self) -> None:
         """Send the wake-up message, and stream with the last configured outputs."""
         self._asked, self._is_measuring = b"", True
-        self.send(encode_message(WAKE_UP))
+        self.send(xbus.encode(WAKE_UP))
 
     def disconnect(self) -> None:
         """Close the terminal."""
-        os.close(self._master)
+        os.close(self.line)
         os.close(self._slave)
 
     def _obey(self, request: int, data: bytes) -> None:
         if request in (xsens.GO_TO_CONFIG, xsens.GO_TO_MEASUREMENT):
             self._is_measuring = request == xsens.GO_TO_MEASUREMENT
             self.delivery.forget()
-            self.send(encode_message(request + 1))
+            self.send(xbus.encode(request + 1))
         elif self._is_measuring:
             return  # other requests are for the configuration state
         elif request in ANSWERS:
-            self.send(encode_message(request + 1, ANSWERS[request]))
+            self.send(xbus.encode(request + 1, ANSWERS[request]))
         elif self._is_legacy:
             self._set_legacy(request, data)
         elif request == xsens.SET_OUTPUT_CONFIGURATION:
             self._set_outputs(data)
         else:
-            self.send(encode_message(xbus.ERROR, INVALID_MESSAGE))
+            self.send(xbus.encode(xbus.ERROR, INVALID_MESSAGE))
 
     def _set_legacy(self, request: int, data: bytes) -> None:
         """Accept the one mode and rate that the device offers."""
@@ -137,17 +133,17 @@ class XsensDevice(Emulated):
             xsens.SET_PERIOD: round(xsens.PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
         }
         if request not in offered:
-            self.send(encode_message(xbus.ERROR, INVALID_MESSAGE))
+            self.send(xbus.encode(xbus.ERROR, INVALID_MESSAGE))
         elif data != offered[request]:
-            self.send(encode_message(xbus.ERROR, INVALID_PARAMETER))
+            self.send(xbus.encode(xbus.ERROR, INVALID_PARAMETER))
         else:
-            self.send(encode_message(request + 1))
+            self.send(xbus.encode(request + 1))
 
     def _set_outputs(self, data: bytes) -> None:
         """Configure the requested items at the device's rate, and confirm them."""
         wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
         if any(name not in FACTORY and name & mtdata.GROUP not in QUANTITIES for name in wanted):
-            self.send(encode_message(xbus.ERROR, INVALID_PARAMETER))
+            self.send(xbus.encode(xbus.ERROR, INVALID_PARAMETER))
             return
         rate = round(self.rate_hz)
         rates = dict.fromkeys(QUANTITIES, rate)
@@ -155,7 +151,7 @@ class XsensDevice(Emulated):
             name: rates.get(name & mtdata.GROUP, xsens.WITH_EACH_SAMPLE) for name in wanted
         }
         accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
-        self.send(encode_message(xsens.SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
+        self.send(xbus.encode(xsens.SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
 
 
 def encode_vector(name: int, reading: Array) -> bytes:
@@ -168,10 +164,3 @@ def encode_vector(name: int, reading: Array) -> bytes:
         fixed = [round(number * 2**32) % 2**48 for number in numbers]
         return b"".join(struct.pack(">IH", n % 2**32, n >> 32) for n in fixed)
     return struct.pack(">3d" if name & mtdata.PRECISION == 3 else ">3f", *numbers)
-
-
-def encode_message(identifier: int, data: bytes = b"") -> bytes:
-    """Return a message of at most 254 bytes of data."""
-    packet = bytearray([0xFA, 0xFF, identifier, len(data), *data, 0])
-    packet[-1] = (256 - sum(packet[1:]) % 256) % 256
-    return bytes(packet)

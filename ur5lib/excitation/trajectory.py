@@ -82,7 +82,7 @@ class Limits:
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
         """Return the limits of a trajectory: shares of the limits in the arm's description."""
-        velocities = [robot.motor(joint).velocity_max for joint in robot.joint_numbers]
+        velocities = robot.velocity_limits()
         return cls(
             POSITION * np.ptp(_ranges(robot), axis=1) / 2,
             VELOCITY * np.array(velocities),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import (
     NAMELESS,
     OF_UR,
@@ -24,6 +24,7 @@ from ur5lib.recordings.arrays import load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.entries import expand
 from ur5lib.recordings.quality import Finding, Log
+from ur5lib.recordings.text_columns import number_in
 from ur5lib.timeseries.arrays import Array
 
 FORMATS = ENDINGS | dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")
@@ -114,7 +115,7 @@ def read_header(path: Path) -> Header:
     cells, row = first_cells(path)
     if cells[0].startswith("{"):
         raise InputError(f"{path}: holds JSON, no table; save each number in a column, as CSV")
-    if all(_is_number(cell.replace(",", ".")) for cell in cells):
+    if all(number_in(cell.replace(",", ".").encode()) is not None for cell in cells):
         nist = expand(NIST)
         if len(cells) == len(nist):
             return Header(nist, layout="NIST's UR5 degradation measurements")
@@ -152,14 +153,6 @@ def is_unnamed(name: str) -> bool:
 def nameless(count: int) -> list[str]:
     """Return names for columns without one."""
     return [f"{NAMELESS}{k + 1}" for k in range(count)]
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return not cell
-    return True
 
 
 def _clocks(arrays: dict[str, np.ndarray]) -> tuple[dict[str, Array], dict[str, str]]:
@@ -240,8 +233,8 @@ def _shared(one: str, other: str) -> int:
 
 
 def _listed(arrays: dict[str, np.ndarray]) -> str:
-    shown = [f"{name} {values.shape}" for name, values in [*arrays.items()][:8]]
-    return ", ".join(shown) + (", ..." if len(arrays) > 8 else "") or "its arrays (it has none)"
+    shown = [f"{name} {values.shape}" for name, values in arrays.items()]
+    return some(shown, 8) or "its arrays (it has none)"
 
 
 @dataclass(frozen=True)

@@ -13,22 +13,16 @@ from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Evidence
 from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, TINY, BlockMeans, combination, size
 from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.readings import SURE, Order, likeliest, own_order, slopes, unit_scores
+from ur5lib.recordings.readings import SURE, likeliest, own_order, slope, unit_scores
 from ur5lib.recordings.stop_signs import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import gravity_torque, link_frames
+from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array
 
 FRICTION = 0.3  # least share of a measured effort's residual that friction explains
 MEASURED_TORQUE = "actual_current_as_torque"
 FREE = "neither"  # current nor torque: a torque less gravity, as some drivers write
 UNITS = {"A": "A", "mA": "mA", "Nm": "Nm", FREE: "Nm less gravity"}
-NAMED = {  # units by the meaning of a block's name
-    "actual_current": "A",
-    "target_current": "A",
-    "actual_current_as_torque": "Nm",
-    "target_moment": "Nm",
-}
 MILLIAMPERES = re.compile(r"(^|[^A-Za-z])mA([^A-Za-z]|$)")
 ROUNDED = 1e-3  # A; URScript gives currents with three decimals
 COUNTED = (100, 100_000)  # multiples of a rounded current's step that it reaches
@@ -39,6 +33,7 @@ CHANNELS = {  # by unit, and whether it is a target
     ("Nm", True): "target_moment",
     (FREE, False): "actual_torque_less_gravity",
 }
+NAMED = {channel: unit for (unit, _), channel in CHANNELS.items() if unit != FREE}
 EXCHANGED = [(*axes, *(3 + k for k in axes)) for axes in permutations(range(3))]  # in order first
 EXCHANGED.append((3, 4, 5, 0, 1, 2))  # moments before forces
 SURE_FRAME = 6.0  # difference of log-likelihoods of independent samples that proves a frame
@@ -96,28 +91,26 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
 
 
 def name_efforts(
-    blocks: Mapping[str, Block], means: BlockMeans, arm: Robot, order: Order, evidence: Evidence
+    blocks: Mapping[str, Block], means: BlockMeans, arm: Robot, evidence: Evidence
 ) -> dict[str, Block]:
     """Return the efforts by channel, without those whose unit gravity does not determine.
 
-    blocks: by their names in `means`.
+    blocks: by their names in `means`, which have the joints in order.
     """
-    units = {
-        name: _unit(name, block, means, arm, order, evidence) for name, block in blocks.items()
-    }
+    units = {name: _unit(name, block, means, arm, evidence) for name, block in blocks.items()}
     currents = [blocks[name] for name, unit in units.items() if unit in ("A", "mA")]
     smooth = _smoothest(currents, evidence)
     for name, unit in units.items():
         if unit == FREE:
             evidence.assumed.append(f"{blocks[name].title} has the joints' order of the positions")
         elif unit is not None:
-            _expect_order(name, blocks[name], means, arm, order, evidence)
+            _expect_order(name, blocks[name], means, arm, evidence)
     channels: dict[str, Block] = {}
     for name, block in blocks.items():
         unit = units[name]
         if unit is None:
             continue
-        free = unit == "Nm" and _is_frictionless(name, means, order, arm, block, evidence)
+        free = unit == "Nm" and _is_frictionless(name, block, means, arm, evidence)
         if unit == "Nm" and not free and _is_smoother(block, currents, smooth):
             evidence.proven.append(
                 f"{block.title} is a target: it is as smooth as only a target is"
@@ -136,17 +129,14 @@ def name_efforts(
     return channels
 
 
-def _unit(
-    name: str, block: Block, means: BlockMeans, arm: Robot, order: Order, evidence: Evidence
-) -> str | None:
+def _unit(name: str, block: Block, means: BlockMeans, arm: Robot, evidence: Evidence) -> str | None:
     """Return the unit, A, mA, Nm or FREE, None where neither gravity nor a name determines it."""
-    scores = unit_scores(means, name, arm, order)
+    scores = unit_scores(means, name, arm)
     best, rival = sorted(scores, key=lambda unit: -scores[unit])[:2]
-    gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
-    joint = int(np.argmax((gravity**2).mean(axis=0)))
-    slope = slopes(means, name, arm, order)[joint]
-    ratio = f"gravity on joint {joint + 1} is {1 / (slope or np.inf):.3g} Nm per unit of it"
-    ratio = "gravity does not change" if np.isnan(slope) else ratio
+    joint = int(np.argmax((means.gravity(arm) ** 2).mean(axis=0)))
+    per_torque = slope(means, name, arm, joint)
+    ratio = f"gravity on joint {joint + 1} is {1 / (per_torque or np.inf):.3g} Nm per unit of it"
+    ratio = "gravity does not change" if np.isnan(per_torque) else ratio
     sure, named = scores[best] - scores[rival] > SURE, NAMED.get(block.meaning() or "")
     named = "mA" if named == "A" and MILLIAMPERES.search(block.names[0]) else named
     if sure and best == FREE and block.meaning() in ("effort", "actual_current_as_torque"):
@@ -169,10 +159,10 @@ def _unit(
 
 
 def _expect_order(
-    name: str, block: Block, means: BlockMeans, arm: Robot, order: Order, evidence: Evidence
+    name: str, block: Block, means: BlockMeans, arm: Robot, evidence: Evidence
 ) -> None:
     """Raise InputError where the joints of an effort have another order than the positions'."""
-    margins = [own_order(replace(means, offset=may), name, arm, order) for may in (False, True)]
+    margins = [own_order(replace(means, offset=may), name, arm) for may in (False, True)]
     if max(margins) < -SURE:
         raise InputError(
             f"{block.title}: its joints are in another order than those of the positions, or are "
@@ -210,15 +200,12 @@ def _is_smoother(block: Block, currents: Sequence[Block], target: Block | None) 
 
 
 def _is_frictionless(
-    name: str, means: BlockMeans, order: Order, arm: Robot, block: Block, evidence: Evidence
+    name: str, block: Block, means: BlockMeans, arm: Robot, evidence: Evidence
 ) -> bool:
     """Return whether a torque contains no friction: then it was computed, not measured."""
-    gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
-    effort = means.currents[name]
-    moving = means.qd.std(axis=0) > MOVES
-    shares = [
-        _friction(means, effort[:, k], gravity[:, j], k) for j, k in enumerate(order) if moving[k]
-    ]
+    gravity, effort = means.gravity(arm), means.currents[name]
+    moving = np.flatnonzero(means.qd.std(axis=0) > MOVES).tolist()
+    shares = [_friction(means, effort[:, k], gravity[:, k], k) for k in moving]
     if not shares or float(np.median(shares)) >= FRICTION:
         return False
     if block.is_nameless() or block.meaning() == MEASURED_TORQUE:
@@ -229,11 +216,9 @@ def _is_frictionless(
 def _friction(means: BlockMeans, effort: Array, gravity: Array, column: int) -> float:
     """Return the share of an effort, without gravity and inertia, that friction explains."""
     columns = np.column_stack([gravity, means.qdd])
-    without, whole = (
-        size(effort - terms @ np.linalg.lstsq(terms, effort, rcond=None)[0])
-        for terms in (columns, np.column_stack([columns, means.friction(column)]))
-    )
-    return 1 - (whole / without) ** 2
+    whole = np.column_stack([columns, means.friction(column)])
+    without, rest = (size(_solved(terms, effort)[1]) for terms in (columns, whole))
+    return 1 - (rest / without) ** 2
 
 
 class Frame(NamedTuple):
@@ -244,18 +229,18 @@ class Frame(NamedTuple):
 
 
 def wrench_frame(
-    means: BlockMeans, effort: str, wrench: Array, arm: Robot, order: Order
+    means: BlockMeans, effort: str, wrench: Array, arm: Robot
 ) -> tuple[Frame | None, float]:
     """Return the frame of a wrench, None if not proven, and its lead in log-likelihood.
 
-    wrench: force and torque (M, 6) [N, Nm] at the blocks. Efforts increase with the wrench of the
-    arm on its surroundings, and decrease with the wrench of the surroundings on the arm. Rivals
-    are the other frames, and exchanged columns.
+    means: with the joints in order; wrench: force and torque (M, 6) [N, Nm] at the blocks. Efforts
+    increase with the wrench of the arm on its surroundings, and decrease with the wrench of the
+    surroundings on the arm. Rivals are the other frames, and exchanged columns.
     """
     gains = {
-        (frame, columns): _gain(means, effort, torque, arm, order)
+        (frame, columns): _gain(means, effort, torque, arm)
         for columns in EXCHANGED
-        for frame, torque in _torques(means.q[:, order], wrench[:, columns], arm).items()
+        for frame, torque in _torques(means.q, wrench[:, columns], arm).items()
     }
     best, second = sorted(gains, key=lambda reading: gains[reading], reverse=True)[:2]
     lead = gains[best] - gains[second]
@@ -264,24 +249,20 @@ def wrench_frame(
 
 def _torques(q: Array, wrench: Array, arm: Robot) -> dict[Frame, Array]:
     """Return the joint torques (M, 6) [Nm] of a wrench (M, 6) by its frame."""
-    rotation, origin = link_frames(arm, q)
-    axes, lever = rotation[:, :6, :, 2], origin[:, 6:] - origin[:, :6]
-    jacobian = np.concatenate([np.cross(axes, lever), axes], axis=2)  # (M, 6 joints, 6)
-    halves = np.einsum("nij,nkj->nki", rotation[:, 6], wrench.reshape(-1, 2, 3))
+    jacobian, rotation = geometric_jacobian(arm, q), link_frames(arm, q)[0][:, 6]
+    halves = np.einsum("nij,nkj->nki", rotation, wrench.reshape(-1, 2, 3))
     torques: dict[Frame, Array] = {}
     for name, values in (("base", wrench), ("flange", halves.reshape(-1, 6))):
-        torque = np.einsum("nji,ni->nj", jacobian, values)
+        torque = np.einsum("nij,ni->nj", jacobian, values)
         torques |= {Frame(name, True): torque, Frame(name, False): -torque}
     return torques
 
 
-def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Order) -> float:
+def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot) -> float:
     """Return the log-likelihood that torques (M, 6) [Nm] add to a model of the efforts."""
-    gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
-    total = 0.0
-    for joint, column in enumerate(order):
-        measured = means.currents[effort][:, column]
-        terms = [gravity[:, joint], *means.friction(column).T, *means.qdd.T, np.ones(len(measured))]
+    gravity, total = means.gravity(arm), 0.0
+    for joint, measured in enumerate(means.currents[effort].T):
+        terms = [gravity[:, joint], *means.friction(joint).T, *means.qdd.T, np.ones(len(measured))]
         without = _solved(np.column_stack(terms), measured)[1]
         solution, left = _solved(np.column_stack([*terms, torque[:, joint]]), measured)
         if solution[-1] > 0:

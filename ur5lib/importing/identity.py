@@ -151,11 +151,6 @@ def _expect_agreement(
     case.evidence.assumed.append(f"the joints' order, by their names in {title}, not {other}")
 
 
-def _in_order(likely: Sequence[Reading]) -> float:
-    """Return the best score of the joints in order."""
-    return max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
-
-
 def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list[Placed]:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
     file, moving, evidence = case.file, case.moving, case.evidence
@@ -235,7 +230,8 @@ def _exchanged(order: Order) -> Order:
 def _base_to_wrist(case: Case, likely: Sequence[Reading], rival: Order) -> Order:
     """Return the order from base to wrist, assumed. Raises InputError where others are likelier."""
     reversed_ends = readings.base_first(case.means, case.efforts, IN_ORDER) is False
-    if likely[0].score - _in_order(likely) < SURE and not reversed_ends:
+    in_order = max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
+    if likely[0].score - in_order < SURE and not reversed_ends:
         case.evidence.assumed.append(
             "the joints' order, base to wrist: what moves shows no other to be likelier"
         )

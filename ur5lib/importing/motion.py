@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.recordings.checks import MOVES
@@ -194,8 +194,8 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
 
 def _listed(blocks: Sequence[Block]) -> str:
     """Return the titles of the first blocks, and how many columns each has."""
-    shown = [f"{block.title} ({block.rows.shape[1]})" for block in blocks[:6]]
-    return ", ".join(shown) + (", ..." if len(blocks) > 6 else "") or "nothing beside its clock"
+    shown = [f"{block.title} ({block.rows.shape[1]})" for block in blocks]
+    return some(shown, 6) or "nothing beside its clock"
 
 
 def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import AGAIN, Contents, Evidence
 from ur5lib.importing.efforts import (
@@ -24,8 +24,9 @@ from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.readings import IN_ORDER, Order, Reading
+from ur5lib.recordings.readings import IN_ORDER, Order
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
 
 Units = dict[str, str | list[float]]  # by channel, as a study has them
 FEWEST = 8  # blocks of 0.1 s
@@ -81,8 +82,9 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
     means = _means(file, moving, efforts, wrench)
     _turn(efforts, means, [described(name) for name in possible], evidence)
     reading = identified(Case(file, moving, means, [*efforts], evidence), arms, trusted)
-    channels = moving.channels()
-    named = name_efforts(efforts, means, described(reading.arm), reading.order, evidence)
+    channels, arm = moving.channels(), described(reading.arm)
+    ordered = means.part(columns=reading.order)
+    named = name_efforts(efforts, ordered, arm, evidence)
     channels |= {name: [block] for name, block in named.items()}
     for name in OTHERS:
         block = _of_meaning(file, name, clock)
@@ -96,10 +98,11 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
     measured = [block.names for name, block in named.items() if name.startswith("actual")]
     usable = [name for name, block in efforts.items() if block.names in measured]
     if wrench:
-        frame = _frame(wrench, usable, means, reading, evidence, pushed)
+        proving = usable[0] if pushed and usable else None
+        frame = _frame(wrench, proving, ordered, means.currents["wrench"], arm, evidence)
         sensor = wrench if frame and frame.axes == "flange" else []
         channels |= {"actual_TCP_force": wrench} if frame and frame.axes == "base" else {}
-        opposite = frame is not None and _opposite(frame, wrench, described(reading.arm), evidence)
+        opposite = frame is not None and _opposite(frame, wrench, arm, evidence)
     _report_columns(file, evidence)
     if opposite and not sensor:
         units["actual_TCP_force"] = OPPOSITE
@@ -196,18 +199,15 @@ def _means(
 
 def _frame(
     wrench: Sequence[Block],
-    efforts: Sequence[str],
+    effort: str | None,
     means: BlockMeans,
-    reading: Reading,
+    values: Array,
+    arm: Robot,
     evidence: Evidence,
-    pushed: bool,
 ) -> Frame | None:
-    """Return the frame of a wrench, None where the efforts do not prove it."""
+    """Return the frame of a wrench with values (M, 6), None where no effort proves it."""
     title = " and ".join(block.title for block in wrench)
-    values, arm = means.currents["wrench"], described(reading.arm)
-    frame, lead = None, 0.0
-    if pushed and efforts:
-        frame, lead = wrench_frame(means, efforts[0], values, arm, reading.order)
+    frame, lead = wrench_frame(means, effort, values, arm) if effort else (None, 0.0)
     if frame is None:
         evidence.ambiguous.append(
             f"{title}: in the base's frame or the flange's, by the arm or on it (the best two "
@@ -260,13 +260,6 @@ def _report_columns(file: Contents, evidence: Evidence) -> None:
         evidence.assumed.append(f"columns as of {file.header.layout}")
     if repeated := [name.split(AGAIN)[0] for name in file.header.repeated]:
         verb = "appears" if len(repeated) == 1 else "appear"
-        evidence.proven.append(
-            f"{_first(repeated)} {verb} twice in the header; read once, the first"
-        )
+        evidence.proven.append(f"{some(repeated)} {verb} twice in the header; read once, the first")
     if silent := [block.title for block in file.silent]:
-        evidence.proven.append(f"{_first(silent)}: zero throughout, so not recorded")
-
-
-def _first(names: Sequence[str]) -> str:
-    """Return the first names of a list."""
-    return ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")
+        evidence.proven.append(f"{some(silent)}: zero throughout, so not recorded")

@@ -107,7 +107,7 @@ def _beyond_limits(path: Array, robot: Robot) -> Iterator[str]:
 
 
 def _too_fast(motion: CommandedMotion, robot: Robot) -> Iterator[str]:
-    limits = np.array([robot.motor(joint).velocity_max for joint in robot.joint_numbers])
+    limits = np.array(robot.velocity_limits())
     if motion.time is None:
         fastest = np.full(6, SPEED * motion.speed)
     else:

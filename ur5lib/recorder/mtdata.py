@@ -33,25 +33,13 @@ NOTHING: Final = (math.nan, math.nan, math.nan)
 class Measurement(NamedTuple):
     """One sample; quantities that a message does not contain are NaN.
 
-    time_fine: the device's own time [ticks of 0.1 ms]; acceleration [m/s²], rate_of_turn [rad/s],
-    magnetic_field [arbitrary units]: (3,) each, axes of the tracker.
+    time_fine: the device's own time [ticks of 0.1 ms]; vectors: acceleration [m/s²], rate of turn
+    [rad/s] and magnetic field [arbitrary units] (9,), axes of the tracker.
     """
 
     counter: int
     time_fine: float
-    acceleration: Vector
-    rate_of_turn: Vector
-    magnetic_field: Vector
-
-    def row(self) -> tuple[float, ...]:
-        """Return all eleven numbers in this order."""
-        return (
-            self.counter,
-            self.time_fine,
-            *self.acceleration,
-            *self.rate_of_turn,
-            *self.magnetic_field,
-        )
+    vectors: Vector
 
 
 def decode_mtdata2(data: bytes) -> Measurement | None:
@@ -64,7 +52,7 @@ def decode_mtdata2(data: bytes) -> Measurement | None:
     if len(counter) != 2 or len(fine) not in (0, 4) or len(whole) < len(vectors):
         return None
     time = float(int.from_bytes(fine, "big")) if fine else math.nan
-    return Measurement(int.from_bytes(counter, "big"), time, *whole)
+    return Measurement(int.from_bytes(counter, "big"), time, sum(whole, ()))
 
 
 def decode_mtdata(data: bytes) -> Measurement | None:
@@ -75,7 +63,7 @@ def decode_mtdata(data: bytes) -> Measurement | None:
     if len(data) != SAMPLE.size:
         return None
     *numbers, counter = SAMPLE.unpack(data)
-    return Measurement(counter, math.nan, *(tuple(numbers[k : k + 3]) for k in (0, 3, 6)))
+    return Measurement(counter, math.nan, tuple(numbers))
 
 
 def _items(data: bytes) -> dict[int, tuple[int, bytes]]:
@@ -91,11 +79,8 @@ def _items(data: bytes) -> dict[int, tuple[int, bytes]]:
 
 def _vector(precision: int, data: bytes) -> Vector | None:
     """Return three numbers; None if the bytes are too few or too many for the precision."""
-    fits = len(data) == struct.calcsize(LAYOUTS[precision])
-    return _numbers(precision, data) if fits else None
-
-
-def _numbers(precision: int, data: bytes) -> Vector:
+    if len(data) != struct.calcsize(LAYOUTS[precision]):
+        return None
     sent = struct.unpack(LAYOUTS[precision], data)
     if precision == 1:
         return tuple(number / 2**20 for number in sent)

@@ -9,11 +9,13 @@ from xml.etree import ElementTree
 import numpy as np
 import requests
 
+from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recorder import rdt
 from ur5lib.recorder.device import Counter, DeviceLost, Identity, NewSamples, Silence
 
-CHANNELS = tuple(f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz")
+UNITS = {"ft_f": "N", "ft_t": "Nm"}
+CHANNELS = {channel: unit for name, unit in UNITS.items() for channel in columns(name)}
 FORCE_UNITS = {  # N; names as in netftapi2.xml, in lower case and without hyphens
     "n": 1.0,
     "kn": 1e3,
@@ -76,7 +78,7 @@ class NetFT:
             address=self._address,
             serial_number=settings.get("cfgcalsn", ""),
             firmware=settings.get("mfgdigver", ""),
-            units=dict.fromkeys(CHANNELS[:3], "N") | dict.fromkeys(CHANNELS[3:], "Nm"),
+            units=CHANNELS,
             counts_per_unit={"force": counts[0], "torque": counts[1]},
             box_units={"force": settings["scfgfu"], "torque": settings["scfgtu"]},
             rate_hz=_number(settings, "comrdtrate") or _number(settings, "commrdtrate"),

@@ -20,9 +20,9 @@ REQUEST = struct.Struct(">HHI")
 RECORD = struct.Struct(">3I6i")
 
 
-def request(command: int, count: int = 0) -> bytes:
-    """Return a request. count: of the records to stream; 0: until STOP."""
-    return REQUEST.pack(HEADER, command, count)
+def request(command: int) -> bytes:
+    """Return a request; STREAM: of records until STOP, whose count is zero."""
+    return REQUEST.pack(HEADER, command, 0)
 
 
 def decode(datagram: bytes) -> tuple[int, ...] | None:

@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 
+from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recorder import mtdata
 from ur5lib.recorder.device import Counter, DeviceLost, Identity, NewSamples, Silence
@@ -24,8 +25,8 @@ PERIOD_CLOCK = 115_200  # Hz, in whose ticks the older MTi's sampling period is 
 MODE, SETTINGS = mtdata.CALIBRATED, mtdata.SAMPLE_COUNTER
 
 GATHER = 0.05  # s, for which one call collects samples
-CHANNELS = tuple(f"imu_{quantity}{axis}" for quantity in "agm" for axis in "xyz")
-UNITS = {"a": "m/s²", "g": "rad/s", "m": "a.u."}
+UNITS = {"imu_a": "m/s²", "imu_g": "rad/s", "imu_m": "a.u."}
+CHANNELS = {channel: unit for name, unit in UNITS.items() for channel in columns(name)}
 
 
 class Xsens:
@@ -88,7 +89,8 @@ class Xsens:
                 before = self._counter.lost_before(measurement.counter)
                 if before is not None:
                     received.append(now)
-                    rows.append([self._counter.total, *measurement.row()[1:]])
+                    stamp = self._counter.total, measurement.time_fine
+                    rows.append([*stamp, *measurement.vectors])
                     lost += before
         self._silence.check(len(received))
         values = np.array(rows, float).reshape(-1, len(self.columns))
@@ -109,7 +111,7 @@ class Xsens:
             address=self._path,
             serial_number=port.ask(REQUEST_DEVICE_ID).hex().upper(),
             firmware=".".join(map(str, firmware)),
-            units={channel: UNITS[channel[4]] for channel in CHANNELS},
+            units=CHANNELS,
             message=message,
             rate_hz=rate_hz,
         )

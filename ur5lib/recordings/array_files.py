@@ -48,9 +48,10 @@ def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
         @wraps(load)
         def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
             try:
-                return load(path, wanted, findings)
+                arrays = load(path, wanted, findings)
             except Exception as error:  # of damaged files, a library may raise anything
                 raise damaged(path, kind, error) from error
+            return {name: arrays[name] for name in arrays if wanted is None or name in wanted}
 
         LOADERS[name] = loaded
         ENDINGS.update(dict.fromkeys(endings, name))
@@ -62,7 +63,7 @@ def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
 @array_format("parquet", "a Parquet file", ".parquet")
 def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the columns of numbers by name."""
-    return _columns(pq.read_table(path), wanted)
+    return _columns(pq.read_table(path))
 
 
 @array_format("feather", "a Feather file", ".feather")
@@ -70,18 +71,14 @@ def feather_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fi
     """Return the columns of numbers by name."""
     table = feather.read_table(path)
     table.validate(full=True)
-    return _columns(table, wanted)
+    return _columns(table)
 
 
-def _columns(table: pa.Table, wanted: Collection[str] | None) -> Arrays:
+def _columns(table: pa.Table) -> Arrays:
     """Return the columns: of numbers as (n,), of stamps in seconds, of lists as (n, k)."""
     names = table.column_names
     columns = {n: _column(table.column(k)) for k, n in enumerate(names) if names.count(n) == 1}
-    return {
-        name: values
-        for name, values in columns.items()
-        if values is not None and (wanted is None or name in wanted)
-    }
+    return {name: values for name, values in columns.items() if values is not None}
 
 
 def _column(column: pa.ChunkedArray) -> np.ndarray | None:
@@ -128,8 +125,7 @@ def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
         head = stream.read(520)
     if head[512:] == HDF5_INSIDE or head.startswith(HDF5_INSIDE):
         return hdf5_arrays(path, wanted, findings)
-    content = scipy.io.loadmat(path, simplify_cells=True)
-    return {name: values for name, values in _leaves(content) if wanted is None or name in wanted}
+    return dict(_leaves(scipy.io.loadmat(path, simplify_cells=True)))
 
 
 def _leaves(part: dict[str, Any], above: str = "") -> Iterator[tuple[str, np.ndarray]]:

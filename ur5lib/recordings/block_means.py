@@ -1,7 +1,8 @@
 """Means of a robot table's channels over short blocks, for checks of the arm's statics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,7 @@ SLOW = 0.02  # rad/s; faster joints have their full friction
 TINY = 1e-300
 SHORT = 1e-4  # of the regressor's square; keeps first moments small that nothing determines
 CURRENTS = ("actual_current", "target_current")
+WHOLE = slice(None)
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,15 @@ class BlockMeans:
     torque: Array | None
     currents: dict[str, Array]
     offset: bool = False
+
+    def part(self, rows: Labels | slice = WHOLE, columns: Sequence[int] | slice = WHOLE) -> Self:
+        """Return the means of some blocks, and of the joints in an order of their columns.
+
+        Without `torque`.
+        """
+        q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
+        currents = {name: values[rows][:, columns] for name, values in self.currents.items()}
+        return replace(self, q=q, qd=qd, qdd=qdd, torque=None, currents=currents)
 
     def gravity(self, arm: Robot) -> Array:
         """Return the torque (M, 6) [Nm] that holds an arm, payload included."""

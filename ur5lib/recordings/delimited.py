@@ -1,6 +1,5 @@
 """Reader of delimited tables of numbers (pyarrow) that counts, locates and skips damaged lines."""
 
-import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -18,13 +17,14 @@ from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.recordings.text_columns import (
     DATE,
+    NOT_A_NUMBER,
     SAMPLE,
+    number_in,
     seconds_of_date,
     seconds_of_dates,
     text_columns,
 )
 
-NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment, Excel's "sep=;"
 # What spreadsheet programs turn numbers into: dates, times, thousands, ### in narrow cells.
 SPREADSHEET = re.compile(r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d")
@@ -154,7 +154,7 @@ def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, For
     if cells and all(len(row) == len(names) + 1 and not row[-1].strip() for row in cells):
         names = [*names, UNNAMED]  # behind a separator at the end of each row
     rows = [row for row in cells if len(row) == len(names)]
-    dates, text = text_columns(rows, names, _number)
+    dates, text = text_columns(rows, names)
     return top, Form(names, delimiter, dates, [*text, UNNAMED])
 
 
@@ -202,25 +202,9 @@ def _cells(line: bytes, delimiter: bytes) -> tuple[int, int]:
     return len(cells), len(cells[-1].strip().partition(b".")[2])
 
 
-def _number(cell: bytes) -> float:
-    """Return a cell's number, NaN for an empty cell. Raises ValueError for anything else."""
-    text = cell.strip().decode(errors="replace")
-    if "_" in text:  # float() would accept 1_000
-        raise ValueError(text)
-    return math.nan if text in NOT_A_NUMBER else float(text)
-
-
 def _is_cell(cell: bytes) -> bool:
     """Return whether a cell holds a number or is empty."""
-    try:
-        _number(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def _is_number(cell: bytes) -> bool:
-    return _is_cell(cell) and math.isfinite(_number(cell))
+    return number_in(cell) is not None
 
 
 def _is_header(line: bytes, delimiter: bytes, count: int) -> bool:
@@ -231,7 +215,7 @@ def _is_header(line: bytes, delimiter: bytes, count: int) -> bool:
 
 def _header_names(path: Path, line: bytes, delimiter: bytes) -> list[str]:
     cells = line.split(delimiter)
-    if _is_number(cells[0]):
+    if (first := number_in(cells[0])) is not None and np.isfinite(first):
         raise InputError(
             f"{path}, line 1: no header; use format table-csv and name the columns in the study"
         )
@@ -293,11 +277,8 @@ def _parse_lines(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa
     rows, damaged, place = [], [], start
     for line in data[start:end].split(b"\n"):
         cells = line.split(form.delimiter)
-        try:
-            row = _numbers(cells, form) if len(cells) == len(form.names) else None
-        except ValueError:
-            row = None
-        if row is not None:
+        row = _numbers(cells, form) if len(cells) == len(form.names) else [None]
+        if None not in row:
             rows.append(row)
         elif line.strip():
             damaged.append(place)
@@ -305,10 +286,10 @@ def _parse_lines(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa
     return [_table(np.array(rows).reshape(-1, len(form.numbers())), form.numbers())], damaged
 
 
-def _numbers(cells: list[bytes], form: Form) -> list[float]:
-    """Return a row's numbers. Raises ValueError for another cell in a column of numbers."""
+def _numbers(cells: list[bytes], form: Form) -> list[float | None]:
+    """Return a row's numbers, None for another cell in a column of numbers."""
     return [
-        seconds_of_date(cell) if name in form.dates else _number(cell)
+        seconds_of_date(cell) if name in form.dates else number_in(cell)
         for name, cell in zip(form.names, cells, strict=True)
         if name not in form.text
     ]

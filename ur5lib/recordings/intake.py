@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from ur5lib.channels import columns, is_unused, joint_count, meant
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.derived import CURRENT, with_currents, with_wrist_sensor
 from ur5lib.recordings.entries import Files
@@ -62,8 +62,8 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
         add_finding(findings, "force", "no moments", "note", len(sensed))
-    speeds = [arm.motor(joint).velocity_max for joint in arm.joint_numbers]
-    findings += check_robot(robot, timing.period, arm.position_limits(), speeds)
+    limits = arm.position_limits(), arm.velocity_limits()
+    findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
         findings += _check_sensor(device, record.table, arm)
     quality = Quality(
@@ -129,14 +129,9 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
     unknown = [name for name in others if name not in unused and name not in misspelt]
     notes: list[Finding] = []
     add_finding(notes, "force", "assumed frame", "note", sensor)
-    add_finding(notes, "robot", "unused wrench", "warning", len(unread), names=_some(unread))
-    near = {"names": _some([*misspelt]), "near": ", ".join(sorted({*misspelt.values()}))}
+    add_finding(notes, "robot", "unused wrench", "warning", len(unread), names=some(unread))
+    near = {"names": some([*misspelt]), "near": ", ".join(sorted({*misspelt.values()}))}
     add_finding(notes, "robot", "misspelt channels", "warning", len(misspelt), "", **near)
     for kind, names in (("unused channels", unused), ("unknown channels", unknown)):
-        add_finding(notes, "robot", kind, "note", len(names), names=_some(names))
+        add_finding(notes, "robot", kind, "note", len(names), names=some(names))
     return table.drop(columns=[*others, *unread]), notes
-
-
-def _some(names: list[str]) -> str:
-    """Return the first names, for a sentence."""
-    return ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")

@@ -7,7 +7,6 @@ order's likelihood.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from itertools import permutations
 from typing import NamedTuple
@@ -53,22 +52,13 @@ class Reading(NamedTuple):
     score: float
 
 
-def thinned(means: BlockMeans, most: int = MOST) -> BlockMeans:
+def _thinned(means: BlockMeans) -> BlockMeans:
     """Return the blocks in which the arm's postures differ most."""
     chosen, away = [0], np.full(len(means.q), np.inf)
-    while len(chosen) < min(most, len(means.q)):
+    while len(chosen) < min(MOST, len(means.q)):
         away = np.minimum(away, np.abs(means.q - means.q[chosen[-1]]).sum(axis=1))
         chosen.append(int(np.argmax(away)))
-    rows = np.unique(chosen)
-    currents = {name: values[rows] for name, values in means.currents.items()}
-    return replace(
-        means,
-        q=means.q[rows],
-        qd=means.qd[rows],
-        qdd=means.qdd[rows],
-        torque=None,
-        currents=currents,
-    )
+    return means.part(rows=np.unique(chosen))
 
 
 @cache
@@ -105,8 +95,7 @@ def readings(
         constants = arm.maker_torque_constants()
         scores = [_scores(means, free[name], torque, columns, constants, units) for name in efforts]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
-        fastest = np.array([arm.motor(joint).velocity_max for joint in arm.joint_numbers])
-        beyond = speed[columns] > FASTER * fastest
+        beyond = speed[columns] > FASTER * np.array(arm.velocity_limits())
         beyond |= _farther(reached[:, columns], np.transpose(arm.position_limits()))
         total -= UNABLE * beyond.any(axis=1)
         for place, order in enumerate(orders):
@@ -131,51 +120,49 @@ def likeliest(
 
     All are tried on few blocks, and those that explain these on all blocks.
     """
-    first = readings(thinned(means), efforts, arms, gravity_orders(), units)
+    first = readings(_thinned(means), efforts, arms, gravity_orders(), units)
     close = [one for one in first if first[0].score - one.score < CLOSE]
     by_arm = {arm.name: [one.order for one in close if one.arm == arm.name] for arm in arms}
     again = [readings(means, efforts, [a], by_arm[a.name], units) for a in arms if by_arm[a.name]]
     return sorted((one for few in again for one in few), key=lambda one: -one.score)
 
 
-def slopes(means: BlockMeans, effort: str, arm: Robot, order: Order) -> Array:
-    """Return effort per torque of gravity (6,) of each joint [1/unit]; NaN where gravity is nil."""
-    torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])
-    free = _without_motion(means, means.currents[effort])
-    found = np.full(len(order), np.nan)
-    for joint, column in enumerate(order):
-        own = _project(_motion(means, column), torque[:, joint])
-        if np.linalg.norm(own) > 1e-3 * len(own):
-            found[joint] = own @ free[:, column] / (own @ own)
-    return found
+def slope(means: BlockMeans, effort: str, arm: Robot, joint: int) -> float:
+    """Return effort per torque of gravity of a joint [1/unit]; NaN where gravity is nil."""
+    own = _project(_motion(means, joint), means.gravity(arm)[:, joint])
+    if np.linalg.norm(own) <= 1e-3 * len(own):
+        return math.nan
+    free = _without_motion(means, means.currents[effort])[:, joint]
+    return float(own @ free / (own @ own))
 
 
-def unit_scores(means: BlockMeans, effort: str, arm: Robot, order: Order) -> dict[str, float]:
-    """Return the log-likelihood of each unit of an effort, and that it holds no gravity."""
-    torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])[None]
-    free, columns = _without_motion(means, means.currents[effort]), np.array([order])
-    unknown = [math.nan] * len(order)
-    scores = _scores(means, free, torque, columns, unknown, OR_FREE)
+def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
+    """Return the log-likelihood of each unit of an effort, and that it holds no gravity.
+
+    means: with the joints in order.
+    """
+    free, columns = _without_motion(means, means.currents[effort]), np.array([in_order(arm)])
+    unknown = [math.nan] * len(arm.joints)
+    scores = _scores(means, free, means.gravity(arm)[None], columns, unknown, OR_FREE)
     return {unit: float(score[0]) for unit, score in scores.items()}
 
 
-def own_order(means: BlockMeans, effort: str, arm: Robot, order: Order) -> float:
+def own_order(means: BlockMeans, effort: str, arm: Robot) -> float:
     """Return how much likelier an effort's columns have the positions' order than any other.
 
     A difference of log-likelihoods; negative where another order explains the effort better.
+    means: with the joints in order.
     """
-    torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])
-    values = means.currents[effort]
+    torque, values = means.gravity(arm), means.currents[effort]
     floor = NOISE**2 + LEVEL * (values**2).mean()
     every = np.array(all_orders())
     margins = []
     for low, high in SLOPES.values():
-        left = [_left(means, values, torque[:, j], k, low, high) for j, k in enumerate(order)]
+        left = [_left(means, values, torque[:, j], j, low, high) for j in IN_ORDER]
         scores = means.log_likelihood(np.array(left) + floor)
         margins.append(scores[np.arange(6), every].sum(axis=1))
-    total = np.max(margins, axis=0)
-    same = (every == order).all(axis=1)
-    return float(total[same][0] - total[~same].max())
+    own, *others = np.max(margins, axis=0)  # in order first
+    return float(own - max(others))
 
 
 def _left(

@@ -39,7 +39,7 @@ class SensorSamples:
 def read_sensors(recording: WithSensors, findings: list[Finding]) -> dict[Device, DeviceRecord]:
     """Read the sensors that a study names for a recording, as far as they recorded something."""
     records = {
-        device: _read_sensor(Path(recording.folder), sensor, device, findings)
+        device: read_sensor(Path(recording.folder), sensor, device, findings)
         for device, sensor in recording.sensors().items()
     }
     return {device: record for device, record in records.items() if record is not None}
@@ -170,16 +170,28 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
         add_finding(findings, device, "stale stamps", "warning", still, "stale samples")
 
 
-def _read_sensor(
-    folder: Path, sensor: Sensor, device: Device, findings: list[Finding]
+def read_sensor(
+    folder: Path,
+    sensor: Sensor,
+    device: Device,
+    findings: list[Finding],
+    std: float = STAMP_STD,
+    ended: bool = False,
 ) -> DeviceRecord | None:
+    """Read a sensor's file, None where it recorded nothing.
+
+    A clock that is not relative is counted from its first sample. std: of the stamp in
+    `start_file` [s]; ended: whether that file should end in a newline.
+    """
     path = folder / sensor.file
     samples = read_device(Log(path, device, findings), expand(sensor.columns), sensor)
     if samples is None:
         return None
+    counted = counted_from_first(samples.table, samples.first, sensor, path)
     if sensor.start_file is None:
-        return counted_from_first(samples.table, samples.first, sensor, path)
-    zero = device_start(Log(folder / sensor.start_file, device, findings))
+        return counted
+    zero = device_start(Log(folder / sensor.start_file, device, findings), ended)
     scale = 1000 if sensor.start == "day_ms" else 1
-    stamp = None if zero is None else Stamp(zero / scale, STAMP_STD, sensor.start)
-    return DeviceRecord(samples.table, stamp, str(path))
+    stamp = None if zero is None else Stamp(zero / scale, std, sensor.start)
+    table = samples.table if sensor.time == "relative_s" else counted.table
+    return DeviceRecord(table, stamp, str(path))

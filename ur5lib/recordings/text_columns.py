@@ -1,9 +1,9 @@
 """Columns of a table that hold text, as names and modes, or dates with the time of day."""
 
+import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -12,19 +12,30 @@ from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.timeseries.arrays import Array
 
 DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")  # ISO 8601
+NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
 SAMPLE = 20  # rows that show what a column holds
 
 
+def number_in(cell: bytes) -> float | None:
+    """Return a cell's number, NaN for an empty cell, None for anything else."""
+    text = cell.strip().decode(errors="replace")
+    if text in NOT_A_NUMBER:
+        return math.nan
+    try:
+        return None if "_" in text else float(text)  # float() would accept 1_000
+    except ValueError:
+        return None
+
+
 def text_columns(
-    rows: Sequence[Sequence[bytes]], names: Sequence[str], number: Callable[[bytes], float]
+    rows: Sequence[Sequence[bytes]], names: Sequence[str]
 ) -> tuple[list[str], list[str]]:
     """Return the names of the columns of dates, and of those of other text that nothing needs.
 
-    rows: cells of the first rows; number: of a cell, NaN for an empty one; raises ValueError for
-    text. None are returned where no column holds numbers.
+    rows: cells of the first rows. None are returned where no column holds numbers.
     """
     columns = dict(zip(names, zip(*rows, strict=True), strict=False))
-    worded = [name for name, cells in columns.items() if _is_text(cells, number)]
+    worded = [name for name, cells in columns.items() if _is_text(cells)]
     if len(worded) == len(columns):
         return [], []
     dates = [name for name in worded if all(DATE.match(cell.strip()) for cell in columns[name])]
@@ -36,17 +47,10 @@ def _is_needed(name: str) -> bool:
     return name == "timestamp" or any(CHANNELS[found].unit != "1" for found in channels_of(name))
 
 
-def _is_text(cells: Sequence[bytes], number: Callable[[bytes], float]) -> bool:
+def _is_text(cells: Sequence[bytes]) -> bool:
     """Return whether cells hold text and no number."""
-    found = [*map(partial(_number_or_none, number=number), cells)]
+    found = [*map(number_in, cells)]
     return None in found and all(value is None or np.isnan(value) for value in found)
-
-
-def _number_or_none(cell: bytes, number: Callable[[bytes], float]) -> float | None:
-    try:
-        return number(cell)
-    except ValueError:
-        return None
 
 
 def seconds_of_dates(dates: pd.Series) -> Array:
@@ -56,7 +60,10 @@ def seconds_of_dates(dates: pd.Series) -> Array:
     return np.where(stamps.isna(), np.nan, counted)
 
 
-def seconds_of_date(cell: bytes) -> float:
-    """Return the seconds since 1970 of an ISO date. Raises ValueError for anything else."""
-    stamp = datetime.fromisoformat(cell.strip().decode(errors="replace"))
+def seconds_of_date(cell: bytes) -> float | None:
+    """Return the seconds since 1970 of an ISO date, None for anything else."""
+    try:
+        stamp = datetime.fromisoformat(cell.strip().decode(errors="replace"))
+    except ValueError:
+        return None
     return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()

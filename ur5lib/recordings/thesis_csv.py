@@ -8,23 +8,28 @@ import pandas as pd
 from ur5lib.channels import THESIS_FILES
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
-from ur5lib.recordings.entries import Clocked, ThesisFiles
+from ur5lib.recordings.entries import Sensor, ThesisFiles
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import check_pace, stray_times
 from ur5lib.recordings.quality import Device, Finding, Log, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
-from ur5lib.recordings.sensors import (
-    FORCE_CHANNELS,
-    IMU_CHANNELS,
-    device_start,
-    first_number,
-    read_device,
-)
+from ur5lib.recordings.sensors import first_number, read_sensor
 
 CYCLE = 0.008  # s, the CB2 controller's
 ROBOT_CHANNELS = {f"log_{file}.csv": name for file, name in THESIS_FILES.items()}
 RESTART = 1e6  # s; longer than any recording, so that the epochs of a clock stay apart
-
+FORCE_SENSOR = Sensor(
+    file="log_force_sensor.csv",
+    columns=["time", "ft"],
+    start_file="log_force_sensor_start_time.csv",
+)
+IMU = Sensor(
+    file="acc_data.csv",
+    columns=["time", "imu_a", "imu_m", "imu_g"],
+    time="day_ms",
+    start_file="acc_start_time.csv",
+    start="day_ms",
+)
 
 # Standard uncertainties of the start stamps [s]: the robot's is rounded to 10 ms, the force
 # sensor's has microseconds, the IMU's has 6 digits and its samples arrive 0.1 s late.
@@ -38,14 +43,14 @@ def read_thesis_csv(recording: ThesisFiles) -> RawRecording:
     """
     csv = Path(recording.folder) / "csv_files"
     findings: list[Finding] = []
-    start = _stamp(first_number(csv / "start_time.csv", ended=True), ROBOT_START_STD)
+    seconds = first_number(csv / "start_time.csv", ended=True)
+    start = None if seconds is None else Stamp(seconds, ROBOT_START_STD, "epoch_s")
     robot = DeviceRecord(_read_robot(csv, findings), start, str(csv))
-    sensors = {"force": _read_force(csv, findings), "imu": _read_imu(csv, findings)}
-    present: dict[Device, DeviceRecord] = {
-        device: record  # type: ignore[misc]
-        for device, record in sensors.items()
-        if record is not None
+    sensors: dict[Device, DeviceRecord | None] = {
+        "force": read_sensor(csv, FORCE_SENSOR, "force", findings, FORCE_START_STD, ended=True),
+        "imu": read_sensor(csv, IMU, "imu", findings, IMU_START_STD),
     }
+    present = {device: record for device, record in sensors.items() if record is not None}
     return RawRecording(robot, CYCLE, present, findings)
 
 
@@ -95,30 +100,3 @@ def _drop_strays(rows: pd.DataFrame, log: Log) -> pd.DataFrame:
     if len(rows) > 1:
         check_pace(rows["time"].to_numpy()[~stray], str(log.path), CYCLE / 2)
     return rows[~stray].reset_index(drop=True)
-
-
-def _read_force(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
-    path = csv / "log_force_sensor.csv"
-    samples = read_device(Log(path, "force", findings), ["time", *FORCE_CHANNELS])
-    if samples is None:
-        return None
-    began = csv / "log_force_sensor_start_time.csv"
-    start = _stamp(device_start(Log(began, "force", findings), ended=True), FORCE_START_STD)
-    return DeviceRecord(samples.table, start, str(path))
-
-
-def _read_imu(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
-    path = csv / "acc_data.csv"
-    samples = read_device(
-        Log(path, "imu", findings), ["time", *IMU_CHANNELS], Clocked(time="day_ms")
-    )
-    if samples is None:
-        return None
-    table = samples.table.assign(time=samples.table["time"] - samples.first)
-    start = device_start(Log(csv / "acc_start_time.csv", "imu", findings))
-    stamp = None if start is None else Stamp(start / 1000, IMU_START_STD, "day_ms")
-    return DeviceRecord(table, stamp, str(path))
-
-
-def _stamp(seconds: float | None, std: float) -> Stamp | None:
-    return None if seconds is None else Stamp(seconds, std, "epoch_s")

@@ -303,6 +303,10 @@ class Robot(Strict):
         """Return the largest torque of each joint's motor [Nm]."""
         return [self.motor(joint).torque_max for joint in self.joint_numbers]
 
+    def velocity_limits(self) -> list[float]:
+        """Return the largest speed of each joint [rad/s]."""
+        return [self.motor(joint).velocity_max for joint in self.joint_numbers]
+
     def acceleration_limits(self) -> list[float]:
         """Return those of accelerations [rad/s²], the usual one where none is published."""
         motors = map(self.motor, self.joint_numbers)

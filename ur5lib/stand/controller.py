@@ -1,6 +1,6 @@
 """The controller's channels: what it measures, and what it computes from its model of the arm."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -28,17 +28,12 @@ DAMPING = 0.02**2 * np.eye(6)  # of that estimate near singularities
 TEMPERATURE_STEP = 1 / 16  # °C
 
 
-@dataclass(frozen=True)
-class Measurement:
+class Measurement(NamedTuple):
     """The joints' measured angles [rad], speeds [rad/s] and motor currents [A], (..., n) each."""
 
     q: Array
     qd: Array
     current: Array
-
-    def at(self, frames: slice) -> "Measurement":
-        """Return the measurements at some frames."""
-        return Measurement(self.q[frames], self.qd[frames], self.current[frames])
 
 
 def frames(
@@ -53,8 +48,9 @@ def frames(
     measured = measure(rig.drive, states, before, random)
     sent = slice(None, None, round(cycle / STEP))
     time, estimate = step_times(len(states))[sent], ForceEstimate(cycle)
-    targets = experiment.targets.at(sent)
-    values = channels(rig, states[sent], measured.at(sent), targets, estimate)
+    targets = Targets(*(part[sent] for part in experiment.targets))
+    measured = Measurement(*(part[sent] for part in measured))
+    values = channels(rig, states[sent], measured, targets, estimate)
     if rig.robot.senses_torque():
         values = TorqueSensors.of(rig.robot).channels(values, states[sent], random)
     temperature = sensed(experiment.plan.temperature(time))
@@ -146,7 +142,7 @@ def model_torques(rig: Rig, motion: Targets) -> Array:
     declared payload.
     """
     data, torques = rig.nominal_data, np.empty_like(motion.q)
-    states = zip(*map(np.atleast_2d, (motion.q, motion.qd, motion.qdd)), strict=True)
+    states = zip(*map(np.atleast_2d, motion), strict=True)
     for torque, (data.qpos, data.qvel, data.qacc) in zip(
         np.atleast_2d(torques), states, strict=True
     ):

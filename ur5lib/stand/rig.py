@@ -153,7 +153,7 @@ def perform(
     warmth = plan.temperature(time) - USUAL
     states = np.empty(len(time), state_of(len(robot.joints)))
     rig.data.qpos, rig.data.time = targets.q[0], -SETTLE * STEP
-    wanted, rows = [*zip(targets.q, targets.qd, targets.qdd, strict=True)], as_rows(states)
+    wanted, rows = [*zip(*targets, strict=True)], as_rows(states)
     for step in range(-SETTLE, len(time)):
         now = max(step, 0)  # while the arm settles, the first target holds
         rig.step(wanted[now], warmth[now], rows[now])

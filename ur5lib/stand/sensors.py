@@ -8,6 +8,7 @@ import pandas as pd
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
+from ur5lib.channels import columns
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import Clock, ForceSensor, Imu, WristSensor
 from ur5lib.stand.rig import STEP, Experiment, Rig, States, step_times
@@ -17,8 +18,8 @@ from ur5lib.timeseries.sampling import interpolated
 
 FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz, by their own clocks
 TICK = 0.001  # s, of the IMU's stamps
-FORCE_COLUMNS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
-IMU_COLUMNS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
+FORCE_COLUMNS = columns("ft")
+IMU_COLUMNS = [name for part in "amg" for name in columns(f"imu_{part}")]
 
 # Force sensor: noise between samples at rest, from the thesis's recordings [N, Nm].
 FORCE_NOISE = np.array([0.0013, 0.0015, 0.0022, 5e-5, 5e-5, 4e-5])

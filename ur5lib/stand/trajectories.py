@@ -1,9 +1,9 @@
 """Target trajectories: position, velocity and acceleration of the joints over time."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import cycle, pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,17 +18,12 @@ REST = 1.0  # s at rest at the beginning of every recording
 SHORTEST = 0.008  # s, shortest duration of a command, even without motion
 
 
-@dataclass(frozen=True)
-class Targets:
+class Targets(NamedTuple):
     """Targets of the drives, each (N, n): q [rad], qd [rad/s], qdd [rad/s²]."""
 
     q: Array
     qd: Array
     qdd: Array
-
-    def at(self, steps: slice) -> "Targets":
-        """Return the targets at some steps."""
-        return Targets(self.q[steps], self.qd[steps], self.qdd[steps])
 
 
 def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time: Array) -> Targets:
@@ -78,11 +73,9 @@ def _way_point(line: str, place: str) -> Six:
 
 
 def _expect_within_limits(targets: Targets, robot: Robot) -> None:
-    for joint in range(len(robot.joints)):
-        motor = robot.motor(joint + 1)
-        fastest = motor.velocity_max
+    for joint, fastest in enumerate(robot.velocity_limits()):
         for values, (low, high), unit in (
-            (targets.q, motor.positions(), "rad"),
+            (targets.q, robot.motor(joint + 1).positions(), "rad"),
             (targets.qd, (-fastest, fastest), "rad/s"),
         ):
             least, most = float(values[:, joint].min()), float(values[:, joint].max())
@@ -145,10 +138,9 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     coefficients = _drawn_coefficients(plan)
     terms = fourier_terms(plan.period_s, plan.harmonics, fine)[:3]
     parts = [term @ coefficients for term in terms]
-    motors = [robot.motor(joint) for joint in robot.joint_numbers]
     limits = [
-        np.full(len(motors), plan.amplitude_rad),
-        plan.limit_share * np.array([motor.velocity_max for motor in motors]),
+        np.full(len(robot.joints), plan.amplitude_rad),
+        plan.limit_share * np.array(robot.velocity_limits()),
         plan.limit_share * np.array(robot.acceleration_limits()),
     ]
     scales = [limit / np.abs(part).max(axis=0) for limit, part in zip(limits, parts, strict=True)]
