@@ -6,6 +6,7 @@ import pytest
 
 from tests.conftest import said
 from ur5lib.recordings.derived import with_wrist_sensor
+from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import link_frames
@@ -25,38 +26,39 @@ def table(**channels: Array) -> pd.DataFrame:
 
 
 def test_the_raw_reading_is_taken_as_it_is() -> None:
-    robot, findings = with_wrist_sensor(table(ft_raw_wrench=WRENCH), ARM, other=False)
+    findings: list[Finding] = []
+    robot = with_wrist_sensor(table(ft_raw_wrench=WRENCH), ARM, False, findings)
     np.testing.assert_array_equal(robot[FORCE_CHANNELS], WRENCH)
     assert [(one.device, one.severity) for one in findings] == [("force", "note")]
 
 
 def test_the_controller_s_force_is_turned_into_the_flange_s_axes() -> None:
     """Only where the raw reading is missing."""
-    robot, _ = with_wrist_sensor(table(actual_TCP_force=WRENCH), ARM, other=False)
+    robot = with_wrist_sensor(table(actual_TCP_force=WRENCH), ARM, False, [])
     rotation = link_frames(ARM, Q)[0][:, 6]
     back = np.einsum("nij,nhj->nhi", rotation, robot[FORCE_CHANNELS].to_numpy().reshape(-1, 2, 3))
     np.testing.assert_allclose(back.reshape(-1, 6), WRENCH, atol=1e-12)
     both = table(actual_TCP_force=WRENCH, ft_raw_wrench=2 * WRENCH)
-    np.testing.assert_array_equal(
-        with_wrist_sensor(both, ARM, False)[0][FORCE_CHANNELS], 2 * WRENCH
-    )
+    raw = with_wrist_sensor(both, ARM, False, [])
+    np.testing.assert_array_equal(raw[FORCE_CHANNELS], 2 * WRENCH)
 
 
 @pytest.mark.parametrize("name", ["ft_raw_wrench", "actual_TCP_force"])
 def test_a_constant_is_no_sensor(name: str) -> None:
     silent = table(**{name: np.zeros((50, 6))})
-    robot, findings = with_wrist_sensor(silent, ARM, other=False)
-    assert robot is silent
+    findings: list[Finding] = []
+    assert with_wrist_sensor(silent, ARM, False, findings) is silent
     assert not findings
 
 
 def test_an_arm_without_a_wrist_sensor_has_none() -> None:
     """The controller of a CB3 estimates actual_TCP_force from currents."""
     estimated = table(actual_TCP_force=WRENCH)
-    assert with_wrist_sensor(estimated, load_robot(robot_path("ur5")), False)[0] is estimated
+    assert with_wrist_sensor(estimated, load_robot(robot_path("ur5")), False, []) is estimated
 
 
 def test_another_sensor_that_the_study_names_comes_first() -> None:
-    robot, findings = with_wrist_sensor(table(ft_raw_wrench=WRENCH), ARM, other=True)
+    findings: list[Finding] = []
+    robot = with_wrist_sensor(table(ft_raw_wrench=WRENCH), ARM, True, findings)
     assert not {*FORCE_CHANNELS} & {*robot}
     assert "another force sensor" in said(findings[0])

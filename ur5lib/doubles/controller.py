@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -59,16 +59,9 @@ class Ports:
             return cls(*(free.getsockname()[1] for free in sockets))
 
 
-class Generation(NamedTuple):
-    """What controllers of one generation have in common, as in `Setup`."""
-
-    software: tuple[int, int, int, int]
-    rate: int
-    message: int
-
-
-CB3 = Generation(software=(3, 15, 8, 106339), rate=125, message=1140)
-E_SERIES = Generation(software=(5, 11, 1, 108318), rate=500, message=1220)
+# What controllers of one generation have in common, as in `Setup`.
+CB3 = {"software": (3, 15, 8, 106339), "rate": 125, "message": 1140}
+E_SERIES = {"software": (5, 11, 1, 108318), "rate": 500, "message": 1220}
 
 Service = Callable[[StreamReader, StreamWriter], Coroutine[Any, Any, None]]
 
@@ -105,8 +98,8 @@ class EmulatedController:
     ) -> None:
         """robot: or its name; options: of Setup; default: those of the arm's generation."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
-        generation = E_SERIES if arm.wrist_sensor else CB3
-        self.setup = Setup(arm, plan, **generation._asdict() | options)
+        generation: dict[str, Any] = E_SERIES if arm.wrist_sensor else CB3
+        self.setup = Setup(arm, plan, **generation | options)
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""

@@ -2,7 +2,7 @@
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +12,7 @@ import numpy as np
 from ur5lib.channels import MOST_JOINTS, SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import OPPOSITE
-from ur5lib.recordings.rosbag import JOINTS, joint_order
+from ur5lib.recordings.rosbag import JOINT_NAMES, JOINTS, joint_order
 from ur5lib.timeseries.arrays import Array
 
 TARGET = {"target", "desired", "des", "ref", "reference", "cmd", "command", "commanded", "setpoint"}
@@ -22,14 +22,6 @@ TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
 OF_IMU = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
 UNIT = re.compile(r" *[\[(](?!J?\d*[\])])[^\])]*[\])]$", re.IGNORECASE)  # at the end of a name
 NUMBERED = r"(.*?)(?:[jJ]oint|[aA]xis|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
-JOINT_NAMES = [  # of drivers, and as the teach panel has them
-    re.compile(name, re.IGNORECASE)
-    for name in (
-        r"shoulder[ _]?pan|(?<![a-z])base(?=[ _.][a-z]+$|$)",
-        r"shoulder[ _]?lift|(?<![a-z])shoulder(?![ _]?pan)",
-        *("elbow", r"wrist[ _]?1", r"wrist[ _]?2", r"wrist[ _]?3"),
-    )
-]
 NAMELESS = "column "  # and its number: a column of a table without a header
 MEANINGS = {  # of a block with a column for each joint, by a word of its name
     "q": {"q", "position", "positions", "pos", "angle", "angles"},
@@ -90,10 +82,6 @@ class Block:
         """Return whether it was commanded, not measured, by its name."""
         return (self.meaning() or "").startswith("target")
 
-    def is_commanded(self) -> bool:
-        """Return whether its name, or its path in the file, says so."""
-        return names_command(self.stem())
-
     def stem(self) -> str:
         """Return the name of its quantity, a path in the file, without the joints' numbers."""
         return place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
@@ -149,16 +137,21 @@ def _joint_meaning(words: set[str]) -> str | None:
     return {"qdd": None, "torque": "actual_current_as_torque"}.get(kind, f"actual_{kind}")
 
 
+def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
+    """Return the names of each quantity's columns, by their places."""
+    stems = defaultdict[str, dict[int, str]](dict)
+    for name in names:
+        stem, place = place_of(name)
+        stems[stem][place] = name
+    return stems
+
+
 def grouped(names: Sequence[str], joints: int = 6) -> Iterator[tuple[str, ...]]:
     """Yield the names of single columns that belong together (joints; pose; x, y, z), others alone.
 
     In the order of the joints' names, or else of their numbers.
     """
-    stems: dict[str, dict[int, str]] = {}
-    for name in names:
-        stem, place = place_of(name)
-        stems.setdefault(stem, {})[place] = name
-    for places in stems.values():
+    for places in _by_stem(names).values():
         ordered = tuple(places[place] for place in sorted(places))
         yield from [ordered] if len(ordered) in (3, 6, joints) else ((name,) for name in ordered)
 
@@ -172,13 +165,9 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
     if order is None:
         return [*columns]
     named = dict(zip(order, JOINTS, strict=True))
-    groups = defaultdict[str, dict[int, str]](dict)
-    for column in columns:
-        stem, place = place_of(column)
-        groups[stem][place] = column
     renamed = {
         column: f"{stem}_{named[place - min(places)]}"
-        for stem, places in groups.items()
+        for stem, places in _by_stem(columns).items()
         for place, column in places.items()
         if len(places) == len(joints) and place - min(places) in named
     }
@@ -249,15 +238,11 @@ def joints_of_nameless(columns: int) -> int:
 
 def _of_joints(arrays: Mapping[str, np.ndarray]) -> Iterator[OfJoints]:
     """Yield arrays with a column for each joint, and single columns that are numbered."""
-    numbered = defaultdict[str, dict[int, str]](dict)
-    for name, values in arrays.items():
-        if values.ndim == 2 and 1 not in values.shape:
-            if kind := _kind(name):
-                yield OfJoints(name, kind, min(values.shape))
-        else:
-            stem, place = place_of(name)
-            numbered[stem][place] = name
-    for stem, places in numbered.items():
+    wide = [name for name, values in arrays.items() if values.ndim == 2 and 1 not in values.shape]
+    for name in wide:
+        if kind := _kind(name):
+            yield OfJoints(name, kind, min(arrays[name].shape))
+    for stem, places in _by_stem(name for name in arrays if name not in wide).items():
         order = sorted(places)
         whole = order == list(range(order[0], order[0] + len(order))) and order[0] in (0, 1)
         if whole and (kind := _kind(stem)):

@@ -4,11 +4,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-import yaml
-
 from ur5lib.channels import JOINT_CHANNELS, SUFFIXES, suffixes
 from ur5lib.channels import columns as columns_of
-from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.efforts import NAMED
 from ur5lib.importing.motion import TARGETS
@@ -16,13 +13,11 @@ from ur5lib.importing.proposal import Proposal
 from ur5lib.recordings.entries import OPPOSITE, SKIPPED
 from ur5lib.recordings.readings import IN_ORDER
 
-WRAPPED = 100  # characters a line
 ASKED = (*NAMED, *TARGETS, "actual_TCP_pose")  # channels that are proven, assumed, or left out
 PROVABLE = {c for name in ASKED for c in columns_of(name)}
 RTDE = ("ft_raw_wrench", "wrench_calc_from_currents", "payload", "payload_cog", "payload_inertia")
 KEPT = {c for name in (*RTDE, "target_gravity", "tcp_offset") for c in columns_of(name)}
 Entry = dict[str, Any]  # of a study, as YAML has it
-Commented = tuple[Entry, Sequence[str]]  # an entry, and the comments above it
 
 
 def entry(proposal: Proposal) -> Entry:
@@ -121,18 +116,3 @@ def _units(proposal: Proposal) -> Entry:
 def _time(proposal: Proposal) -> dict[str, str]:
     base = proposal.contents.time_base(proposal.clock)
     return {"time": base} if base != "relative_s" else {}
-
-
-def study_yaml(name: str, title: str, entries: Sequence[Commented]) -> str:
-    """Return a study of entries, each with comments above it."""
-    head = yaml.safe_dump({"study": name, "title": title}, sort_keys=False, allow_unicode=True)
-    return f"{head}recordings:\n{entries_yaml(entries)}"
-
-
-def entries_yaml(entries: Sequence[Commented]) -> str:
-    """Return entries as a study lists them, each with comments above it."""
-    parts = []
-    for recording, comments in entries:
-        text = yaml.safe_dump([recording], sort_keys=False, width=WRAPPED, allow_unicode=True)
-        parts.append("".join(f"{printable(line)}\n" for line in comments) + text)
-    return "\n".join(parts)

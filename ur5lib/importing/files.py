@@ -4,13 +4,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import yaml
+
 from ur5lib.commands.check import look_through, severe
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, printable
 from ur5lib.importing.contents import Contents, contents
-from ur5lib.importing.entry import Entry, entries_yaml, entry, identifier, study_yaml
+from ur5lib.importing.entry import Entry, entry, identifier
 from ur5lib.importing.proposal import propose
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
+
+WRAPPED = 100  # characters a line of YAML
 
 
 @dataclass(frozen=True)
@@ -76,8 +80,12 @@ def import_files(
 
 
 def as_entries(imported: Sequence[Imported]) -> str:
-    """Return entries as YAML, to be pasted below `recordings:` of a study."""
-    return entries_yaml([(item.entry, item.comments) for item in imported])
+    """Return entries as YAML with comments, to be pasted below `recordings:` of a study."""
+    parts = []
+    for item in imported:
+        text = yaml.safe_dump([item.entry], sort_keys=False, width=WRAPPED, allow_unicode=True)
+        parts.append("".join(f"{printable(line)}\n" for line in item.comments) + text)
+    return "\n".join(parts)
 
 
 def write_study(imported: Sequence[Imported], path: Path) -> None:
@@ -85,9 +93,9 @@ def write_study(imported: Sequence[Imported], path: Path) -> None:
     if path.exists():
         raise InputError(f"{path} exists; name another file, or paste the entries into it")
     name = identifier(path.stem)
-    title = f"Recordings of {name}"
-    entries = [(item.entry, item.comments) for item in imported]
-    write_text(study_yaml(name, title, entries), path)
+    plain = {"study": name, "title": f"Recordings of {name}"}
+    head = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
+    write_text(f"{head}recordings:\n{as_entries(imported)}", path)
 
 
 def _checked(imported: Imported) -> tuple[Imported, list[str]]:

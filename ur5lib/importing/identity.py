@@ -94,7 +94,7 @@ def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Readi
     """
     arms = _possible(case.file, names)
     by_name = names_order(case.moving.position, case.file)
-    orders = [IN_ORDER] if by_name else readings.all_orders()
+    orders = [IN_ORDER] if by_name else readings.ALL_ORDERS
     by_pose = _by_pose(case, arms, orders)
     weighed = case.efforts and (by_name or not by_pose)
     likely = readings.likeliest(case.means, case.efforts, arms, OR_FREE) if weighed else []

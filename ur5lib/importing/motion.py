@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ur5lib.errors import InputError, some
-from ur5lib.importing.blocks import Block
+from ur5lib.importing.blocks import Block, names_command
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.recordings.checks import MOVES
 from ur5lib.timeseries.arrays import Array
@@ -37,11 +37,14 @@ class ImportedMotion:
     targets: dict[str, Block]
     units: dict[str, str]
 
+    def measured(self) -> dict[str, Block]:
+        """Return the blocks of positions and velocities by channel."""
+        both = {"actual_q": self.position, "actual_qd": self.velocity}
+        return {name: block for name, block in both.items() if block is not None}
+
     def channels(self) -> dict[str, list[Block]]:
-        """Return the blocks by channel."""
-        measured = {"actual_q": self.position, "actual_qd": self.velocity}
-        every = measured | self.targets
-        return {name: [block] for name, block in every.items() if block is not None}
+        """Return all blocks by channel."""
+        return {name: [block] for name, block in (self.measured() | self.targets).items()}
 
     def beside(self, file: Contents, meanings: Collection[str]) -> list[Block]:
         """Return other blocks of the joints on the positions' clock, by meaning or nameless."""
@@ -57,11 +60,9 @@ class ImportedMotion:
 
     def in_si(self) -> dict[str, Array]:
         """Return the measured positions and velocities (N, n) [rad, rad/s]."""
-        measured = {"actual_q": self.position, "actual_qd": self.velocity}
         return {
             name: block.rows / (DEGREES if name in self.units else 1.0)
-            for name, block in measured.items()
-            if block is not None
+            for name, block in self.measured().items()
         }
 
 
@@ -201,7 +202,7 @@ def _listed(blocks: Sequence[Block]) -> str:
 def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
     """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
     every = (block for block in file.blocks if block.rows.shape[1] == file.joints)
-    whole = [block for block in every if not block.is_commanded()]
+    whole = [block for block in every if not names_command(block.stem())]
     for position, velocity in itertools.permutations(whole, 2):
         if position.clock == velocity.clock:
             share, ratio, count = agreement(position, velocity, file.clocks[position.clock])

@@ -56,7 +56,8 @@ class Decoder:
             if end > len(stream):
                 break
             if sum(stream[at + 1 : end]) % 256 == 0 and end > at + 4:
-                messages.append(_message(stream[at:end]))
+                head = 6 if stream[at + 3] == EXTENDED else 4
+                messages.append(Message(stream[at + 2], stream[at + head : end - 1]))
                 at = end
             else:
                 at += 1
@@ -85,10 +86,6 @@ def _end(stream: bytes, at: int) -> int:
         return len(stream) + 1
     size = int.from_bytes(stream[at + 4 : at + 6], "big")
     return at + 7 + size if EXTENDED <= size <= LONGEST else at
-
-
-def _message(packet: bytes) -> Message:
-    return Message(packet[2], packet[6 if packet[3] == EXTENDED else 4 : -1])
 
 
 class RefusedError(Exception):

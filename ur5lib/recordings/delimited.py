@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -49,13 +49,6 @@ class Form(NamedTuple):
         return [name for name in self.names if name not in self.text]
 
 
-class Damage(NamedTuple):
-    """The number of a damaged line, from 1, and what is wrong with it."""
-
-    line: int
-    fault: str
-
-
 def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
     """Return the complete rows of a delimited table; other lines are skipped and reported.
 
@@ -68,17 +61,19 @@ def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
     blocks = text_blocks(log)
     first = next(blocks)
     top, form = _form_of(first, log.path, names)
-    tables, damaged, line = list[pa.Table](), list[Damage](), 1
+    tables, damaged, fault, line = list[pa.Table](), list[int](), "", 1
     for block in chain([first], blocks):
         data = _with_points(block, form, log)
         end = _end_of_rows(data, top, line, form, log)
         parsed, places = _parse(data, top, end, form)
         tables += parsed
-        damaged += _damage(data, places, line, form)
+        if places:
+            fault = fault or _fault(data, places[0], form)
+            damaged += (line + np.searchsorted(_newlines(data), places)).tolist()
         top, line = 0, line + data.count(b"\n")
     table = _joined(tables)
     if damaged:
-        _report_damaged(log, damaged, table, len(form.names))
+        _report_damaged(log, damaged, fault, table, len(form.names))
     return table
 
 
@@ -299,18 +294,14 @@ def _table(rows: np.ndarray, names: list[str]) -> pa.Table:
     return pa.table([pa.array(column, pa.float64()) for column in rows.T], names=names)
 
 
-def _damage(data: bytes, places: list[int], line: int, form: Form) -> Iterator[Damage]:
-    """Yield the damage of the lines at some offsets, in order. line: number of the first line."""
-    before = 0
-    for place in places:
-        line += data.count(b"\n", before, place)
-        before = place
-        cells = data[place : _end_of_line(data, place)].rstrip(b"\n").split(form.delimiter)
-        yield Damage(line, _fault(cells, form))
+def _newlines(data: bytes) -> np.ndarray:
+    """Return the offsets of all newlines."""
+    return np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
 
 
-def _fault(cells: list[bytes], form: Form) -> str:
-    """Return why a line is damaged."""
+def _fault(data: bytes, place: int, form: Form) -> str:
+    """Return why the line that begins at an offset is damaged."""
+    cells = data[place : _end_of_line(data, place)].rstrip(b"\n").split(form.delimiter)
     if len(cells) != len(form.names):
         listed = "; give each number of a list its own column" if b"[" in b"".join(cells) else ""
         return f"it has {len(cells)} cells{listed}"
@@ -324,12 +315,14 @@ def _fault(cells: list[bytes], form: Form) -> str:
     return f"{wrong[:20]!r} is not a number{cause}"
 
 
-def _report_damaged(log: Log, damaged: list[Damage], table: pd.DataFrame, width: int) -> None:
+def _report_damaged(
+    log: Log, damaged: list[int], fault: str, table: pd.DataFrame, width: int
+) -> None:
     """Report which lines are damaged and what is wrong with the first.
 
     Raises InputError when most lines are damaged: then the columns differ from those declared.
     """
-    count, (first, fault) = len(damaged), damaged[0]
+    count, first = len(damaged), damaged[0]
     if table.empty:
         raise InputError(
             f"{log.path}, line {first}: expected {width} numbers ({fault}), and no other line "
@@ -340,7 +333,7 @@ def _report_damaged(log: Log, damaged: list[Damage], table: pd.DataFrame, width:
             f"{log.path}, line {first}: expected {width} numbers ({fault}); {count} of "
             f"{len(table) + count} lines do not fit; correct the file, or `columns` in the study"
         )
-    values = {"lines": [damage.line for damage in damaged[:SHOWN]], "fault": fault, "width": width}
+    values = {"lines": damaged[:SHOWN], "fault": fault, "width": width}
     more = {"more": count - SHOWN} if count > SHOWN else {}
     code = "more damaged lines" if more else "damaged lines"
     log.add("damaged lines", "warning", count, code, **values, **more)

@@ -17,22 +17,20 @@ FREE = "actual_torque_less_gravity"
 
 
 def with_wrist_sensor(
-    robot: pd.DataFrame, arm: Robot, other: bool
-) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return a repaired table with `ft_fx` .. `ft_tz` of the arm's own force sensor, and notes.
+    robot: pd.DataFrame, arm: Robot, other: bool, findings: list[Finding]
+) -> pd.DataFrame:
+    """Return a repaired table with `ft_fx` .. `ft_tz` of the arm's own force sensor.
 
     [N, Nm], environment on the arm, axes of frame 6, at the flange. robot: a repaired table; other:
     whether the study names a force sensor, whose readings are used instead.
     """
     found = _reading(robot, arm) if arm.wrist_sensor else None
     if found is None:
-        return robot, []
+        return robot
     name, reading = found
-    if other:
-        note = Finding("force", "wrist sensor", "note", 1, {"name": name}, "other force sensor")
-        return robot, [note]
-    columns = dict(zip(FORCE_CHANNELS, reading.T, strict=True))
-    return robot.assign(**columns), [Finding("force", "wrist sensor", "note", 1, {"name": name})]
+    code = "other force sensor" if other else ""
+    add_finding(findings, "force", "wrist sensor", "note", 1, code, name=name)
+    return robot if other else robot.assign(**dict(zip(FORCE_CHANNELS, reading.T, strict=True)))
 
 
 def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:

@@ -57,15 +57,18 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     del raw  # whose channels are freed while they are repaired
     robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, _unbounded(arm))
     findings += repairs + remarks
-    robot, wrist = with_wrist_sensor(robot, arm, other="force" in placed)
-    findings += wrist
+    robot = with_wrist_sensor(robot, arm, "force" in placed, findings)
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
         add_finding(findings, "force", "no moments", "note", len(sensed))
     limits = arm.position_limits(), arm.velocity_limits()
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
-        findings += _check_sensor(device, record.table, arm)
+        findings += (
+            check_force_sensor(record.table)
+            if device == "force"
+            else check_imu(record.table, arm.mounting.imu_full_scale)
+        )
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -105,12 +108,6 @@ def _unbounded(arm: Robot) -> list[str]:
     joints = [joint - 1 for joint in arm.endless_joints or []]
     endless = [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
     return endless + (columns(CURRENT, len(arm.joints)) if arm.senses_torque() else [])
-
-
-def _check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
-    if device == "force":
-        return check_force_sensor(table)
-    return check_imu(table, arm.mounting.imu_full_scale)
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:

@@ -62,19 +62,15 @@ def _beyond(channels: pd.DataFrame, bound: float, source: str) -> Mask:
     beyond = (np.abs(channels.to_numpy(float)) > bound).any(axis=1)
     if beyond.mean() > FEW:
         size = channels.abs()
-        channel = (size > bound).sum().idxmax()
+        channel = str((size > bound).sum().idxmax())
+        hint = "is it in degrees? " if unit(channel).startswith("rad") else ""
         middle = size[channel].where(size[channel] > bound).median()
         raise InputError(
-            f"{source}: {channel} exceeds {bound:.4g} {unit(str(channel))} in "
-            f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); {_hint(str(channel))}"
+            f"{source}: {channel} exceeds {bound:.4g} {unit(channel)} in "
+            f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); {hint}"
             "correct the file, or its `columns` and `units` in the study (raw/README.md)"
         )
     return beyond
-
-
-def _hint(channel: str) -> str:
-    """Return the likely cause where a channel's values are too large."""
-    return "is it in degrees? " if unit(channel).startswith("rad") else ""
 
 
 def check_pace(time: Array, source: str, shortest: float = SHORTEST_STEP) -> None:

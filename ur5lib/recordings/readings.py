@@ -7,7 +7,6 @@ order's likelihood.
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cache
 from itertools import permutations
 from typing import NamedTuple
 
@@ -22,7 +21,10 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 Order = tuple[int, ...]  # the column of joints 1 to 6, from 0
 Units = Mapping[str, tuple[float, float]]  # bounds of effort per Nm, by unit
 
-IN_ORDER: Order = (0, 1, 2, 3, 4, 5)
+ALL_ORDERS: Sequence[Order] = [*permutations(range(6))]
+IN_ORDER = ALL_ORDERS[0]
+# gravity does not distinguish orders that exchange joints 1 and 6
+ORDERS_BY_GRAVITY = [order for order in ALL_ORDERS if order[0] < order[5]]
 SLOPES = {"A": (1 / CONSTANTS[1], 1 / CONSTANTS[0]), "Nm": (0.8, 1.25)}  # effort per Nm
 SLOPES["mA"] = (1e3 / CONSTANTS[1], 1e3 / CONSTANTS[0])
 OR_FREE = SLOPES | {"neither": (0.0, 0.0)}  # or a torque without gravity
@@ -59,18 +61,6 @@ def _thinned(means: BlockMeans) -> BlockMeans:
         away = np.minimum(away, np.abs(means.q - means.q[chosen[-1]]).sum(axis=1))
         chosen.append(int(np.argmax(away)))
     return means.part(rows=np.unique(chosen))
-
-
-@cache
-def all_orders() -> tuple[Order, ...]:
-    """Return all orders of six joints."""
-    return tuple(permutations(range(6)))
-
-
-@cache
-def gravity_orders() -> tuple[Order, ...]:
-    """Return the orders that gravity distinguishes: not those that exchange joints 1 and 6."""
-    return tuple(order for order in all_orders() if order[0] < order[5])
 
 
 def readings(
@@ -120,7 +110,7 @@ def likeliest(
 
     All are tried on few blocks, and those that explain these on all blocks.
     """
-    first = readings(_thinned(means), efforts, arms, gravity_orders(), units)
+    first = readings(_thinned(means), efforts, arms, ORDERS_BY_GRAVITY, units)
     close = [one for one in first if first[0].score - one.score < CLOSE]
     by_arm = {arm.name: [one.order for one in close if one.arm == arm.name] for arm in arms}
     again = [readings(means, efforts, [a], by_arm[a.name], units) for a in arms if by_arm[a.name]]
@@ -155,7 +145,7 @@ def own_order(means: BlockMeans, effort: str, arm: Robot) -> float:
     """
     torque, values = means.gravity(arm), means.currents[effort]
     floor = NOISE**2 + LEVEL * (values**2).mean()
-    every = np.array(all_orders())
+    every = np.array(ALL_ORDERS)
     margins = []
     for low, high in SLOPES.values():
         left = [_left(means, values, torque[:, j], j, low, high) for j in IN_ORDER]

@@ -1,5 +1,6 @@
 """Messages of bags, ROS 1 (.bag) or ROS 2 (.db3, .mcap), as arrays by topic and field."""
 
+import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
@@ -12,7 +13,14 @@ from ur5lib.recordings.array_files import Arrays, array_format
 from ur5lib.recordings.quality import Finding, Log
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
-ON_PANEL = ["base", "shoulder", *JOINTS[2:]]  # as the arm's teach panel names them
+JOINT_NAMES = [  # of drivers, and as the teach panel has them
+    re.compile(name, re.IGNORECASE)
+    for name in (
+        r"shoulder[ _]?pan|(?<![a-z])base(?=[ _.][a-z]+$|$)",
+        r"shoulder[ _]?lift|(?<![a-z])shoulder(?![ _]?pan)",
+        *("elbow", r"wrist[ _]?1", r"wrist[ _]?2", r"wrist[ _]?3"),
+    )
+]
 FRANKA = ("q", "dq", "tau_J", "tau_ext_hat_filtered", "O_F_ext_hat_K", "O_T_EE")
 XYZ = ("x", "y", "z")
 
@@ -57,12 +65,8 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
 
 def joint_order(names: tuple[str, ...]) -> list[int] | None:
     """Return where joints 1 to 6 stand among named ones; None where the names leave it open."""
-    plain = [name.lower().replace(" ", "_") for name in names]
-    for joints in (JOINTS, ON_PANEL):
-        places = [[k for k, name in enumerate(plain) if joint in name] for joint in joints]
-        if all(len(found) == 1 for found in places):
-            return [found[0] for found in places]
-    return None
+    places = [[k for k, name in enumerate(names) if joint.search(name)] for joint in JOINT_NAMES]
+    return [found[0] for found in places] if all(len(found) == 1 for found in places) else None
 
 
 def _collect(

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import pandas as pd
 
 from ur5lib.robots.description import Robot
 from ur5lib.stand.controller import frames
@@ -13,14 +12,15 @@ from ur5lib.stand.faults import apply_faults, draw_faulty_frames
 from ur5lib.stand.files import WRITERS, write_files
 from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import States, perform
+from ur5lib.stand.rig import perform
 from ur5lib.stand.sensors import force_readings, imu_readings, wrist_channels
 from ur5lib.stand.truth import planned_clocks, write_truth
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
 # Each has its own random generator.
-DEVICES = ("arm", "controller", "faults", "force", "imu", "wrist")
+DEVICES = ("arm", "controller", "faults", "force_sensor", "imu", "wrist")
+READINGS = {"force_sensor": force_readings, "imu": imu_readings}
 CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 
 
@@ -41,21 +41,12 @@ def simulate(
         sent = sent.assign(**wrist_channels(experiment, sent, random["wrist"]))
     faulty = draw_faulty_frames(plan.faults, len(sent), random["faults"])
     sent = apply_faults(sent, faulty, random["faults"])
-    files = WRITERS[format](sent, _sensors(plan, experiment.motion, random), plan)
+    sensors = {
+        name: READINGS[name](getattr(plan, name), experiment.motion, random[name], plan.noise)
+        for name in plan.sensors()
+    }
+    files = WRITERS[format](sent, sensors, plan)
     write_files(files, folder, plan.faults.torn_files)
     numbers = {name: np.flatnonzero(flags) for name, flags in asdict(faulty).items()}
     clocks = planned_clocks(plan)
     write_truth(experiment.rig, plan, experiment.motion, cycle, clocks, truth, numbers)
-
-
-def _sensors(
-    plan: SimulatedRecording, motion: States, random: dict[str, np.random.Generator]
-) -> dict[str, pd.DataFrame]:
-    readings = {}
-    if plan.force_sensor is not None:
-        readings["force_sensor"] = force_readings(
-            plan.force_sensor, motion, random["force"], plan.noise
-        )
-    if plan.imu is not None:
-        readings["imu"] = imu_readings(plan.imu, motion, random["imu"], plan.noise)
-    return readings
