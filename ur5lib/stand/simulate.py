@@ -1,10 +1,12 @@
 """Simulation of one recording: the motion of the arm and the files of its devices."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 
 from ur5lib.robots.description import Robot
 from ur5lib.stand.controller import frames
@@ -20,7 +22,10 @@ Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
 # Each has its own random generator.
 DEVICES = ("arm", "controller", "faults", "force_sensor", "imu", "wrist")
-READINGS = {"force_sensor": force_readings, "imu": imu_readings}
+READINGS: dict[str, Callable[..., pd.DataFrame]] = {
+    "force_sensor": force_readings,
+    "imu": imu_readings,
+}
 CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 
 
