@@ -42,12 +42,17 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
                 force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
                 imu=XsensDevice(port=imu.path, rate_hz=IMU_RATE),
             )
-        begins = {
-            "force": _begin(box.clock, folder / "force_sensor.csv", "ft_sequence", INTERNAL_RATE),
-            "imu": _begin(imu.clock, folder / "imu.csv", "sample_counter", IMU_RATE),
+        counts = {
+            "force": (_first(folder / "force_sensor.csv", "ft_sequence"), INTERNAL_RATE, box.clock),
+            "imu": (_first(folder / "imu.csv", "sample_counter"), IMU_RATE, imu.clock),
         }
         start = _first(folder / "robot.csv", "timestamp")
         if start is not None:
+            begins = {
+                name: clock.host(count / rate)
+                for name, (count, rate, clock) in counts.items()
+                if count is not None
+            }
             _write_truth(arm, start, begins, folder / TRUTH)
 
 
@@ -58,28 +63,18 @@ def _plan(is_pushed: bool) -> SimulatedRecording:
 
 
 def _write_truth(
-    arm: EmulatedController, start: float, begins: dict[str, float | None], truth: Path
+    arm: EmulatedController, start: float, begins: dict[str, float], truth: Path
 ) -> None:
     """Write the truth from the controller's timestamp `start` [s] on, until now.
 
-    begins: host's time of each sensor's first sample [s], None without one; truth: path of
-    truth.parquet and truth.json without their suffixes.
+    begins: host's time of each sensor's first sample [s]; truth: path of truth.parquet and
+    truth.json without their suffixes.
     """
     setup = arm.setup
-    clocks = {
-        name: {"offset_s": arm.clock.shown(begin) - start}
-        for name, begin in begins.items()
-        if begin is not None
-    }
+    clocks = {name: {"offset_s": arm.clock.shown(time) - start} for name, time in begins.items()}
     motion = arm.truth.states(round((start - setup.clock.offset_s) / STEP))
     rig = build_rig(setup.robot, setup.plan, np.random.default_rng(setup.seed))
     write_truth(rig, setup.plan, motion, 1 / setup.rate, clocks, truth)
-
-
-def _begin(clock: Clock, file: Path, counter: str, rate: float) -> float | None:
-    """Return the host's time [s] of the first sample in a file, by the device's counter."""
-    count = _first(file, counter)
-    return None if count is None else clock.host(count / rate)
 
 
 def _first(file: Path, column: str) -> float | None:

@@ -24,7 +24,7 @@ LARGEST = 2**31 - 1  # count
 PAGE = """<?xml version="1.0"?>
 <netft>
 <runstat>0x00000000</runstat><prodname>Net F/T (emulated)</prodname>
-<cfgnam>lab</cfgnam><cfgcalsel>0</cfgcalsel><cfgcalsn>{serial_number}</cfgcalsn>
+<cfgnam>lab</cfgnam><cfgcalsel>0</cfgcalsel><cfgcalsn>FT00001</cfgcalsn>
 <scfgfu>{force_unit}</scfgfu><scfgtu>{torque_unit}</scfgtu>
 <cfgcpf>{force_counts}</cfgcpf><cfgcpt>{torque_counts}</cfgcpt>
 <comrdte>Enabled</comrdte><comrdtrate>{rate:.0f}</comrdtrate><comrdtbsiz>1</comrdtbsiz>
@@ -53,13 +53,11 @@ class NetFTBox(Emulated):
         force_counts: int = 1_000_000,
         torque_counts: int = 1_000_000,
         saturation: float = np.inf,
-        serial_number: str = "FT00001",
     ) -> None:
         super().__init__(reading, rate_hz, clock, faults)
         self._counts = np.repeat([force_counts, torque_counts], 3)
         self._saturation = saturation
         self._page = PAGE.format(
-            serial_number=serial_number,
             force_unit=force_unit,
             torque_unit=torque_unit,
             force_counts=force_counts,

@@ -178,18 +178,14 @@ def _left(means: BlockMeans, arm: Robot) -> Array:
     current = means.currents[CURRENT]
     joints = range(current.shape[1])
     columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in joints]
-    return np.array([[_rest(own, current[:, j]) for own in columns] for j in joints])
+    sizes = np.array([[nnls(own, current[:, j])[1] for own in columns] for j in joints])
+    return np.asarray(sizes**2 / len(current))
 
 
 def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> Array:
     """Return what a current contains (M, n), each with a coefficient that is not negative."""
     free = np.column_stack([means.qdd[:, joint]] * inertia + [np.ones(len(expected))])
     return np.column_stack([means.friction(joint), expected, free, -free])
-
-
-def _rest(columns: Array, current: Array) -> float:
-    """Return the mean square that columns with positive coefficients leave of a current."""
-    return float(nnls(columns, current)[1] ** 2 / len(current))
 
 
 def _means(values: Array, count: int) -> Array:

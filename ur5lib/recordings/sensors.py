@@ -81,11 +81,6 @@ def first_number(path: Path, ended: bool = False) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def device_start(log: Log, ended: bool = False) -> float | None:
-    """Return the number that the file of a device's start begins with, None if it is no file."""
-    return log.unless_unusable(lambda: first_number(log.path, ended))
-
-
 def counted_from_first(
     table: pd.DataFrame, first: float, clocked: Clocked, path: Path
 ) -> DeviceRecord:
@@ -190,7 +185,8 @@ def read_sensor(
     counted = counted_from_first(samples.table, samples.first, sensor, path)
     if sensor.start_file is None:
         return counted
-    zero = device_start(Log(folder / sensor.start_file, device, findings), ended)
+    began = Log(folder / sensor.start_file, device, findings)
+    zero = began.unless_unusable(lambda: first_number(began.path, ended))
     scale = 1000 if sensor.start == "day_ms" else 1
     stamp = None if zero is None else Stamp(zero / scale, std, sensor.start)
     table = samples.table if sensor.time == "relative_s" else counted.table
