@@ -382,7 +382,7 @@ def test_an_arm_that_cannot_turn_so_far_is_unlikely(farthest: float, lead: float
     torque = gravity_torque(ur3, ur3.chosen_model, q)
     means = BlockMeans(q, np.zeros_like(q), np.zeros_like(q), None, {"effort0": torque})
     ending = ur3.model_copy(update={"name": "ending", "endless_joints": None})
-    likely = readings(means, ["effort0"], [ur3, ending], [IN_ORDER])
+    likely = readings(means, [ur3, ending], [IN_ORDER])
     assert likely[0].score - likely[1].score == pytest.approx(lead)
 
 

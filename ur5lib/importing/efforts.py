@@ -86,7 +86,7 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
     if sum(brakes) >= 0:
         return False
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
-    as_read, turned = (likeliest(way, [name], arms)[0].score for way in ways)
+    as_read, turned = (likeliest(way, arms)[0].score for way in ways)
     return turned - as_read > SURE
 
 

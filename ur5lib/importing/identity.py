@@ -76,12 +76,11 @@ def _misses(
 
 @dataclass(frozen=True)
 class Case:
-    """What identifies an arm: a file, its motion, means over blocks, and its efforts' names."""
+    """What identifies an arm: a file, its motion, and means over blocks with all its efforts."""
 
     file: Contents
     moving: ImportedMotion
     means: BlockMeans
-    efforts: Sequence[str]
     evidence: Evidence
 
 
@@ -96,8 +95,8 @@ def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Readi
     by_name = names_order(case.moving.position, case.file)
     orders = [IN_ORDER] if by_name else readings.ALL_ORDERS
     by_pose = _by_pose(case, arms, orders)
-    weighed = case.efforts and (by_name or not by_pose)
-    likely = readings.likeliest(case.means, case.efforts, arms, OR_FREE) if weighed else []
+    weighed = case.means.currents and (by_name or not by_pose)
+    likely = readings.likeliest(case.means, arms, OR_FREE) if weighed else []
     if by_name:
         _expect_agreement(likely, case, arms, trusted)
     if by_pose:
@@ -112,7 +111,7 @@ def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Readi
             "currents nor a TCP pose under a known name, nor names of joints; name its columns "
             "(`actual_current_0`, `shoulder_pan_position`)"
         )
-    likely = readings.readings(case.means, case.efforts, arms, [order], OR_FREE)
+    likely = readings.readings(case.means, arms, [order], OR_FREE)
     return _sure_arm(case, likely, bool(names))
 
 
@@ -138,7 +137,7 @@ def _expect_agreement(
     gap = 0.0
     if likely:
         units = {unit: OR_FREE[unit] for unit in likely[0].units}
-        named = readings.readings(case.means, case.efforts, arms, [IN_ORDER], units)[0]
+        named = readings.readings(case.means, arms, [IN_ORDER], units)[0]
         gap = likely[0].score - named.score
     title = case.moving.position.title
     if gap < SURE:
@@ -194,7 +193,7 @@ def _of_pose(case: Case, good: Sequence[Placed]) -> Reading:
     """Return the reading that fits a pose; among several, the one that gravity prefers."""
     arms, orders = ({getattr(reading, key) for reading in good} for key in ("arm", "order"))
     robots = [described(arm) for arm in sorted(arms)]
-    likely = readings.readings(case.means, case.efforts, robots, [*orders], OR_FREE)
+    likely = readings.readings(case.means, robots, [*orders], OR_FREE)
     allowed = {(reading.arm, reading.order) for reading in good}
     likely = [reading for reading in likely if (reading.arm, reading.order) in allowed]
     if rival := _rival(likely):
@@ -209,7 +208,7 @@ def _of_pose(case: Case, good: Sequence[Placed]) -> Reading:
 def _by_gravity(case: Case, likely: Sequence[Reading]) -> Order:
     """Return the order that explains the efforts; base to wrist where they do not decide."""
     order = likely[0].order
-    base = readings.base_first(case.means, case.efforts, order)
+    base = readings.base_first(case.means, order)
     if base is False:
         order = _exchanged(order)
     rival = _rival(likely)
@@ -229,7 +228,7 @@ def _exchanged(order: Order) -> Order:
 
 def _base_to_wrist(case: Case, likely: Sequence[Reading], rival: Order) -> Order:
     """Return the order from base to wrist, assumed. Raises InputError where others are likelier."""
-    reversed_ends = readings.base_first(case.means, case.efforts, IN_ORDER) is False
+    reversed_ends = readings.base_first(case.means, IN_ORDER) is False
     in_order = max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
     if likely[0].score - in_order < SURE and not reversed_ends:
         case.evidence.assumed.append(
@@ -279,7 +278,7 @@ def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Rea
 def _likelier(case: Case, given: Reading) -> str:
     """Return that another described arm explains the efforts far better than a given one, if so."""
     arms = _possible(case.file)
-    best = readings.readings(case.means, case.efforts, arms, [given.order], OR_FREE)[0]
+    best = readings.readings(case.means, arms, [given.order], OR_FREE)[0]
     if best.score - given.score < SURE:
         return ""
     return f", although `robot: {best.arm}` explains the efforts far better: check it, and the tool"

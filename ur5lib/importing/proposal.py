@@ -79,9 +79,9 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
         f"effort{k}": as_amperes(block, evidence) for k, block in enumerate(_efforts(file, moving))
     }
     wrench = _wrench(file, clock)
-    means = _means(file, moving, efforts, wrench)
+    means, loads = _means(file, moving, efforts, wrench)
     _turn(efforts, means, [described(name) for name in possible], evidence)
-    reading = identified(Case(file, moving, means, [*efforts], evidence), arms, trusted)
+    reading = identified(Case(file, moving, means, evidence), arms, trusted)
     channels, arm = moving.channels(), described(reading.arm)
     ordered = means.part(columns=reading.order)
     named = name_efforts(efforts, ordered, arm, evidence)
@@ -99,7 +99,7 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
     usable = [name for name, block in efforts.items() if block.names in measured]
     if wrench:
         proving = usable[0] if pushed and usable else None
-        frame = _frame(wrench, proving, ordered, means.currents["wrench"], arm, evidence)
+        frame = _frame(wrench, proving, ordered, loads, arm, evidence)
         sensor = wrench if frame and frame.axes == "flange" else []
         channels |= {"actual_TCP_force": wrench} if frame and frame.axes == "base" else {}
         opposite = frame is not None and _opposite(frame, wrench, arm, evidence)
@@ -172,8 +172,8 @@ def _wrench(file: Contents, clock: str) -> list[Block]:
 
 def _means(
     file: Contents, moving: ImportedMotion, efforts: Mapping[str, Block], wrench: Sequence[Block]
-) -> BlockMeans:
-    """Return the means over blocks of time, columns as in the file."""
+) -> tuple[BlockMeans, Array]:
+    """Return the means over blocks of time, columns as in the file, and those of the wrench."""
     values = {name: block.rows for name, block in efforts.items()} | moving.in_si()
     if wrench:  # a force without moments as if it acted at the flange
         rows = np.hstack([block.rows for block in wrench])
@@ -194,7 +194,9 @@ def _means(
             "two seconds or more, at 10 Hz or faster, with all digits of the stamps"
         )
     turned = np.ptp(means.q, axis=0) > RESTS
-    return replace(means, offset=bool(turned.sum() < SEVERAL))  # postures of one kind, seen often
+    loads = means.currents.pop("wrench", np.empty((0, 6)))
+    # postures of one kind, seen often
+    return replace(means, offset=bool(turned.sum() < SEVERAL)), loads
 
 
 def _frame(

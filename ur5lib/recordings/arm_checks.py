@@ -116,9 +116,9 @@ def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
     if CURRENT not in means.currents:
         return
-    own = in_order(arm)
+    own, alone = in_order(arm), replace(means, currents={CURRENT: means.currents[CURRENT]})
     orders = {_exchanged(own, *pair): pair for pair in combinations(own[:3], 2)}
-    scores = {one.order: one.score for one in readings(means, [CURRENT], [arm], [own, *orders])}
+    scores = {one.order: one.score for one in readings(alone, [arm], [own, *orders])}
     for order, (j, k) in orders.items():
         if scores[order] - scores[own] > SURE_JOINTS:
             yield contradiction("exchanged joints", joint=j + 1, other=k + 1)
@@ -133,8 +133,9 @@ def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Itera
     if CURRENT not in means.currents:
         return
     order, alike = in_order(arm), [one for one in others if len(one.joints) == len(arm.joints)]
-    (own,) = readings(means, [CURRENT], [arm], [order])
-    best = readings(means, [CURRENT], alike, [order])[:1]
+    alone = replace(means, currents={CURRENT: means.currents[CURRENT]})
+    (own,) = readings(alone, [arm], [order])
+    best = readings(alone, alike, [order])[:1]
     if best and best[0].score - own.score > SURE:
         yield contradiction("other arm's currents", arm=arm.name, other=best[0].arm)
 

@@ -64,11 +64,7 @@ def _thinned(means: BlockMeans) -> BlockMeans:
 
 
 def readings(
-    means: BlockMeans,
-    efforts: Sequence[str],
-    arms: Sequence[Robot],
-    orders: Sequence[Order],
-    units: Units = SLOPES,
+    means: BlockMeans, arms: Sequence[Robot], orders: Sequence[Order], units: Units = SLOPES
 ) -> list[Reading]:
     """Return the readings of some arms and orders, the likeliest first, with each effort's unit.
 
@@ -76,14 +72,14 @@ def readings(
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
     reached = np.array([means.q.min(axis=0), means.q.max(axis=0)])
-    free = {name: _without_motion(means, means.currents[name]) for name in efforts}
+    free = [_without_motion(means, effort) for effort in means.currents.values()]
     found = []
     for arm in arms:
         postures = means.q[:, columns].swapaxes(0, 1)  # (orders, M, 6)
         torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, len(arm.joints)))
         torque = torque.reshape(postures.shape)
         constants = arm.maker_torque_constants()
-        scores = [_scores(means, free[name], torque, columns, constants, units) for name in efforts]
+        scores = [_scores(means, effort, torque, columns, constants, units) for effort in free]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
         beyond = speed[columns] > FASTER * np.array(arm.velocity_limits())
         beyond |= _farther(reached[:, columns], np.transpose(arm.position_limits()))
@@ -103,17 +99,15 @@ def _farther(reached: Array, ends: Array) -> Mask:
     return np.asarray((reached[0] < ends[0] - slack) | (reached[1] > ends[1] + slack))
 
 
-def likeliest(
-    means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot], units: Units = SLOPES
-) -> list[Reading]:
+def likeliest(means: BlockMeans, arms: Sequence[Robot], units: Units = SLOPES) -> list[Reading]:
     """Return the likeliest readings of all orders that gravity distinguishes, the best first.
 
     All are tried on few blocks, and those that explain these on all blocks.
     """
-    first = readings(_thinned(means), efforts, arms, ORDERS_BY_GRAVITY, units)
+    first = readings(_thinned(means), arms, ORDERS_BY_GRAVITY, units)
     close = [one for one in first if first[0].score - one.score < CLOSE]
     by_arm = {arm.name: [one.order for one in close if one.arm == arm.name] for arm in arms}
-    again = [readings(means, efforts, [a], by_arm[a.name], units) for a in arms if by_arm[a.name]]
+    again = [readings(means, [a], by_arm[a.name], units) for a in arms if by_arm[a.name]]
     return sorted((one for few in again for one in few), key=lambda one: -one.score)
 
 
@@ -165,12 +159,12 @@ def _left(
     return np.asarray(((free - slope[:, None] * own) ** 2).mean(axis=1))
 
 
-def base_first(means: BlockMeans, efforts: Sequence[str], order: Order) -> bool | None:
+def base_first(means: BlockMeans, order: Order) -> bool | None:
     """Return whether joints 1 and 6 of an order are so, and not exchanged; None: undetermined.
 
     By their rotors: the base's inertia, seen through an effort, is a multiple of a wrist's.
     """
-    votes = {_heavier(means, means.currents[name], order) for name in efforts} - {None}
+    votes = {_heavier(means, effort, order) for effort in means.currents.values()} - {None}
     return votes.pop() if len(votes) == 1 else None
 
 

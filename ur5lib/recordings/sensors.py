@@ -21,7 +21,6 @@ from ur5lib.timeseries.arrays import Array
 
 FORCE_CHANNELS = columns("ft")
 FORCES = FORCE_CHANNELS[:3]  # all that some sensors have
-IMU_CHANNELS = [name for part in "amg" for name in columns(f"imu_{part}")]
 NOTHING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
 GAP, LONG_GAP = 2.5, 4.0  # in usual steps: counted as lost samples; reported even if single
 FEW = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter
