@@ -24,7 +24,7 @@ FRAMES, PERIOD = 450_000, 0.008  # an hour at 125 Hz
 PACKETS = (MESSAGE, MESSAGE, MESSAGE + SPLIT, MESSAGE - SPLIT)
 ARRIVALS = (0.0, 0.008, 0.024, 0.025)  # s
 ROUNDS = 5
-CHANNELS = {name: (first - 4) // 8 for name, (first, _) in fields(MESSAGE).items()}
+CHANNELS = {name: place.start for name, place in fields(MESSAGE).items()}
 
 
 def write_capture(path: Path, count: int) -> None:

@@ -17,7 +17,6 @@ from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.realtime_message import fields
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, INPUTS, OUTPUTS, exists, size
 
-STAMP = 4  # first byte of the controller's time in messages of the realtime port
 INFO = 2  # level of a text message
 SOURCE = b"URControl"
 
@@ -164,7 +163,7 @@ class RealtimeServer:
     def __init__(self, box: ControlBox, size: int, faults: Faults) -> None:
         """size: of the messages [bytes], which decides on their layout."""
         self._box, self._size, self._faults = box, size, faults
-        self._fields = fields(size) | {"timestamp": (STAMP, 1)}
+        self._fields = {"timestamp": slice(0, 1)} | fields(size)
         self._streams: set[FaultyStream] = set()
 
     async def serve(self, reader: StreamReader, writer: StreamWriter) -> None:
@@ -186,9 +185,8 @@ class RealtimeServer:
     def message(self) -> bytes:
         """Return the state of this cycle: int32 size, then big-endian doubles."""
         doubles = np.zeros((self._size - 4) // 8, ">f8")
-        for name, (first_byte, count) in self._fields.items():
-            place = (first_byte - 4) // 8
-            doubles[place : place + count] = self._box.outputs.get(name, 0.0)
+        for name, place in self._fields.items():
+            doubles[place] = self._box.outputs.get(name, 0.0)
         return self._size.to_bytes(4, "big") + doubles.tobytes()
 
 

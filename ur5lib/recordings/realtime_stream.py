@@ -113,19 +113,14 @@ class _Messages:
 
     def _keep(self, doubles: Array, size: int) -> None:
         """Append messages, doubles as sent (N, D), to the table of their size."""
-        layout = fields(size)
-        if size not in self.tables:
-            rows = 2 + sum(count for _, count in layout.values())
-            self.tables[size] = np.empty((rows, self._most // size))  # channels first, as in pandas
+        kept = np.r_[(*fields(size).values(),)]
+        if size not in self.tables:  # channels first, as in pandas
+            self.tables[size] = np.empty((2 + len(kept), self._most // size))
             self.counts[size] = 0
         first = self.counts[size]
         self.counts[size] += len(doubles)
         part = self.tables[size][:, first : self.counts[size]]
-        part[0], row = doubles[:, 0], 2
-        for byte, count in layout.values():
-            column = (byte - 4) // 8
-            part[row : row + count] = doubles[:, column : column + count].T
-            row += count
+        part[0], part[2:] = doubles[:, 0], doubles[:, kept].T
         self._last = float(part[0, -1])
 
 
@@ -313,7 +308,8 @@ def _frame(messages: _Messages, size: int) -> pd.DataFrame:
     ]
     table[1] = messages.received_until(np.concatenate(ends))
     names = ["time", "received"]
-    for name, (_, count) in fields(size).items():
+    for name, place in fields(size).items():
+        count = place.stop - place.start
         names += columns(name, count) if count > 1 else [name]
     frame = pd.DataFrame(table.T, columns=names, copy=False)
     frame.attrs = {"message_bytes": size, "software": SOFTWARE[size]}

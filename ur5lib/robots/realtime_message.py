@@ -56,11 +56,13 @@ NEW = {
 OLD_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
 
 
-def fields(size: int) -> dict[str, tuple[int, int]]:
-    """Return first byte and number of doubles of each field, in the order sent.
+def fields(size: int) -> dict[str, slice]:
+    """Return which doubles after the size word hold each field, in the order sent.
 
-    size: of the messages [bytes], which determines their layout.
+    The first double is the controller's timestamp. size: of the messages [bytes], which determines
+    their layout.
     """
     further = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
     present = {name: at for name, at in (ALWAYS | further).items() if at[0] < size}
-    return dict(sorted(present.items(), key=lambda field: field[1]))
+    ordered = sorted(present.items(), key=lambda field: field[1])
+    return {n: slice((byte - 4) // 8, (byte - 4) // 8 + count) for n, (byte, count) in ordered}

@@ -80,9 +80,8 @@ def messages(frames: pd.DataFrame) -> list[bytes]:
     """Return frames as messages of the 756-byte layout: int32 size, then big-endian doubles."""
     doubles = np.zeros((len(frames), (MESSAGE - 4) // 8), ">f8")
     doubles[:, 0] = frames["time"] + UPTIME
-    for name, (first_byte, count) in fields(MESSAGE).items():
-        place = (first_byte - 4) // 8
-        doubles[:, place : place + count] = channel(frames, name, count)
+    for name, place in fields(MESSAGE).items():
+        doubles[:, place] = channel(frames, name)
     size = MESSAGE.to_bytes(4, "big")
     return [size + row.tobytes() for row in doubles]
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from ur5lib.stand import controller, sensors
@@ -14,6 +13,7 @@ from ur5lib.stand.rig import STEP, Rig, States, step_times
 from ur5lib.stand.sensors import BEHIND, TorqueSensors
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import runs
 
 COLUMNS = {  # of the table: quantities of `rig.state_of`, their names and units there
     "q": ("q", "rad"),
@@ -122,7 +122,5 @@ def _noise() -> dict[str, float | Array]:
 def _intervals(motion: States) -> list[list[float]]:
     """Return the starts and ends of all contacts [s]."""
     touched = (motion["contact_torque"] != 0).any(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], touched, [0]])))
-    times = step_times(len(motion))[edges.clip(max=len(motion) - 1)]
-    intervals: list[list[float]] = times.reshape(-1, 2).tolist()
-    return intervals
+    times = step_times(len(motion))[runs(touched).clip(max=len(motion) - 1)]
+    return list(times.tolist())
