@@ -8,7 +8,15 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.compose import MENTION, SENTENCE_END, _filled, body_of, compose, view
+from ur5lib.report.compose import (
+    MENTION,
+    SENTENCE_END,
+    _drafts,
+    _filled,
+    body_of,
+    compose,
+    view,
+)
 from ur5lib.report.document import (
     Block,
     Cell,
@@ -16,6 +24,7 @@ from ur5lib.report.document import (
     Contents,
     DeclaredTable,
     Document,
+    Items,
     Paragraph,
     Part,
     Picture,
@@ -25,6 +34,7 @@ from ur5lib.report.document import (
     Table,
     contents,
 )
+from ur5lib.report.reference import Erratum
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Stated, sentence
 from ur5lib.report.tables.making import declarations
@@ -151,6 +161,14 @@ def test_a_table_named_alone_is_shown_as_it_is() -> None:
     body = body_of(declared, Results(study={}, tables={"noise": table}, figures=Path()))
     assert body.header == ["recording", "noise a"]
     assert [cell.text for cell in body.rows[0]] == ["one", "0.01235"]
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_a_list_is_introduced_where_it_has_items(count: int) -> None:
+    errata = [Erratum(place="(2.1)", error="A sign.", choice="Plus.")] * count
+    part = Part(title="Errata", blocks=[Items(entries="recordings.errata", above="Found:")])
+    shown = [*_drafts(part, Results(study={}, tables={}, figures=Path(), errata=errata))]
+    assert [type(block) for block in shown] == ([Paragraph, Items] if count else [])
 
 
 def test_arms_that_sense_torque_have_no_currents() -> None:

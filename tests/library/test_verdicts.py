@@ -19,12 +19,10 @@ from ur5lib.report.verdicts.recordings import judge_files
 from ur5lib.report.views.contacts import claim, felt_while_fitted, scores
 from ur5lib.report.views.currents import next_recordings
 from ur5lib.report.views.first_screen import (
-    current_drawn,
+    drawn,
     findings,
-    force_drawn,
     left_out,
     next_steps,
-    torque_drawn,
 )
 from ur5lib.report.views.models import identified
 
@@ -375,7 +373,7 @@ def test_a_contact_beside_a_sensor_is_not_denied() -> None:
     assert not [text for text in next_steps(results) if "force sensor" in text]
     card = judge_force(results)
     assert (card.state, "106.0 N" in card.evidence) == ("not determined", True)
-    assert force_drawn(results) == ["pushed"]
+    assert drawn(results, "forces") == ["pushed"]
 
 
 def test_contacts_in_a_recording_to_fit_are_told() -> None:
@@ -458,11 +456,11 @@ def test_the_first_figure_shows_what_the_study_is_about() -> None:
     )
     without = study(current_rmse=predicted(0.2), torque_mae=torques({"A": 1}))
     alone = study(torque_mae=torques({"A": 1}))
-    drawn = [force_drawn, current_drawn, torque_drawn]
-    assert [view(sensor) for view in drawn] == [["pushed"], [], []]
-    assert [view(without) for view in drawn] == [[], ["seen"], []]
-    assert [view(alone) for view in drawn] == [[], [], ["seen"]]
-    assert [view(study()) for view in drawn] == [[], [], []]
+    kinds = ["forces", "currents", "torques"]
+    assert [drawn(sensor, kind) for kind in kinds] == [["pushed"], [], []]
+    assert [drawn(without, kind) for kind in kinds] == [[], ["seen"], []]
+    assert [drawn(alone, kind) for kind in kinds] == [[], [], ["seen"]]
+    assert [drawn(study(), kind) for kind in kinds] == [[], [], []]
 
 
 def test_three_steps_are_named_and_the_most_urgent_first() -> None:

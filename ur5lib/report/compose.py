@@ -171,6 +171,8 @@ def _single(
             yield _draft(wanted, results, name)
         case Items():
             items = [*view(wanted.entries)(*arguments)]
+            if items and wanted.above:
+                yield Paragraph([wanted.above])
             if items:
                 yield replace(wanted, items=items)
         case DeclaredTable():

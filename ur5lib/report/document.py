@@ -80,11 +80,12 @@ class Heading(FromContents):
 
 @dataclass(frozen=True)
 class Items(FromContents):
-    """A list, numbered or not; entries: the view that returns its items."""
+    """A list, numbered or not; entries: the view of its items; above: what introduces it."""
 
     items: list[str] = field(default_factory=list)
     numbered: bool = False
     entries: str = ""
+    above: str = ""
     kind: str = "items"
 
 
@@ -116,10 +117,11 @@ class DeclaredTable(FromContents):
     table: its name, by which texts mention it. rows: the view that returns its rows, by default all
     of the table of results in `source` or of the same name; where: a query of pandas that selects
     among them, with @of as in texts. lines: columns whose values share a line, by default one line
-    a row. columns, last: cells by header, from the first row of a line; cells: those of each value
-    of the columns `across`, between the former. Cells are templates (`sentences.cell`), headers of
-    `cells` likewise; a column of empty cells is left out. marked: the column of errors whose
-    smallest and largest are marked in each line, in the cells that begin with its name.
+    a row. columns, last: cells by header, from the first row of a line, by default those of
+    `lines`; cells: those of each value of the columns `across`, between the former. Cells are
+    templates (`sentences.cell`), headers of `cells` likewise; a column of empty cells is left out.
+    marked: the column of errors whose smallest and largest are marked in each line, in the cells
+    that begin with its name.
     """
 
     table: str

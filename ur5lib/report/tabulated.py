@@ -36,7 +36,7 @@ def tabulate(declared: DeclaredTable, rows: pd.DataFrame, known: Record) -> Body
     places = [*_places(rows, declared.across)]
     lines = _lines(rows.to_dict("records"), declared, places)
     columns = [
-        *_columns(declared.columns, lines, known),
+        *_columns(declared.columns or {name: name for name in declared.lines}, lines, known),
         *_across(declared, places, lines, known),
         *_columns(declared.last, lines, known),
     ]

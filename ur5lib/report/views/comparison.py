@@ -43,11 +43,6 @@ def rebuilt(results: Results) -> Iterator[Sentence]:
         yield say("printed.found", equal=equal, count=len(rows), left=left)
 
 
-def unexplained_heading(results: Results) -> list[str]:
-    """Return the sentence above the list of unexplained numbers, if there are any."""
-    return [say("printed.unexplained")] if unexplained(results) else []
-
-
 def unexplained(results: Results) -> list[str]:
     """Return each unexplained number with its table and row, and the difference in per cent."""
     rows = results.rows("printed")

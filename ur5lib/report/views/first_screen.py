@@ -47,17 +47,10 @@ def verdicts(results: Results) -> list[Verdict]:
     return [verdict for judge in VERDICTS if (verdict := judge(results))]
 
 
-def _drawn(wanted: str) -> Callable[[Results], list[str]]:
-    """Return a view of the recording of the first figure, if that shows what is wanted."""
-
-    def drawn(results: Results) -> list[str]:
-        kind, name = next(_figures(results), ("", ""))
-        return [name] if kind == wanted else []
-
-    return drawn
-
-
-force_drawn, current_drawn, torque_drawn = map(_drawn, ("forces", "currents", "torques"))
+def drawn(results: Results, wanted: str) -> list[str]:
+    """Return the recording of the first figure, if that shows what is wanted."""
+    kind, name = next(_figures(results), ("", ""))
+    return [name] if kind == wanted else []
 
 
 def _figures(results: Results) -> Iterator[tuple[str, str]]:
@@ -246,11 +239,6 @@ def loads_taken_up(results: Results) -> Iterator[Sentence]:
 def left_out(results: Results) -> list[Sentence]:
     """Return the results that this study's data do not allow, with the reasons."""
     return [*results.left_out, *left_out_fits(results), *_not_compared(results)]
-
-
-def left_out_heading(results: Results) -> list[Sentence]:
-    """Return the sentence above the list of `left_out`, if that has entries."""
-    return [say("findings.left out heading")] if left_out(results) else []
 
 
 def left_out_fits(results: Results) -> list[Sentence]:
