@@ -34,9 +34,9 @@ from ur5lib.report.document import (
     Table,
     contents,
 )
+from ur5lib.report.formats import Stated, sentence
 from ur5lib.report.reference import Erratum
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Stated, sentence
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.torques import in_torques
 

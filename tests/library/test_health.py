@@ -30,8 +30,8 @@ from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointC
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.arm_state_figures import health_figure
-from ur5lib.report.cells import days
 from ur5lib.report.compose import shown_table
+from ur5lib.report.formats import days
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.recordings import judge_drift
 from ur5lib.report.views import arm_state

@@ -17,7 +17,6 @@ from ur5lib.errors import InputError, remark
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.cells import extremes, joints, significant
 from ur5lib.report.compose import shown_table
 from ur5lib.report.document import (
     MOST_ROWS,
@@ -33,12 +32,14 @@ from ur5lib.report.document import (
     Section,
     Table,
 )
+from ur5lib.report.formats import joints, significant
 from ur5lib.report.house_style import save
 from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import cell, names
 from ur5lib.report.tables.forces import LINKS
+from ur5lib.report.tabulated import extremes
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.contacts import (
     counted,
@@ -124,8 +125,10 @@ def test_marks_are_more_than_colour(document: Document, tmp_path: Path) -> None:
 
 
 def test_extremes_are_marked_where_values_differ() -> None:
-    assert extremes({"A": 1.0, "B": 2.0, "C": 3.0}) == {"A": "lowest", "B": None, "C": "highest"}
-    assert extremes({"A": 1.0, "B": 1.0}) == {"A": None, "B": None}
+    low, middle, high = ("A",), ("B",), ("C",)
+    marks = {low: "lowest", middle: None, high: "highest"}
+    assert extremes({low: 1.0, middle: 2.0, high: 3.0}) == marks
+    assert extremes({low: 1.0, middle: 1.0}) == {low: None, middle: None}
 
 
 @pytest.mark.parametrize(

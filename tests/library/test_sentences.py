@@ -11,7 +11,8 @@ from tests.conftest import PROJECT
 from ur5lib.errors import remark
 from ur5lib.report import sentences
 from ur5lib.report.findings import in_words, templates
-from ur5lib.report.sentences import Stated, capital, joined, say
+from ur5lib.report.formats import Stated, capital, joined
+from ur5lib.report.sentences import say
 from ur5lib.strict import read_yaml
 
 REPORT = PROJECT / "ur5lib" / "report"

@@ -11,7 +11,7 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from ur5lib.report.cells import flange_speeds
+from ur5lib.report.formats import flange_speeds
 from ur5lib.report.house_style import JOINTS, SHADE, Drawing, house_style, nothing_to_draw
 from ur5lib.timeseries.metrics import NORMAL95
 

@@ -16,7 +16,6 @@ from ur5lib.excitation.design import Design
 from ur5lib.excitation.objective import Worth
 from ur5lib.excitation.problem import Problem
 from ur5lib.excitation.trajectory import Margins, Path
-from ur5lib.report.cells import significant
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -28,6 +27,7 @@ from ur5lib.report.document import (
     Section,
     Table,
 )
+from ur5lib.report.formats import significant
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array

@@ -6,8 +6,8 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from ur5lib.report.document import Document, Heading, Items, Number, State, Verdicts
+from ur5lib.report.formats import Stated
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Stated
 from ur5lib.strict import Strict
 
 SCHEMA = "results.schema.json"

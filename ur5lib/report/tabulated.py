@@ -1,13 +1,13 @@
 """Tables of the report: rows of a study's tables in the lines and columns that they declare."""
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.cells import extremes
 from ur5lib.report.document import UNDETERMINED, Cell, DeclaredTable, Mark
+from ur5lib.report.formats import SMALLEST_DIFFERENCE
 from ur5lib.report.sentences import cell, filled, names
 
 Record = dict[Hashable, Any]  # the values of a row by column
@@ -117,3 +117,12 @@ def _marks(line: Line, marked: str) -> dict[Place, Mark | None]:
 def _cell(template: str, values: Record, mark: Mark | None = None) -> Cell | None:
     text = cell(template, values)
     return None if text is None else Cell(text, None if text == UNDETERMINED else mark)
+
+
+def extremes(values: Mapping[Place, float]) -> dict[Place, Mark | None]:
+    """Mark the lowest and the highest entry; none if they agree."""
+    marks: dict[Place, Mark | None] = dict.fromkeys(values)
+    lowest, highest = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
+    if values[highest] - values[lowest] > SMALLEST_DIFFERENCE:
+        marks |= {lowest: "lowest", highest: "highest"}
+    return marks

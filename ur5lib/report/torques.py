@@ -5,7 +5,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from ur5lib.report.document import Code, Document, Equation
-from ur5lib.report.sentences import Sentence, Stated, sentence
+from ur5lib.report.formats import Sentence, Stated, sentence
 
 WORDS = {
     r"Nm/A\b": "Nm/Nm",

@@ -11,9 +11,9 @@ from xml.sax.saxutils import quoteattr
 
 import pandas as pd
 
-from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
 from ur5lib.report.document import Number, State
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence, rounded
+from ur5lib.report.sentences import say
 
 ZERO = "an estimate of zero"
 BETTER = 0.5  # smallest skill of a good estimate: less than half the error of zero

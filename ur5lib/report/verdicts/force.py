@@ -7,8 +7,9 @@ import pandas as pd
 
 from ur5lib.pipeline.estimators import ESTIMATES, SPOKEN
 from ur5lib.report.document import Number, State, Verdict
+from ur5lib.report.formats import Sentence, joined
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, joined, say
+from ur5lib.report.sentences import say
 from ur5lib.report.verdicts.baseline import ZERO, error_bar, state
 from ur5lib.report.views.contacts import found_without_sensor, quiet, readings
 from ur5lib.report.views.forces import leading, searched

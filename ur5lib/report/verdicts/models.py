@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.cells import SMALLEST_DIFFERENCE
 from ur5lib.report.document import Number, Verdict
+from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import say
 from ur5lib.report.tables.models import STOP
 from ur5lib.report.verdicts.baseline import HELD, AgainstBaseline, bars
 from ur5lib.report.views.currents import unseen

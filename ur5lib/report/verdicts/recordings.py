@@ -2,11 +2,11 @@
 
 import pandas as pd
 
-from ur5lib.report.cells import days
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.findings import SEVERITIES, group_findings
+from ur5lib.report.formats import Sentence, capital, days
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, capital, say
+from ur5lib.report.sentences import say
 from ur5lib.report.verdicts.baseline import bars
 from ur5lib.report.views import arm_state
 from ur5lib.report.views.recordings import count_findings

@@ -7,9 +7,9 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
-from ur5lib.report.cells import day, days
+from ur5lib.report.formats import Sentence, day, days, joined
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, joined, say
+from ur5lib.report.sentences import say
 
 LEAST = 0.5  # %, smallest effect of temperature that is mentioned
 

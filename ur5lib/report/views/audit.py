@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.report.cells import fixed
 from ur5lib.report.document import MOST_SHOWN
+from ur5lib.report.formats import Sentence, capital, fixed, joined
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, capital, joined, name, say
+from ur5lib.report.sentences import name, say
 
 WORDS = {"scale": "the scale", "drift": "the drift", "shift": "the shift by a contact"}
 LIMITS = {"scale": "5 %", "drift": "1 N/min", "shift": "1 N"}

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ur5lib.report.formats import Sentence
 from ur5lib.report.printed_numbers import EQUAL, UNEXPLAINED
 from ur5lib.report.results import Results, with_zero
-from ur5lib.report.sentences import Sentence, names, say
+from ur5lib.report.sentences import names, say
 
 DIGITS = 4  # of computed numbers
 

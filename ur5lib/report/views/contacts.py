@@ -7,10 +7,10 @@ import pandas as pd
 
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
-from ur5lib.report.cells import numbered
 from ur5lib.report.document import MOST_SHOWN
+from ur5lib.report.formats import Sentence, joined, numbered
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, joined, say
+from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, leading, leading_of_each, likely, pushes_found
 

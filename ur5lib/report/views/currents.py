@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
+from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, names, say
+from ur5lib.report.sentences import names, say
 from ur5lib.report.tables.friction import AS_PRINTED
 from ur5lib.timeseries.segments import DEAD_ZONE
 

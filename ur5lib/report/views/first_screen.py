@@ -9,8 +9,9 @@ from scipy.special import bdtr, bdtrc
 from ur5lib.identification.samples import FEW
 from ur5lib.pipeline.estimators import ESTIMATES
 from ur5lib.report.document import MOST_SHOWN, Verdict
+from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import say
 from ur5lib.report.tables.models import STOP
 from ur5lib.report.verdicts import force, models, recordings
 from ur5lib.report.verdicts.models import compare, named

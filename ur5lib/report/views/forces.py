@@ -7,9 +7,9 @@ import pandas as pd
 
 from ur5lib.force.contact_link import likely_links
 from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED
-from ur5lib.report.cells import numbered
+from ur5lib.report.formats import Sentence, numbered
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import say
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.views.currents import loaded
 

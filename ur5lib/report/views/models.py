@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from ur5lib.report.formats import Sentence
 from ur5lib.report.reference import OLDER_MODEL
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import say
 
 
 def compared(results: Results) -> list[str]:

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results, with_zero
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import say
 
 LINEAR, ANGULAR = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
 

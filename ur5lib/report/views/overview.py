@@ -6,8 +6,9 @@ from functools import reduce
 import pandas as pd
 
 from ur5lib.report.document import MOST_SHOWN
+from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import say
 from ur5lib.report.verdicts.force import errors_in_contact
 from ur5lib.report.verdicts.recordings import lost_shares
 from ur5lib.report.views.currents import in_motion, loaded

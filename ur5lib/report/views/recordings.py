@@ -7,8 +7,9 @@ import yaml
 
 from ur5lib.report.document import MOST_ROWS
 from ur5lib.report.findings import SEVERITIES, group_findings, shortened
+from ur5lib.report.formats import Sentence, joined
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, joined, say
+from ur5lib.report.sentences import say
 
 SPOKEN = {"stop": "stop sign"}
 MOST_NAMED = 4  # recordings of one finding
