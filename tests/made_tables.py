@@ -76,5 +76,4 @@ def nothing(kind: Any) -> Any:
 
 
 def empty(name: str) -> pd.DataFrame:
-    _, declared = declarations()[name]
-    return pd.DataFrame(columns=declared.columns)
+    return pd.DataFrame(columns=declarations()[name].columns)

@@ -1,6 +1,5 @@
 """What a script reads is what its rule declares: then a result follows from what it depends on."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -9,12 +8,9 @@ from tests.conftest import PROJECT
 from tests.step_names import Declared, declared_names, differences, read_names
 from tests.synthetic import write_recording
 from ur5lib.report.tables.making import declarations
-from ur5lib.report.tables.models import FITS
 
 SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 DEVICES = ("force", "imu")
-TABLES = PROJECT / "ur5lib" / "report" / "tables"
-KINDS_READ = re.compile(r'\bsource\["(\w+)"\]')
 EVERYTHING = """\
 study: everything
 title: A study whose rules declare all that they can
@@ -87,16 +83,15 @@ def test_a_script_reads_what_its_rule_declares(step: str, declared: dict[str, De
 
 
 def test_the_tables_read_what_their_rules_declare(declared: dict[str, Declared]) -> None:
-    """Both pass their inputs on, by kind, to the module of each table."""
-    kinds = {kind for path in TABLES.glob("*.py") for kind in KINDS_READ.findall(path.read_text())}
+    """Both pass their inputs on, by kind, to the function of each table."""
     tables = declarations()
+    kinds = {kind for table in tables.values() for kind in table.needs} - {"published", "every"}
     names = declared["make_tables"].names
     parts = names["output"] - tables.keys()  # which a step writes as they are shown
     assert {"health", "observability"} <= parts
     of_each = declared["tabulate_recording"].names["input"]
-    assert of_each | names["input"] == {"reference", "rows"} | kinds | {*FITS} | parts
+    assert of_each | names["input"] == {"reference", "rows"} | kinds | parts
     assert of_each & names["input"] == {"reference"}
-    assert {table.kind for _, table in tables.values()} <= kinds | {*FITS}
     assert tables.keys() <= names["output"]
 
 

@@ -16,7 +16,7 @@ def tabulate_recording(input: Any, output: Any, params: Any) -> None:
     printed = read_reference(input.get("reference")).printed
     tables = {
         name: csv_text(make_table(name, kinds, printed))
-        for name, (_, declared) in declarations().items()
-        if declared.kind in kinds
+        for name, declared in declarations().items()
+        if declared.needs[0] in kinds
     }
     write_json(tables, output.rows)

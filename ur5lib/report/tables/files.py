@@ -1,28 +1,29 @@
 """Rows of tables about the recordings' files: their size, clocks and findings."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 
 import numpy as np
 import pandas as pd
 
+from ur5lib.pipeline.records.force_errors import Compared
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.findings import sentence, worded
-from ur5lib.report.tables.source import Row, Source
+from ur5lib.report.tables.source import Row
+from ur5lib.signals.clock import SettledClock
 
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
-def recordings(source: Source) -> Iterator[Row]:
+def recordings(quality: Quality, signals: Signals) -> Iterator[Row]:
     """Yield a recording's size, duration, time steps, devices and moving joints."""
-    quality: Quality = source["quality"]
     yield vars(quality) | {
         "rows_read": quality.rows,
         "jitter_s": quality.jitter_s["99 %"],
         "devices": " ".join(quality.devices),
-        "moving_joints": " ".join(map(str, moving_joints(source["signals"]))),
+        "moving_joints": " ".join(map(str, moving_joints(signals))),
     }
 
 
@@ -32,15 +33,15 @@ def moving_joints(signals: Signals) -> list[int]:
     return [int(joint) + 1 for joint in np.flatnonzero(travel > TRAVEL)]
 
 
-def files(source: Source) -> Iterator[Row]:
+def files(quality: Quality) -> Iterator[Row]:
     """Yield the files that a recording was read from."""
-    for file, checksum in source["quality"].read.items():
+    for file, checksum in quality.read.items():
         yield {"file": file, "sha256": checksum}
 
 
-def clocks(source: Source) -> Iterator[Row]:
+def clocks(clocks: dict[str, SettledClock]) -> Iterator[Row]:
     """Yield offset and drift of each device's clock against the robot's."""
-    for device, clock in source["clocks"].items():
+    for device, clock in clocks.items():
         yield {
             "device": device,
             "offset_s": clock.offset,
@@ -56,15 +57,20 @@ def _ppm(drift: float | None) -> float | None:
     return None if drift is None else 1e6 * drift
 
 
-def quality(source: Source) -> Iterator[Row]:
+def quality(
+    quality: Quality,
+    contradictions: Contradictions | None,
+    clocks: dict[str, SettledClock] | None,
+    forces: Compared | None,
+) -> Iterator[Row]:
     """Yield the findings about a recording's files, clocks and sensors."""
-    contradictions = source["contradictions"] or Contradictions()
+    contradictions = contradictions or Contradictions()
     yield from map(worded, contradictions.stop_signs)
-    yield from map(worded, source["quality"].findings)
+    yield from map(worded, quality.findings)
     yield from map(worded, contradictions.findings)
-    yield from _device_files(source)
-    yield from _poor_clocks(source)
-    yield from _doubted_sensor(source)
+    yield from _device_files(quality)
+    yield from _poor_clocks(clocks or {})
+    yield from _doubted_sensor(forces)
 
 
 def _finding(device: str, finding: str, values: Row, severity: str = "warning") -> Row:
@@ -72,31 +78,31 @@ def _finding(device: str, finding: str, values: Row, severity: str = "warning") 
     return about | {"severity": severity, "count": 1}
 
 
-def _poor_clocks(source: Source) -> Iterator[Row]:
+def _poor_clocks(clocks: Mapping[str, SettledClock]) -> Iterator[Row]:
     """Yield a warning for each clock without a measured drift."""
-    for device, clock in source["clocks"].items():
+    for device, clock in clocks.items():
         if clock.warning:
             yield _finding(device, "clock by stamps alone", asdict(clock))
         elif clock.drift is None:
             yield _finding(device, "unknown drift", asdict(clock))
 
 
-def _doubted_sensor(source: Source) -> Iterator[Row]:
+def _doubted_sensor(forces: Compared | None) -> Iterator[Row]:
     """Yield a force sensor that contradicts the motor currents or its tool's weight, or whose bias
     may be a push.
     """
     for doubted in ("mounting", "offset"):
-        if doubt := getattr(source["forces"], f"{doubted}_doubt", None):
+        if doubt := getattr(forces, f"{doubted}_doubt", None):
             yield _finding("force", doubted, {"doubt": asdict(doubt)})
 
 
-def _device_files(source: Source) -> Iterator[Row]:
+def _device_files(quality: Quality) -> Iterator[Row]:
     """Yield each device's file: `name_copies` says which are identical to those of others.
 
     detail: its checksum; count: 1 where it is used, else 0.
     """
-    for device, checksum in source["quality"].files.items():
-        used = int(device in source["quality"].devices)
+    for device, checksum in quality.files.items():
+        used = int(device in quality.devices)
         about = {"device": device, "finding": SAME, "severity": "note"}
         yield about | {"count": used, "detail": checksum}
 

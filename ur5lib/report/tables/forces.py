@@ -4,19 +4,19 @@ from collections.abc import Iterator, Sequence
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.force.contact_link import touched_link
-from ur5lib.pipeline.records.contacts import Detected
-from ur5lib.pipeline.records.force_errors import Audit, Figures
-from ur5lib.report.tables.source import Row, Source, transposed
+from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
+from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared, Figures
+from ur5lib.report.tables.source import Published, Row, transposed
 
 LINKS = [f"on_link_{link}" for link in range(1, MOST_JOINTS + 1)]
 FORCES = ("Fx", "Fy", "Fz")
 STDS = ("Fx_std", "Fy_std", "Fz_std")
 
 
-def force_mae(source: Source) -> Iterator[Row]:
+def force_mae(forces: Compared, published: Published) -> Iterator[Row]:
     """Yield the errors of the force estimates against the sensor."""
-    tables = {figure: source.published(f"force_{figure}") for figure in ("mae", "max")}
-    for kind, estimates in source["forces"].errors.items():
+    tables = {figure: published.values(f"force_{figure}") for figure in ("mae", "max")}
+    for kind, estimates in forces.errors.items():
         for estimate, periods in estimates.items():
             determined = _determined(periods.get("contact"))
             for during, figures in periods.items():
@@ -43,31 +43,31 @@ def _determined(in_contact: Figures | None) -> dict[str, bool]:
     return {name: (skill or 0) > 0 for name, skill in skills.items()}
 
 
-def contact_errors(source: Source) -> Iterator[Row]:
+def contact_errors(forces: Compared) -> Iterator[Row]:
     """Yield the errors of each estimate by contact at the sensor."""
-    for estimate, contacts in source["forces"].contacts.items():
+    for estimate, contacts in forces.contacts.items():
         yield from (vars(one) | {"estimate": estimate} for one in contacts)
 
 
-def sensed(source: Source) -> Iterator[Row]:
+def sensed(forces: Compared) -> Iterator[Row]:
     """Yield the largest reading of a force sensor, and its contacts."""
-    if felt := source["forces"].felt:
+    if felt := forces.felt:
         yield vars(felt) | {"largest_force_n": felt.largest, "share_in_contact": felt.contact}
 
 
-def ablation(source: Source) -> Iterator[Row]:
+def ablation(ablation: dict[str, Ablated]) -> Iterator[Row]:
     """Yield the error in contact with each part of the estimate left out."""
-    for variant, figures in source["ablation"].items():
+    for variant, figures in ablation.items():
         rows = transposed(vars(figures), "component", FORCES)
         yield from ({"variant": variant} | row for row in rows)
 
 
-def detection(source: Source) -> Iterator[Row]:
+def detection(detection: dict[str, Detected]) -> Iterator[Row]:
     """Yield contacts detected by each estimate, by the force that they reach.
 
     Without a force sensor, one row an estimate and no force.
     """
-    for estimate, found in source["detection"].items():
+    for estimate, found in detection.items():
         row = vars(found) | {
             "estimate": estimate,
             "false_alarms_per_min": found.false_per_min,
@@ -103,23 +103,23 @@ def _smallest_pushes(found: Detected) -> Row:
     }
 
 
-def fixed_threshold(source: Source) -> Iterator[Row]:
+def fixed_threshold(detection: dict[str, Detected]) -> Iterator[Row]:
     """Yield the pushes found above the thesis's fixed threshold, and the share of time above it."""
-    for estimate, found in source["detection"].items():
+    for estimate, found in detection.items():
         for axis, own in found.axes.items():
             about = {"estimate": estimate, "component": f"F{axis}", "force_n": own.force}
             yield vars(own) | about
 
 
-def contacts(source: Source) -> Iterator[Row]:
+def contacts(detection: dict[str, Detected], links: dict[str, list[TouchedLinks]]) -> Iterator[Row]:
     """Yield each alarm: times, largest force, mass of a load, probabilities of the links."""
-    for estimate, found in source["detection"].items():
-        links = {one.start: one.links for one in source["links"].get(estimate, [])}
+    for estimate, found in detection.items():
+        touched = {one.start: one.links for one in (links or {}).get(estimate, [])}
         for alarm in found.raised:
             yield vars(alarm) | {
                 "estimate": estimate,
                 **{f"{name}_s": getattr(alarm, name) for name in ("start", "end", "peak")},
-                **_place(links.get(alarm.start)),
+                **_place(touched.get(alarm.start)),
                 **dict(zip(FORCES, alarm.force, strict=True)),
                 **dict(zip(STDS, alarm.force_std, strict=True)),
             }
@@ -133,9 +133,8 @@ def _place(probabilities: Sequence[float] | None) -> Row:
     return {"link": link, **dict(zip(LINKS, probabilities, strict=False))}
 
 
-def audit(source: Source) -> Iterator[Row]:
+def audit(audit: Audit) -> Iterator[Row]:
     """Yield the audit of a wrist's force sensor; one row where the contact-free time is short."""
-    found: Audit | None = source["audit"]
-    if found is not None and found.free_s is not None:
-        yield {"quantity": "free_time", "value": found.free_s, "unit": "s"}
-        yield from map(vars, found.rows)
+    if audit.free_s is not None:
+        yield {"quantity": "free_time", "value": audit.free_s, "unit": "s"}
+        yield from map(vars, audit.rows)

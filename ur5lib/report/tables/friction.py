@@ -6,25 +6,27 @@ from dataclasses import asdict
 import numpy as np
 
 from ur5lib.identification.currents import Parameter
+from ur5lib.pipeline.published_constants import PublishedConstants
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.report.tables.source import Row, Source, by_joint
+from ur5lib.pipeline.records.prediction import Prediction
+from ur5lib.report.tables.source import Published, Row, by_joint
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import KARNOPP, PRESLIDING
 
 AS_PRINTED = "torque_on_current"
 
 
-def friction(source: Source) -> Iterator[Row]:
+def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
     """Yield torque constants, offsets and friction, beside the thesis's."""
-    published = _published(source["arm"])
-    for row in source["friction"].parameters:
+    published = _published(arm)
+    for row in friction.parameters:
         low, high = row.interval
         yield asdict(row) | {
             "parameter": row.name,
             "thesis": published[row.name][row.joint - 1] if row.name in published else None,
             "low": low,
             "high": high,
-            **_known(source["friction"], row),
+            **_known(friction, row),
         }
 
 
@@ -50,9 +52,9 @@ def _published(arm: Robot) -> dict[str, Sequence[float]]:
     return values
 
 
-def friction_reversal(source: Source) -> Iterator[Row]:
+def friction_reversal(friction: Friction) -> Iterator[Row]:
     """Yield the cross-validated error [A] of Dahl's and Karnopp's friction at reversals."""
-    for number, joint in enumerate(source["friction"].fit.joints, start=1):
+    for number, joint in enumerate(friction.fit.joints, start=1):
         errors = joint.reversal_errors
         for distance, error in zip((*PRESLIDING, KARNOPP), errors, strict=bool(errors)):
             yield {
@@ -64,26 +66,26 @@ def friction_reversal(source: Source) -> Iterator[Row]:
             }
 
 
-def cross_validation(source: Source) -> Iterator[Row]:
+def cross_validation(friction: Friction) -> Iterator[Row]:
     """Yield the RMSE of a fit to one recording, tested on another."""
-    names, tested = source["friction"].from_, source["friction"].cross_validation
+    names, tested = friction.from_, friction.cross_validation
     for fitted_on, errors in zip(names, tested, strict=True):
         for tested_on, rmse in zip(names, errors, strict=True):
             about = {"fitted_on": fitted_on, "tested_on": tested_on}
             yield from (about | row for row in by_joint({"rmse_2hz": rmse}))
 
 
-def current_rmse(source: Source) -> Iterator[Row]:
+def current_rmse(currents: Prediction) -> Iterator[Row]:
     """Yield the errors of each model's prediction of a recording's currents."""
-    for model, scores in source["currents"].scores.items():
+    for model, scores in currents.scores.items():
         columns = vars(scores) | {"rmse_2hz": scores.rmse_lowpassed, "coverage95": scores.coverage}
-        about = {"model": model, "fitted": source["currents"].fitted}
+        about = {"model": model, "fitted": currents.fitted}
         yield from (about | row for row in by_joint(columns))
 
 
-def payload(source: Source) -> Iterator[Row]:
+def payload(currents: Prediction) -> Iterator[Row]:
     """Yield the undeclared payload on the flange; none at rest."""
-    if (load := source["currents"].load) is not None:
+    if (load := currents.load) is not None:
         low, high = load.interval
         yield asdict(load) | {
             **dict(zip(_by_axis("center_of_mass"), load.center_of_mass, strict=True)),
@@ -97,12 +99,12 @@ def _by_axis(name: str) -> list[str]:
     return [f"{name}_{axis}" for axis in "xyz"]
 
 
-def torque_constants(source: Source) -> Iterator[Row]:
+def torque_constants(constants: PublishedConstants, published: Published) -> Iterator[Row]:
     """Yield torque constants and offsets of moving joints by the thesis's regression and by its
     reverse, and the printed ones; none without published constants.
     """
-    compared = source.printed.current_torque is not None
-    constants, printed = source["constants"], source.published("current_torque")
+    compared = published.printed.current_torque is not None
+    printed = published.values("current_torque")
     for regression, line in constants.lines.items() if compared else ():
         columns = vars(constants) | {
             "torque_constant": line.torque_constant,

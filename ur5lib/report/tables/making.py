@@ -3,11 +3,12 @@
 Tidy: one value a row, SI units, joints from 1.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import inspect
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -29,11 +30,11 @@ from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.reference import Printed
 from ur5lib.report.tables import files, forces, friction, models, motion
 from ur5lib.report.tables.forces import LINKS
-from ur5lib.report.tables.source import Source
+from ur5lib.report.tables.source import Published, Row
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
-from ur5lib.strict import Strict, read_yaml
+from ur5lib.strict import read_yaml
 from ur5lib.tables import ByKey, read_cells, read_record
 
 GROUPS: dict[str, ModuleType] = {
@@ -73,11 +74,12 @@ RECORDS: dict[str, type] = {
 WORDS = {True: "yes", False: "no"}
 
 
-class Declared(Strict):
-    """A table: its columns; `kind`: only recordings or arms with this kind of result have rows."""
+class Declared(NamedTuple):
+    """A table: its columns, the function that makes its rows, and the parameters of this."""
 
-    kind: str
     columns: list[str]
+    rows: Callable[..., Iterator[Row]]
+    needs: list[str]
 
 
 def lazy_results(kind: str, paths: Sequence[str]) -> ByKey[Any]:
@@ -90,13 +92,14 @@ def lazy_results(kind: str, paths: Sequence[str]) -> ByKey[Any]:
 
 
 @cache
-def declarations() -> dict[str, tuple[ModuleType, Declared]]:
-    """Return each declared table, and the module that makes its rows."""
+def declarations() -> dict[str, Declared]:
+    """Return each declared table."""
     groups = read_yaml(Path(__file__).with_name("columns.yaml"))
     return {
-        name: (module, Declared.model_validate(own))
+        name: Declared(columns, rows, [*inspect.signature(rows).parameters])
         for group, module in GROUPS.items()
-        for name, own in groups[group].items()
+        for name, columns in groups[group].items()
+        for rows in [getattr(module, name)]
     }
 
 
@@ -107,15 +110,21 @@ def make_table(
 
     kinds: results by their kind, then by recording or arm; printed: published tables.
     """
-    module, declared = declarations()[name]
-    first = "recording" if "recording" in declared.columns else "robot"
+    columns, rows_of, needs = declarations()[name]
+    first = "recording" if "recording" in columns else "robot"
+
+    def given(need: str, owner: str) -> Any:
+        if need == "published":
+            return Published(printed or Printed(), owner)
+        return kinds[needs[0]] if need == "every" else kinds[need].get(owner)
+
     rows = [
         {first: owner} | {column: _in_words(value) for column, value in row.items()}
-        for owner in kinds[declared.kind]
-        for row in getattr(module, name)(Source(owner, kinds, printed or Printed()))
+        for owner in kinds[needs[0]]
+        for row in rows_of(*(given(need, owner) for need in needs))
     ]
-    more = sorted({name for row in rows for name in row if name in LINKS} - {*declared.columns})
-    return pd.DataFrame(rows, columns=[*declared.columns, *more])
+    more = sorted({name for row in rows for name in row if name in LINKS} - {*columns})
+    return pd.DataFrame(rows, columns=[*columns, *more])
 
 
 def joined(parts: Sequence[str]) -> pd.DataFrame:

@@ -5,31 +5,35 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur5lib.errors import Remark
-from ur5lib.identification.excitation import Excitation
+from ur5lib.force.residual_model import Residuals
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Rotors
+from ur5lib.pipeline.records.models import Identification, Rotors
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report.findings import in_words
-from ur5lib.report.tables.source import Column, Row, Source, by_joint
+from ur5lib.report.tables.source import Column, Published, Row, by_joint
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
 STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
-FITS = {"identification": "identification", "friction": "friction", "residuals": "contact forces"}
 
 
-def torque_mae(source: Source) -> Iterator[Row]:
+def torque_mae(
+    signals: Signals, torques: Torques, closed_loop: ClosedLoop | None, published: Published
+) -> Iterator[Row]:
     """Yield the MAE of torques by motion and link model against `target_moment`, the printed MAE
     and that of zero torque; interpolated frames are left out.
     """
-    signals, torques, loop = source["signals"], source["torques"], source["closed_loop"]
     if signals.target_moment is None:
         return
     received = ~signals.interpolated
     moment = signals.target_moment[received]
     zero: dict[str, Column] = {"zero_mae": mean_absolute_error(np.zeros_like(moment), moment)}
-    printed = source.published("torque_mae")
+    printed = published.values("torque_mae")
     motions = {"target": torques.target, "measured": torques.measured}
-    motions |= {"closed_loop": loop.torque} if loop else {}
+    motions |= {"closed_loop": closed_loop.torque} if closed_loop else {}
     for model in torques.measured:
         for motion, known in motions.items():
             if model in known:
@@ -43,9 +47,8 @@ def torque_mae(source: Source) -> Iterator[Row]:
         yield from (about | row for row in by_joint(zero | {"printed": printed[model]}))
 
 
-def rotor_inertia(source: Source) -> Iterator[Row]:
+def rotor_inertia(rotors: Rotors) -> Iterator[Row]:
     """Yield rotor inertias, and further fitted terms that should be zero."""
-    rotors: Rotors = source["rotors"]
     if rotors.value is not None and rotors.std_error is not None:
         value, std = vars(rotors.value), vars(rotors.std_error)
         columns = {"value": value["inertia"], "std_error": std["inertia"]}
@@ -54,14 +57,14 @@ def rotor_inertia(source: Source) -> Iterator[Row]:
         yield from by_joint(columns)
 
 
-def parameters(source: Source) -> Iterator[Row]:
+def parameters(identification: Identification) -> Iterator[Row]:
     """Yield the base parameters of the identified model."""
-    yield from map(vars, source["identification"].parameters)
+    yield from map(vars, identification.parameters)
 
 
-def excitation(source: Source) -> Iterator[Row]:
+def excitation(identification: Identification) -> Iterator[Row]:
     """Yield the excitation of an arm's parameters by the recordings, and advice."""
-    found: Excitation | None = source["identification"].excitation
+    found = identification.excitation
     if found is not None:
         yield {
             "combinations": found.combinations,
@@ -72,10 +75,15 @@ def excitation(source: Source) -> Iterator[Row]:
         }
 
 
-def remarks(source: Source) -> Iterator[Row]:
-    """Yield remarks of the fits by joint, and reasons of fits that failed."""
-    for kind, step in FITS.items():
-        fitted = source[kind]
+def remarks(
+    arm: Robot,
+    identification: Identification | None,
+    friction: Friction | None,
+    residuals: Residuals | None,
+) -> Iterator[Row]:
+    """Yield remarks of the fits to an arm by joint, and reasons of fits that failed."""
+    fits = {"identification": identification, "friction": friction, "contact forces": residuals}
+    for step, fitted in fits.items():
         refused = filter(None, [getattr(fitted, "refused", None)])
         for remark in [*getattr(fitted, "remarks", ()), *refused]:
             yield _remark(step, remark)

@@ -1,12 +1,15 @@
 """Rows of tables about the motion: the closed loop, accelerations beside an IMU, the smoother."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from ur5lib.pipeline.records.accelerations import Difference, ImuComparison
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.gains import GainSummary
-from ur5lib.report.tables.source import Row, Source, by_joint
+from ur5lib.pipeline.records.motion import MotionAccount
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.report.tables.source import Published, Row, by_joint
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
@@ -18,19 +21,20 @@ CHANNELS = [f"q_{joint}" for joint in range(1, 7)] + [f"qd_{joint}" for joint in
 CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
 
 
-def closed_loop_mae(source: Source) -> Iterator[Row]:
+def closed_loop_mae(
+    closed_loop: ClosedLoop, signals: Signals, published: Published
+) -> Iterator[Row]:
     """Yield errors of positions and velocities in closed loop under each set of gains, and of the
     targets themselves; interpolated frames are left out.
     """
-    signals, loop = source["signals"], source["closed_loop"]
-    if not loop.qd:
+    if not closed_loop.qd:
         return
     received = ~signals.interpolated
     for quantity in ("q", "qd"):
-        printed = source.published(f"closed_loop_{quantity}")
+        printed = published.values(f"closed_loop_{quantity}")
         actual = getattr(signals, f"actual_{quantity}")[received]
         target = {"target": getattr(signals, f"target_{quantity}")}
-        for model, states in (getattr(loop, quantity) | target).items():
+        for model, states in (getattr(closed_loop, quantity) | target).items():
             columns = {
                 "mae": mean_absolute_error(states[received], actual),
                 "max": largest_error(states[received], actual),
@@ -39,12 +43,12 @@ def closed_loop_mae(source: Source) -> Iterator[Row]:
             yield from (about | row for row in by_joint(columns))
 
 
-def gains(source: Source) -> Iterator[Row]:
+def gains(gains: GainSummary) -> Iterator[Row]:
     """Yield the gains of the closed loop: a value only if the recording determines it.
 
     low and high: of the range that fits equally well, empty where it reaches a search bound.
     """
-    for joint, found in enumerate(source["gains"].joints, start=1):
+    for joint, found in enumerate(gains.joints, start=1):
         for name, gain, unit in (
             ("position", found.position, "1/s2"),
             ("velocity", found.velocity, "1/s"),
@@ -62,9 +66,8 @@ def gains(source: Source) -> Iterator[Row]:
             }
 
 
-def published_gains(source: Source) -> Iterator[Row]:
+def published_gains(gains: GainSummary) -> Iterator[Row]:
     """Yield whether published gains fit as well as the best ones, of joints whose target moves."""
-    gains: GainSummary = source["gains"]
     for model, costs in gains.published.items():
         for joint, (cost, found) in enumerate(zip(costs, gains.joints, strict=True), start=1):
             if found.excited:
@@ -78,10 +81,10 @@ def published_gains(source: Source) -> Iterator[Row]:
                 }
 
 
-def acceleration_mae(source: Source) -> Iterator[Row]:
+def acceleration_mae(accelerations: ImuComparison, published: Published) -> Iterator[Row]:
     """Yield the MAE of the end effector's acceleration against the IMU."""
-    printed = source.published("acceleration_mae")
-    for estimate, errors in source["accelerations"].errors.items():
+    printed = published.values("acceleration_mae")
+    for estimate, errors in accelerations.errors.items():
         for index, (component, mae) in enumerate(errors.mae.items()):
             yield {
                 "estimate": estimate,
@@ -92,23 +95,23 @@ def acceleration_mae(source: Source) -> Iterator[Row]:
             }
 
 
-def acceleration_bands(source: Source) -> Iterator[Row]:
+def acceleration_bands(
+    accelerations: ImuComparison, every: Mapping[str, ImuComparison]
+) -> Iterator[Row]:
     """Yield RMS differences from the IMU by range of frequency, in motion and at rest, the share
     within the band, and the RMS differences of filterpy's plain filter.
 
     The band comes from the other recordings and contains all errors: noise of encoders and IMU,
     calibration, bending links. No rows without another recording.
     """
-    compared: ImuComparison = source["accelerations"]
-    known = source.kinds["accelerations"]
-    others = (name for name in compared.calibrated_on if name != source.name and name in known)
-    ranges = [known[name].ranges for name in others]
-    for name, states in compared.ranges.items():
+    known = (every[name] for name in accelerations.calibrated_on if name in every)
+    ranges = [one.ranges for one in known if one is not accelerations]  # of the others
+    for name, states in accelerations.ranges.items():
         for state, found in states.items():
             squares = [part.square for one in ranges if (part := one.get(name, {}).get(state))]
             if squares:
                 std = np.sqrt(np.mean(squares, axis=0))
-                rows = _band(found, std, compared.plain_ranges[name][state].square)
+                rows = _band(found, std, accelerations.plain_ranges[name][state].square)
                 yield from ({"range": name, "during": state} | row for row in rows)
 
 
@@ -133,13 +136,13 @@ def _held(quantiles: Array, limits: Array) -> Array:
     )
 
 
-def imu_calibration(source: Source) -> Iterator[Row]:
+def imu_calibration(calibration: dict[str, ImuCalibration]) -> Iterator[Row]:
     """Yield the calibration of an arm's IMU from all `fit` recordings.
 
     described: place by the arm's description; held_out: error on recordings left out with the
     estimated place, divided by that with the described one; below 1, the estimate is used.
     """
-    fit: ImuCalibration | None = source["calibration"].get("all")
+    fit = calibration.get("all")
     for quantity, unit in CALIBRATED.items() if fit else ():
         values, errors = getattr(fit, quantity), getattr(fit, f"{quantity}_std")
         for i, (axis, value, std) in enumerate(zip("xyz", values, errors, strict=False)):
@@ -150,9 +153,9 @@ def imu_calibration(source: Source) -> Iterator[Row]:
             yield row
 
 
-def innovations(source: Source) -> Iterator[Row]:
+def innovations(motion: dict[str, MotionAccount], fused: dict[str, MotionAccount]) -> Iterator[Row]:
     """Yield whether the smoother's innovations are as wide as stated, and white."""
-    for estimate, account in (source["motion"] | source["fused"]).items():
+    for estimate, account in (motion | fused).items():
         test: InnovationTest = account.innovations
         for index, channel in enumerate(CHANNELS[: len(test.variance)]):
             low, high = test.variance_limits[index]

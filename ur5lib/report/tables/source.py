@@ -1,8 +1,7 @@
-"""What a study's tables are made from: the results of one recording or arm."""
+"""What the rows of tables are made from, beside the results of one recording or arm."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ur5lib.report.reference import Printed, published
 from ur5lib.timeseries.arrays import Array
@@ -11,25 +10,15 @@ Row = dict[str, Any]
 Column = Array | Sequence[float | None]
 
 
-@dataclass(frozen=True)
-class Source:
-    """The results of one recording or arm, of which a table's rows are made.
+class Published(NamedTuple):
+    """The published tables, of which some hold values of one recording."""
 
-    name: of the recording or arm; kinds: results by their kind, then by recording or arm;
-    printed: published tables.
-    """
+    printed: Printed
+    recording: str
 
-    name: str
-    kinds: Mapping[str, Mapping[str, Any]]
-    printed: Printed = Printed()
-
-    def __getitem__(self, kind: str) -> Any:
-        """Return the result of a kind, `{}` where there is none."""
-        return self.kinds[kind].get(self.name, {})
-
-    def published(self, table: str) -> dict[str, tuple[float, ...]]:
+    def values(self, table: str) -> dict[str, tuple[float, ...]]:
         """Return a table's printed values of this recording; empty for any other recording."""
-        return published(getattr(self.printed, table), self.name)
+        return published(getattr(self.printed, table), self.recording)
 
 
 def transposed(columns: Mapping[str, Column], index: str, names: Sequence[Any]) -> list[Row]:
