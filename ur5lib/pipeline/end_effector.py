@@ -9,6 +9,7 @@ import numpy as np
 
 from ur5lib.pipeline.imu_samples import imu_samples
 from ur5lib.pipeline.records.accelerations import (
+    COMPONENTS,
     AccelerationErrors,
     Accelerations,
     ByRange,
@@ -32,7 +33,6 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import DEAD_ZONE, by_segment
 
-COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 RANGE_ORDER = 4  # of the filters that separate ranges of frequency
 EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
 CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}

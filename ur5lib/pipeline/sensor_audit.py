@@ -18,7 +18,7 @@ from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.force_errors import Audit, AuditRow
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.table import WRENCH
+from ur5lib.pipeline.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.pipeline.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
@@ -33,7 +33,6 @@ DEGREES, SCALES, KILOGRAMS, METRES = 2.0, 0.05, 0.1, 0.01
 ZERO = 2 * FORCES
 SCALE_STD = 0.03  # of a sensor whose scale nothing tells but the mass that it weighs
 SLOW = 0.3  # m/s², below which inertia, which a controller may leave in its force, does not matter
-UNITS = ["N"] * 3 + ["Nm"] * 3
 
 
 def audit(
@@ -155,7 +154,8 @@ def _wrench_rows(
 ) -> Iterator[AuditRow]:
     wanted = None if limits is None else 0.0
     allowed = [None] * 6 if limits is None else limits
-    for name, value, std, unit, limit in zip(WRENCH, values, errors, UNITS, allowed, strict=True):
+    columns = WRENCH, values, errors, WRENCH_UNITS, allowed
+    for name, value, std, unit, limit in zip(*columns, strict=True):
         yield row(quantity, name, value, std, unit + per, wanted, limit)
 
 

@@ -23,7 +23,7 @@ from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import json_text, read_record
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
-from ur5lib.timeseries.segments import by_segment, period
+from ur5lib.timeseries.segments import by_segment
 
 Files = Mapping[str, str]  # paths of one arm's or one recording's results
 Truths = Mapping[str, TrueParameters]  # by recording
@@ -76,8 +76,7 @@ def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Ro
     rigid = true.motor_torque - true.friction_torque + true.contact_torque
     joints = joint_numbers(rigid)
     for model, torque in rigid_torques(robot, truth, true).items():
-        for row in truth_table.errors("torque", joints, ["Nm"] * len(joints), rigid, torque):
-            yield row | {"method": f"Model {model}"}
+        yield from truth_table.errors("torque", joints, "Nm", rigid, torque, f"Model {model}")
 
 
 def shared(
@@ -109,10 +108,8 @@ def true_parameters(robot: Robot, truth: TrueParameters) -> Array:
 
 def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butterworth) -> Array:
     """Return the end effector's at the IMU's place (N, 6), low-passed as its estimates are."""
-    point = np.array(robot.mounting.imu)
-    exact = point_acceleration(robot, true.q, true.qd, true.qdd, point)
-    rate = 1 / period(true.time)
-    return by_segment(inner_lowpass, exact, segment, rate, *design)
+    exact = point_acceleration(robot, true.q, true.qd, true.qdd, np.array(robot.mounting.imu))
+    return by_segment(inner_lowpass, exact, segment, 1 / true.period, *design)
 
 
 def rigid_torques(robot: Robot, truth: TrueParameters, true: Truth) -> dict[str, Array]:

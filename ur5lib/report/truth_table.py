@@ -1,17 +1,18 @@
 """The table of estimates beside the truth, which only simulated recordings have."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.stats import norm, t
 
-from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.accelerations import COMPONENTS, Accelerations
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.table import WRENCH
+from ur5lib.pipeline.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.pipeline.records.truth import TrueDrive, TrueParameters, Truth
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
@@ -19,16 +20,24 @@ from ur5lib.stand.plan import Imu
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 
-Row = dict[str, object]
+Row = dict[Hashable, Any]
 
 COLUMNS = ["recording", "robot", "quantity", "method", "index", "unit"]
 COLUMNS += ["truth", "estimate", "std_error", "within95", "zero"]
 AXES = ["x", "y", "z"]
-MOTION_COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
-ACCELERATION_UNITS = ["m/s2"] * 3 + ["rad/s2"] * 3
-WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
 PARTS = 8  # of an only recording, in a jackknife
 INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
+
+
+def rows(
+    quantity: str, index: Sequence[object], unit: Any, truth: Any, estimate: Any, **more: Any
+) -> list[Row]:
+    """Return a row for each of some joints, axes, components or devices (`index`).
+
+    Other arguments: one value for all, or a value for each.
+    """
+    columns = {"quantity": quantity, "index": [*index], "unit": unit, "truth": truth}
+    return pd.DataFrame(columns | {"estimate": estimate} | more).to_dict("records")
 
 
 def values(
@@ -39,46 +48,28 @@ def values(
     estimate: Any,
     std: Any,
     freedom: float = np.inf,
-) -> Iterator[Row]:
-    """Yield a row for each estimated value, with whether its 95 % interval contains the truth.
+) -> list[Row]:
+    """Return a row for each estimated value, with whether its 95 % interval contains the truth.
 
-    index: joints, axes or a device; truth, estimate, std: as many numbers, estimate NaN where
-    there is none (a joint that did not move), std NaN where not stated; freedom: degrees of freedom
-    of the standard errors.
+    truth, estimate, std: (n,), estimate NaN where there is none (a joint that did not move), std
+    NaN where not stated: then the row has neither; freedom: degrees of freedom of the errors.
     """
-    half_width = t.ppf(0.975, freedom) * np.asarray(std, dtype=np.float64)
-    for name, true, value, error, half in zip(index, truth, estimate, std, half_width, strict=True):
-        if np.isnan(value):
-            continue
-        stated = np.isfinite(half)
-        inside = abs(value - true) <= half
-        yield {
-            "quantity": quantity,
-            "index": name,
-            "unit": unit,
-            "truth": true,
-            "estimate": value,
-            "std_error": error if stated else None,
-            "within95": ("yes" if inside else "no") if stated else None,
-        }
+    off, std = np.abs(np.subtract(estimate, truth)), np.asarray(std, dtype=np.float64)
+    half = t.ppf(0.975, freedom) * std
+    stated = np.isfinite(half)
+    inside = pd.Series(off <= half).map({True: "yes", False: "no"}).where(stated)
+    intervals = {"std_error": np.where(stated, std, np.nan), "within95": inside}
+    found = rows(quantity, index, unit, truth, estimate, **intervals)
+    return [row for row in found if not np.isnan(row["estimate"])]
 
 
 def errors(
-    quantity: str, index: Sequence[object], units: Sequence[str], truth: Array, estimate: Array
-) -> Iterator[Row]:
-    """Yield a row for each column (N, M) of a series: its RMSE, and that of an estimate of zero."""
+    quantity: str, index: Sequence[object], unit: Any, truth: Array, estimate: Array, method: str
+) -> list[Row]:
+    """Return a row for each column of a series (N, M): its RMSE, and that of zero."""
     kept = np.isfinite(estimate).all(axis=1) & np.isfinite(truth).all(axis=1)
-    off, zero = (_rms(array[kept]) for array in (estimate - truth, truth))
-    for name, unit, found, baseline in zip(index, units, off, zero, strict=True):
-        row: Row = {"quantity": f"{quantity}_rmse", "index": name, "unit": unit, "zero": baseline}
-        yield row | {"truth": 0.0, "estimate": found}
-
-
-def shares(quantity: str, index: Sequence[object], stated: float, inside: Array) -> Iterator[Row]:
-    """Yield a row for each column of a series: the coverage of its band."""
-    for name, share in zip(index, inside, strict=True):
-        row: Row = {"quantity": quantity, "index": name, "unit": "1"}
-        yield row | {"truth": stated, "estimate": share}
+    off, zero = (np.sqrt(np.mean(array[kept] ** 2, axis=0)) for array in (estimate - truth, truth))
+    return rows(f"{quantity}_rmse", index, unit, 0.0, off, zero=zero, method=method)
 
 
 def clock_rows(clocks: Mapping[str, SettledClock], truth: TrueParameters) -> Iterator[Row]:
@@ -89,11 +80,11 @@ def clock_rows(clocks: Mapping[str, SettledClock], truth: TrueParameters) -> Ite
     for device, clock in clocks.items():
         true, drift_std = truth.clocks[device], clock.drift_std or 0.0
         numbers = [true["offset_s"]], [clock.offset], [clock.offset_std]
-        rows = [*values("clock_offset", [device], "s", *numbers)]
+        found = values("clock_offset", [device], "s", *numbers)
         if clock.drift is not None and "drift_ppm" in true:
             numbers = [true["drift_ppm"]], [1e6 * clock.drift], [1e6 * drift_std]
-            rows += values("clock_drift", [device], "ppm", *numbers)
-        yield from (row | {"method": clock.method} for row in rows)
+            found += values("clock_drift", [device], "ppm", *numbers)
+        yield from (row | {"method": clock.method} for row in found)
 
 
 def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iterator[Row]:
@@ -101,39 +92,32 @@ def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iter
     for method, motion in motions.items():
         if len(motion.time):
             estimate, true = motion.qdd, truth.qdd
-            joints = joint_numbers(true)
+            joints, quantity = joint_numbers(true), "joint_acceleration"
             inside = coverage(estimate, motion.qdd_std, true, INSIDE2)
-            rows = [
-                *errors("joint_acceleration", joints, ["rad/s2"] * len(joints), true, estimate),
-                *shares("joint_acceleration_inside_2_std", joints, INSIDE2, inside),
-            ]
-            yield from (row | {"method": method} for row in rows)
+            yield from errors(quantity, joints, "rad/s2", true, estimate, method)
+            quantity += "_inside_2_std"
+            yield from rows(quantity, joints, "1", INSIDE2, inside, method=method)
 
 
 def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Row]:
     """Yield the RMSE of the end effector's acceleration; truth: (N, 6), low-passed alike."""
     felt = {} if accelerations.felt is None else {"imu": accelerations.felt}
     for method, estimate in (felt | accelerations.acceleration).items():
-        about = ("end_effector_acceleration", MOTION_COMPONENTS, ACCELERATION_UNITS)
-        yield from (row | {"method": method} for row in errors(*about, truth, estimate))
+        about = ("end_effector_acceleration", [*COMPONENTS], [*COMPONENTS.values()])
+        yield from errors(*about, truth, estimate, method)
 
 
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
     """Yield RMSE, MAE and coverage of the 95 % band of each estimate."""
-    true, index = truth.wrench, WRENCH
+    true, of_wrench = truth.wrench, (WRENCH, WRENCH_UNITS)
+    zero = mean_absolute_error(np.zeros_like(true), true)
     for method, estimate in forces.wrench.items():
-        off, zero = (mean_absolute_error(array, true) for array in (estimate, np.zeros_like(true)))
-        rows = [
-            *errors("wrench", index, WRENCH_UNITS, true, estimate),
-            *(
-                {"quantity": "wrench_mae", "index": c, "unit": u, "truth": 0.0}
-                | {"estimate": mae, "zero": baseline}
-                for c, u, mae, baseline in zip(index, WRENCH_UNITS, off, zero, strict=True)
-            ),
-        ]
+        mae = mean_absolute_error(estimate, true)
+        yield from errors("wrench", *of_wrench, true, estimate, method)
+        yield from rows("wrench_mae", *of_wrench, 0.0, mae, zero=zero, method=method)
         if (std := forces.std.get(method)) is not None:
-            rows += shares("wrench_coverage95", index, 0.95, coverage(estimate, std, true))
-        yield from (row | {"method": method} for row in rows)
+            held = coverage(estimate, std, true)
+            yield from rows("wrench_coverage95", WRENCH, "1", 0.95, held, method=method)
 
 
 def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
@@ -201,7 +185,3 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
 def joint_numbers(values: Any) -> list[int]:
     """Return the numbers of the joints of values (..., n)."""
     return [*range(1, np.shape(values)[-1] + 1)]
-
-
-def _rms(array: Array) -> Array:
-    return np.sqrt(np.mean(array**2, axis=0))

@@ -8,6 +8,7 @@ from ur5lib.timeseries.arrays import Array
 ESTIMATES = ("encoders", "encoders+imu", "filterpy")
 PUBLISHED = ("euler", "euler, B corrected")
 MOTION = "m/s2, rad/s2"
+COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/s2", "rz": "rad/s2"}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,6 +23,7 @@ from ur5lib.timeseries.segments import period
 JOINTS = ("0", "1", "...")  # as many as the arm has
 SIX = tuple("012345")
 WRENCH = ("Fx", "Fy", "Fz", "nx", "ny", "nz")
+WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
 XYZ = tuple("012")
 
 

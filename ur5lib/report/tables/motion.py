@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ur5lib.pipeline.records.accelerations import Difference, ImuComparison
+from ur5lib.pipeline.records.accelerations import COMPONENTS, Difference, ImuComparison
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.gains import GainSummary
 from ur5lib.pipeline.records.motion import MotionAccount
@@ -15,7 +15,6 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
 from ur5lib.timeseries.metrics import NORMAL95, largest_error, mean_absolute_error
 
-COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/s2", "rz": "rad/s2"}
 CALIBRATED = {"mounting": "rad", "tilt": "rad", "gyroscope_bias": "rad/s", "place": "m"}
 CHANNELS = [f"q_{joint}" for joint in range(1, 7)] + [f"qd_{joint}" for joint in range(1, 7)]
 CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
