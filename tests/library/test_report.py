@@ -48,8 +48,8 @@ from ur5lib.report.views.contacts import (
     largest_contacts,
     undetermined_moments,
 )
-from ur5lib.report.views.currents import remarks
-from ur5lib.report.views.first_screen import left_out_fits, loads_found, loads_taken_up
+from ur5lib.report.views.currents import loaded, remarks
+from ur5lib.report.views.first_screen import _each, left_out_fits
 from ur5lib.report.views.forces import PUSHES, likely, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
@@ -312,7 +312,8 @@ def test_a_load_taken_up_is_no_contact() -> None:
     rows = contact_rows("grasp", [alarm, load])
     results = searched("grasp", rows)
     assert stated(counted(results)) == [[1]]
-    assert stated(loads_taken_up(results)) == [[2.04]]
+    taken_up = results.rows("contacts", kind="load")
+    assert stated(_each("findings.load taken up", taken_up)) == [[2.04]]
     header, rows = shown_table("forces.contacts", results, "grasp")
     assert header[-1] == "load [kg]"
     assert [row[-1].text for row in rows] == ["–", "2.04 ± 0.05"]
@@ -492,7 +493,7 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
     results = Results({}, {"detection": detection, "payload": payloads()}, Path())
     assert [*pushes_found(results)["recording"]] == ["free"]
-    (told,) = loads_found(results)
+    (told,) = _each("findings.load", loaded(results))
     assert "heavy" in told
     assert stated([told]) == [[2.75]]
 

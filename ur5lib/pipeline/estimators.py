@@ -77,34 +77,18 @@ def solved(name: str) -> Callable[[Run], Stated | None]:
     return lambda run: run.solved.get(name)
 
 
-class WithoutPrior(NamedTuple):
-    """The wrench by least squares in the contacts of another estimate."""
-
-    of: "WrenchEstimate"
-    log_odds: None = None
-
-    @property
-    def wrench(self) -> Array:
-        """Return the wrench (N, 6) [N, Nm]."""
-        return self.of.least_squares
-
-    @property
-    def std(self) -> Array:
-        """Return its standard deviation (N, 6) [N, Nm]."""
-        return self.of.least_squares_std
-
-
-def least_squares(run: Run) -> Stated | None:
-    """Return the wrench by least squares, in the contacts of F̂ᵐᵃᵖ."""
-    return WithoutPrior(run.solved["Fmap"]) if "Fmap" in run.solved else None
-
-
 class Ungated(NamedTuple):
     """A wrench (N, 6) [N, Nm] without odds of contact, and its standard deviation, if stated."""
 
     wrench: Array
     std: Array | None = None
     log_odds: None = None
+
+
+def least_squares(run: Run) -> Stated | None:
+    """Return the wrench by least squares, in the contacts of F̂ᵐᵃᵖ."""
+    fmap = run.solved.get("Fmap")
+    return None if fmap is None else Ungated(fmap.least_squares, fmap.least_squares_std)
 
 
 def controller(run: Run) -> Stated | None:

@@ -1,6 +1,7 @@
 """What is wrong with the force sensor in an arm's wrist, and with its controller's force."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -103,8 +104,7 @@ def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[AuditRow]:
     left = Rotation.from_rotvec(sensed.turn)  # of the reading, turned by what is declared
     turn = (left * Rotation.from_rotvec(declared, degrees=True)).as_rotvec(degrees=True)
     std = np.rad2deg(sensed.turn_std)
-    for axis, value, error, wanted in zip("xyz", turn, std, declared, strict=True):
-        yield row("turn", axis, value, error, "°", wanted, DEGREES)
+    yield from _axis_rows("turn", turn, std, "°", declared, DEGREES)
 
 
 def _sensor_rows(
@@ -116,18 +116,14 @@ def _sensor_rows(
     yield from _wrench_rows("drift", reading.drift, drift_std, FORCES, "/min")
     mass, mass_std = sensed.mass, sensed.mass_std
     if tool and sensed.mass == tool.mass:
-        for axis, value, std in zip("xyz", sensed.scale, sensed.scale_std, strict=True):
-            yield row("scale", axis, value, std, "1", 1.0, SCALES)
+        yield from _axis_rows("scale", sensed.scale, sensed.scale_std, "1", [1.0] * 3, SCALES)
         factor = float(sensed.scale.mean())
         mass, mass_std = factor * mass, float(mass * np.linalg.norm(sensed.scale_std) / 3)
     mass_std = float(np.hypot(mass_std, SCALE_STD * mass))
     limit = max(KILOGRAMS, 2.5 * SCALE_STD * abs(mass))
     yield row("mass", "", mass, mass_std, "kg", tool.mass if tool else None, limit)
     places = tool.center_of_mass if tool else (None,) * 3
-    for axis, value, std, place in zip(
-        "xyz", sensed.center, sensed.center_std, places, strict=True
-    ):
-        yield row("center_of_mass", axis, value, std, "m", place, METRES)
+    yield from _axis_rows("center_of_mass", sensed.center, sensed.center_std, "m", places, METRES)
 
 
 def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
@@ -143,6 +139,13 @@ def _controller_rows(reading: FreeReading, left: SensorErrors) -> Iterator[Audit
     """Yield the zero of the controller's force, and the weight that it still contains."""
     yield from _wrench_rows("zero", reading.bias, reading.std()[0], ZERO)
     yield row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS)
+
+
+def _axis_rows(
+    quantity: str, values: Array, errors: Array, unit: str, expected: Iterable[Any], limit: float
+) -> Iterator[AuditRow]:
+    for axis, value, std, wanted in zip("xyz", values, errors, expected, strict=True):
+        yield row(quantity, axis, value, std, unit, wanted, limit)
 
 
 def _wrench_rows(

@@ -67,7 +67,6 @@ class Paragraph(FromContents):
     text: str = ""
     beside: str = ""
     sentences: str = ""
-    kind: str = "paragraph"
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,6 @@ class Heading(FromContents):
     """A heading within a section."""
 
     heading: str
-    kind: str = "heading"
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,6 @@ class Items(FromContents):
     numbered: bool = False
     entries: str = ""
     above: str = ""
-    kind: str = "items"
 
 
 @dataclass(frozen=True)
@@ -102,7 +99,6 @@ class Table:
     label: str = ""
     source: str = ""
     number: int = 0
-    kind: str = "table"
 
     def alignment(self) -> list[str]:
         """ "left" for columns that hold words, "right" for numbers."""
@@ -159,7 +155,6 @@ class Picture(FromContents):
     of: str = ""
     figure: str = ""
     number: int = 0
-    kind: str = "picture"
 
 
 @dataclass(frozen=True)
@@ -204,7 +199,6 @@ class Verdicts(FromContents):
 
     verdicts: list[Verdict] = field(default_factory=list)
     judged: str = ""
-    kind: str = "verdicts"
 
 
 @dataclass(frozen=True)
@@ -213,7 +207,6 @@ class Equation(FromContents):
 
     equation: str
     alternative: str
-    kind: str = "equation"
 
 
 @dataclass(frozen=True)
@@ -222,11 +215,10 @@ class Code(FromContents):
 
     text: str = ""
     listing: str = ""
-    kind: str = "code"
 
 
 Block = Paragraph | Heading | Items | Table | Picture | Verdicts | Equation | Code
-NAMES = {"table": "Table", "picture": "Figure"}
+NAMES = {Table: "Table", Picture: "Figure"}
 
 
 @dataclass(frozen=True)
@@ -252,15 +244,16 @@ class Document:
 
         Mentions of what is not in the document raise KeyError.
         """
-        counts = {"table": 0, "picture": 0}
+        counts = dict.fromkeys(NAMES.values(), 0)
         names: dict[str, str] = {}
 
         def count(block: Block) -> Block:
             if not isinstance(block, Table | Picture):
                 return block
-            counts[block.kind] += 1
-            names[block.label] = f"{NAMES[block.kind]} {counts[block.kind]}"
-            return replace(block, number=counts[block.kind])
+            kind = NAMES[type(block)]
+            counts[kind] += 1
+            names[block.label] = f"{kind} {counts[kind]}"
+            return replace(block, number=counts[kind])
 
         def resolve(block: Block) -> Block:
             if not isinstance(block, Paragraph):
@@ -282,10 +275,11 @@ class Document:
             yield from section.blocks
 
     def as_data(self) -> dict[str, Any]:
-        """Return the document as plain data, for templates; paths become text."""
+        """Return the document as plain data, for templates; `kind` is a block's class."""
         data = asdict(self)
         plain = (block for section in data["sections"] for block in section["blocks"])
         for block, fields in zip(self.blocks(), plain, strict=True):
+            fields["kind"] = type(block).__name__.lower()
             if isinstance(block, Table):
                 fields["alignment"] = block.alignment()
             if isinstance(block, Picture):

@@ -161,7 +161,8 @@ def _worst(problem: Problem, worth: Worth) -> str:
     if worst in lowered:
         return (
             f"{least}: this recording would lower its standard error, "
-            f"{_short(worth.before[worst])} {problem.units()[worst]}, to {_left(worth, worst)}. "
+            f"{significant(worth.before[worst], 2, problem.units()[worst])}, "
+            f"to {_left(worth, worst)}. "
         )
     return f"{least}, whose error this recording would hardly lower: {LOAD}. " + (
         f"The least determined parameter whose error it would lower is the {names[lowered[0]]}: "
@@ -179,14 +180,9 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
     """Return the table of all parameters, the least determined first."""
     names, units, left = problem.names(), problem.units(), 100 / worth.prior
     rows = [
-        [
-            Cell(names[k]),
-            Cell(units[k]),
-            Cell(_short(worth.before[k])),
-            Cell(_short(worth.after[k])),
-            Cell(f"{worth.before[k] * left[k]:.1f} %"),
-            Cell(f"{worth.after[k] * left[k]:.1f} %"),
-        ]
+        [names[k], units[k]]
+        + [significant(error[k], 2) for error in (worth.before, worth.after)]
+        + [f"{error[k] * left[k]:.1f} %" for error in (worth.before, worth.after)]
         for k in worth.least_determined()
     ]
     header = ["parameter", "unit", "before", "after", "before, of prior", "after, of prior"]
@@ -194,16 +190,13 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
         "Predicted standard errors before and after the recording, least determined first. 100 % "
         "of the prior means that no recording determines the parameter."
     )
-    return Table(caption, header, rows, "parameters", DATA)
+    return Table(caption, header, _cells(rows), "parameters", DATA)
 
 
 def _outlook(outlook: Sequence[Next]) -> Table:
     """Return the bands as they are, and after this motion and others."""
     rows = [
-        [
-            Cell(row.after),
-            *(Cell(significant(own, 3)) for own in (row.force, row.current, row.mass)),
-        ]
+        [row.after, *(significant(own, 3) for own in (row.force, row.current, row.mass))]
         for row in outlook
     ]
     header = ["recording", "force in contact [N]", "current [A]", "load [kg]"]
@@ -211,8 +204,8 @@ def _outlook(outlook: Sequence[Next]) -> Table:
         "Half of the 95 % bands as they are now and after one more recording, the narrowest force "
         "first."
     )
-    return Table(caption, header, rows, "outlook")
+    return Table(caption, header, _cells(rows), "outlook")
 
 
-def _short(value: float) -> str:
-    return significant(value, 2)
+def _cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
+    return [[*map(Cell, row)] for row in rows]

@@ -15,7 +15,7 @@ WORDS = {
     r"\bcurrent(s?)\b": r"torque\1",
     r"\bCurrent(s?)\b": r"Torque\1",
 }
-KEPT = ("drawing", "figure", "home", "kind", "label", "link", "of", "path", "rule", "source")
+KEPT = ("drawing", "figure", "home", "label", "link", "of", "path", "rule", "source")
 
 
 def in_torques(document: Document) -> Document:

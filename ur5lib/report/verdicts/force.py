@@ -38,12 +38,17 @@ class Worst(NamedTuple):
     share: pd.Series
     held: pd.Series | None
 
+    @property
+    def has_interval(self) -> bool:
+        """Whether the largest error has one."""
+        return not pd.isna(self.error["mae_low"])
+
     def state(self) -> State:
         """Judge by the larger relative error, that of the axis or that of the recording."""
-        has_interval = not pd.isna(self.error["mae_low"]) and self.error["estimate"] != UNCALIBRATED
+        tested = self.has_interval and self.error["estimate"] != UNCALIBRATED
         shares = [row["mae"] / row["mean_force"] for row in (self.error, self.share)]
         held = 1.0 if self.held is None else self.held["coverage95"]
-        return state(max(shares), 1.0, held, has_interval)
+        return state(max(shares), 1.0, held, tested)
 
 
 def worst_of(rows: pd.DataFrame) -> Worst:
@@ -65,14 +70,14 @@ def judge_force(results: Results) -> Verdict:
     if judged.empty:
         return _unjudged(results)
     worst = worst_of(judged)
-    row, has_interval = worst.error, not pd.isna(worst.error["mae_low"])
+    row = worst.error
     return Verdict(
         topic=TOPIC,
         state=worst.state(),
         sentence=say("force.verdict", row=row, estimate=_named(row["estimate"])),
         evidence=joined(_evidence(worst)),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=say("force.caption", known=has_interval),
+        caption=say("force.caption", known=worst.has_interval),
         numbers=tuple(_numbers(worst)),
     )
 
@@ -92,12 +97,11 @@ def _evidence(worst: Worst) -> Iterator[Sentence]:
     error, the band's coverage, and reservations.
     """
     row, share, held = worst
-    has_interval = not pd.isna(row["mae_low"])
-    yield say("force.where", row=row, known=has_interval, zero=ZERO)
+    yield say("force.where", row=row, known=worst.has_interval, zero=ZERO)
     yield say("force.share", share=share)
     if held is not None:
         yield say("force.band", held=held)
-    if not has_interval:
+    if not worst.has_interval:
         yield say("force.no interval")
     if row["estimate"] == UNCALIBRATED:
         yield say("force.uncalibrated")
@@ -106,16 +110,15 @@ def _evidence(worst: Worst) -> Iterator[Sentence]:
 def _numbers(worst: Worst) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
     row, share, held = worst
-    has_interval = not pd.isna(row["mae_low"])
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     yield Number(
         name=name,
         value=float(row["mae"]),
         unit="N",
         place=f"{row['recording']}, along {row['axis']}, in contact",
-        low=float(row["mae_low"]) if has_interval else None,
-        high=float(row["mae_high"]) if has_interval else None,
-        interval="95 %" if has_interval else "",
+        low=float(row["mae_low"]) if worst.has_interval else None,
+        high=float(row["mae_high"]) if worst.has_interval else None,
+        interval="95 %" if worst.has_interval else "",
         baseline=float(row["mean_force"]),
         baseline_of=ZERO,
     )

@@ -189,16 +189,17 @@ IMPROBABLE = 0.025  # below this chance, the count of intervals that contain the
 
 def findings(results: Results) -> list[Sentence]:
     """Return the findings, one item each, or the sentence that there are none."""
+    taken_up = results.rows("contacts", estimate="Fmap", kind="load")
     sentences = [
         *stop_signs(results),
         *nearest_model(results),
         *comparison.rebuilt(results),
-        *loads_found(results),
+        *_each("findings.load", loaded(results)),
         *_each("findings.unlike", results.rows("remarks", code="unlike other arms")),
         *(say("findings.felt", name=name) for name in felt_while_fitted(results)[:MOST_SHOWN]),
         *counted(results),
         *elsewhere(results),
-        *loads_taken_up(results),
+        *_each("findings.load taken up", taken_up),
         *readings(results),
         *_detection(results),
         *claim(results),
@@ -225,16 +226,6 @@ def _each(template: str, rows: pd.DataFrame) -> Iterator[Sentence]:
     """Report the first few rows of a table, a sentence each."""
     for row in rows[:MOST_SHOWN].itertuples():
         yield say(template, row=row)
-
-
-def loads_found(results: Results) -> Iterator[Sentence]:
-    """Report the recordings with an undeclared load."""
-    return _each("findings.load", loaded(results))
-
-
-def loads_taken_up(results: Results) -> Iterator[Sentence]:
-    """Report the loads that the arm picked up during a run."""
-    return _each("findings.load taken up", results.rows("contacts", estimate="Fmap", kind="load"))
 
 
 def left_out(results: Results) -> list[Sentence]:

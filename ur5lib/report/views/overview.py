@@ -6,14 +6,13 @@ from functools import reduce
 import pandas as pd
 
 from ur5lib.report.document import MOST_SHOWN
+from ur5lib.report.findings import SEVERITIES
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.verdicts.force import errors_in_contact
 from ur5lib.report.verdicts.recordings import lost_shares
 from ur5lib.report.views.currents import in_motion, loaded
-
-SEVERITIES = ("stop", "error", "warning")
 
 
 def arms(results: Results) -> list[str]:
@@ -34,7 +33,7 @@ def pages(results: Results) -> Iterator[Sentence]:
 def quality(results: Results, robot: str) -> pd.DataFrame:
     """Return each month's recordings, those with findings by severity, and lost frames."""
     found = results.tables["quality"].groupby("severity")["recording"].unique()
-    sets = {severity: found.get(severity, ()) for severity in SEVERITIES}
+    sets = {severity: found.get(severity, ()) for severity in SEVERITIES[:-1]}
     sets["used"] = results.tables["recordings"]["recording"]
     months = _months(results, robot)
     marks = pd.DataFrame({name: months.index.isin(one) for name, one in sets.items()}, months.index)
