@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.report.reference import Printed
-from ur5lib.report.tables.making import RECORDS, declarations, joined, make_table
+from ur5lib.report.tables.making import declarations, joined, make_table, records
 from ur5lib.tables import as_record, key, read_csv, write_csv, write_rows
 
+READ_OTHERWISE = ("signals", "torques", "closed_loop", "arm")  # than from JSON
 NOTHING: dict[Any, Any] = {float: np.nan, int: 0, str: "", bool: False}
 
 
@@ -22,9 +23,9 @@ def table(name: str, printed: Printed | None = None, **summaries: Any) -> pd.Dat
     They are records, or the part of their plain data that the table reads.
     """
     kinds = {
-        kind: {owner: record(RECORDS[kind], one) for owner, one in found.items()}
-        if kind in RECORDS
-        else found
+        kind: found
+        if kind in READ_OTHERWISE
+        else {owner: record(records()[kind], one) for owner, one in found.items()}
         for kind, found in summaries.items()
     }
     return make_table(name, kinds, printed)

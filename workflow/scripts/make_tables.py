@@ -28,7 +28,7 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
     for name, path in output.items():
         if name in parts:
             write_csv(joined(input[name]), path)
-        elif declared[name].needs[0] in kinds:
+        elif declared[name].first in kinds:
             write_csv(make_table(name, kinds, printed), path)
         else:
             text = joined_texts([tables[name] for tables in rows])

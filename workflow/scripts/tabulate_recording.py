@@ -17,6 +17,6 @@ def tabulate_recording(input: Any, output: Any, params: Any) -> None:
     tables = {
         name: csv_text(make_table(name, kinds, printed))
         for name, declared in declarations().items()
-        if declared.needs[0] in kinds
+        if declared.first in kinds
     }
     write_json(tables, output.rows)

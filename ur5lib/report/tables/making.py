@@ -3,92 +3,39 @@
 Tidy: one value a row, SI units, joints from 1.
 """
 
-import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
-from types import ModuleType
-from typing import Any, NamedTuple
+from types import UnionType
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.residual_model import Residuals
-from ur5lib.pipeline.published_constants import PublishedConstants
-from ur5lib.pipeline.records.accelerations import ImuComparison
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.gains import GainSummary
-from ur5lib.pipeline.records.models import Identification, Rotors
-from ur5lib.pipeline.records.motion import MotionAccount
-from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.pipeline.records.table import Table
 from ur5lib.report.reference import Printed
 from ur5lib.report.tables import files, forces, friction, models, motion
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.tables.source import Published, Row
-from ur5lib.robots.description import load_robot
-from ur5lib.signals.clock import SettledClock
-from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.robots.description import Robot, load_robot
 from ur5lib.strict import read_yaml
 from ur5lib.tables import ByKey, read_cells, read_record
 
-GROUPS: dict[str, ModuleType] = {
-    "files": files,
-    "motion": motion,
-    "models": models,
-    "friction": friction,
-    "forces": forces,
-}
-READERS: dict[str, Callable[[str], Any]] = {
-    "signals": Signals.read,
-    "torques": Torques.read,
-    "closed_loop": ClosedLoop.read,
-    "arm": load_robot,
-}
-RECORDS: dict[str, type] = {
-    "quality": Quality,
-    "clocks": dict[str, SettledClock],
-    "contradictions": Contradictions,
-    "gains": GainSummary,
-    "accelerations": ImuComparison,
-    "motion": dict[str, MotionAccount],
-    "fused": dict[str, MotionAccount],
-    "forces": Compared,
-    "constants": PublishedConstants,
-    "rotors": Rotors,
-    "identification": Identification,
-    "calibration": dict[str, ImuCalibration],
-    "friction": Friction,
-    "residuals": Residuals,
-    "currents": Prediction,
-    "detection": dict[str, Detected],
-    "links": dict[str, list[TouchedLinks]],
-    "ablation": dict[str, Ablated],
-    "audit": Audit,
-}
+MODULES = (files, motion, models, friction, forces)
 WORDS = {True: "yes", False: "no"}
 
 
 class Declared(NamedTuple):
-    """A table: its columns, the function that makes its rows, and the parameters of this."""
+    """A table: its columns, the function that makes its rows, and the parameters of this, typed."""
 
     columns: list[str]
     rows: Callable[..., Iterator[Row]]
-    needs: list[str]
+    needs: dict[str, Any]
 
-
-def lazy_results(kind: str, paths: Sequence[str]) -> ByKey[Any]:
-    """Return the results of a kind by recording or arm, read on access; JSON, small, is cached.
-
-    paths: each lies in the folder of its recording or arm.
-    """
-    read = READERS.get(kind) or cache(partial(read_record, RECORDS[kind]))
-    return ByKey({Path(path).parent.name: partial(read, path) for path in paths})
+    @property
+    def first(self) -> str:
+        """Return the kind of result whose recordings or arms have rows."""
+        return next(iter(self.needs))
 
 
 @cache
@@ -96,11 +43,39 @@ def declarations() -> dict[str, Declared]:
     """Return each declared table."""
     groups = read_yaml(Path(__file__).with_name("columns.yaml"))
     return {
-        name: Declared(columns, rows, [*inspect.signature(rows).parameters])
-        for group, module in GROUPS.items()
-        for name, columns in groups[group].items()
+        name: Declared(columns, rows, _parameters(rows))
+        for module in MODULES
+        for name, columns in groups[module.__name__.rpartition(".")[2]].items()
         for rows in [getattr(module, name)]
     }
+
+
+def _parameters(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return the types of a function's parameters, of an optional one without None."""
+    hints = get_type_hints(function)
+    del hints["return"]
+    optional = {name: get_args(hint)[0] for name, hint in hints.items() if type(hint) is UnionType}
+    return hints | optional
+
+
+@cache
+def records() -> dict[str, Any]:
+    """Return the record of each kind of result, as the functions of the tables take it."""
+    return {kind: record for own in declarations().values() for kind, record in own.needs.items()}
+
+
+def lazy_results(kind: str, paths: Sequence[str]) -> ByKey[Any]:
+    """Return the results of a kind by recording or arm, read on access; JSON, small, is cached.
+
+    paths: each lies in the folder of its recording or arm.
+    """
+    record = records()[kind]
+    read: Callable[[str], Any] = cache(partial(read_record, record))
+    if record is Robot:
+        read = load_robot
+    elif isinstance(record, type) and issubclass(record, Table):
+        read = record.read
+    return ByKey({Path(path).parent.name: partial(read, path) for path in paths})
 
 
 def make_table(
@@ -110,17 +85,18 @@ def make_table(
 
     kinds: results by their kind, then by recording or arm; printed: published tables.
     """
-    columns, rows_of, needs = declarations()[name]
+    columns, rows_of, needs = declared = declarations()[name]
+    owners = kinds[declared.first]
     first = "recording" if "recording" in columns else "robot"
 
     def given(need: str, owner: str) -> Any:
         if need == "published":
             return Published(printed or Printed(), owner)
-        return kinds[needs[0]] if need == "every" else kinds[need].get(owner)
+        return owners if need == "every" else kinds[need].get(owner)
 
     rows = [
         {first: owner} | {column: _in_words(value) for column, value in row.items()}
-        for owner in kinds[needs[0]]
+        for owner in owners
         for row in rows_of(*(given(need, owner) for need in needs))
     ]
     more = sorted({name for row in rows for name in row if name in LINKS} - {*columns})
