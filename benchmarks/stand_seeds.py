@@ -44,8 +44,8 @@ from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.report import truth_table
-from ur5lib.report.truth_table import Row
+from ur5lib.report import truth_rows
+from ur5lib.report.truth_rows import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
@@ -195,16 +195,16 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
     """Rows of clocks, rotor inertias and the IMU."""
     robot, summary = fitted[0].robot, fitted[0].summary
     for own in fitted:
-        yield from truth_table.clock_rows({"imu": own.clock}, own.summary)
+        yield from truth_rows.clock_rows({"imu": own.clock}, own.summary)
     true = robot.models[summary.model].rotor_inertias
-    yield from truth_table.rotor_rows(rotors(fitted), true)
+    yield from truth_rows.rotor_rows(rotors(fitted), true)
     calibration = calibrate([own.imu for own in fitted])
-    yield from truth_table.imu_rows(calibration, summary.plan.imu)
+    yield from truth_rows.imu_rows(calibration, summary.plan.imu)
 
 
 def map_rows(friction: Friction, truth: TrueParameters) -> Iterator[Row]:
     """Return rows of torque constants and friction."""
-    return truth_table.friction_rows(friction, truth.drive, truth.friction)
+    return truth_rows.friction_rows(friction, truth.drive, truth.friction)
 
 
 def rotors(recordings: list[Taken]) -> Rotors:
@@ -241,7 +241,7 @@ def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterato
     true = pushed.truth.at(pushed.signals.time)
     touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):
-        for row in truth_table.wrench_rows(
+        for row in truth_rows.wrench_rows(
             part(forces, rows), replace(true, wrench=true.wrench[rows])
         ):
             if row["method"] == "Fmap":

@@ -1,33 +1,40 @@
-"""All rows of the table of estimates beside the truth."""
+"""The rows of the table of estimates beside the truth, which only simulated recordings have."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from functools import partial
 from operator import attrgetter
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+import pandas as pd
+from scipy.stats import norm, t
 
 from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.accelerations import COMPONENTS, Accelerations
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
-from ur5lib.pipeline.records.truth import TrueParameters, Truth
-from ur5lib.report import truth_table
-from ur5lib.report.truth_table import Row, joint_numbers
+from ur5lib.pipeline.records.table import WRENCH, WRENCH_UNITS
+from ur5lib.pipeline.records.truth import TrueDrive, TrueParameters, Truth
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.stand.plan import Imu
 from ur5lib.tables import json_text, read_record
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
+from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 from ur5lib.timeseries.segments import by_segment
 
+Row = dict[Hashable, Any]
 Files = Mapping[str, str]  # paths of one arm's or one recording's results
 Truths = Mapping[str, TrueParameters]  # by recording
 Part = TypeVar("Part")
+AXES = ["x", "y", "z"]
+PARTS = 8  # of an only recording, in a jackknife
+INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
 
 
 def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
@@ -38,17 +45,17 @@ def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
     robot = load_robot(files["described"])
     rotors = read_record(Rotors, files["rotors"])
     if (inertias := shared(truths, rotors.from_, partial(true_rotors, robot))) is not None:
-        yield from truth_table.rotor_rows(rotors, inertias)
+        yield from rotor_rows(rotors, inertias)
     identified = read_record(Identification, files["identification"])
     true = shared(truths, identified.from_, partial(true_parameters, robot))
     if true is not None:
-        yield from truth_table.parameter_rows(identified, true)
+        yield from parameter_rows(identified, true)
     imu = read_record(dict[str, ImuCalibration], files["calibration"]).get("all")
     if imu and (plan := shared(truths, imu.from_, attrgetter("plan.imu"))):
-        yield from truth_table.imu_rows(imu, plan)
+        yield from imu_rows(imu, plan)
     friction = read_record(Friction, files["friction"])
     if truth := shared(truths, friction.from_, attrgetter("drive", "friction")):
-        yield from truth_table.friction_rows(friction, *truth)
+        yield from friction_rows(friction, *truth)
 
 
 def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> list[Row]:
@@ -63,11 +70,11 @@ def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> 
     acceleration = true_acceleration(robot, true, motion.segment, design)
     motions = {"encoders": motion, "encoders+imu": fused}
     return [
-        *truth_table.clock_rows(read_record(dict[str, SettledClock], files["clocks"]), truth),
-        *truth_table.joint_acceleration_rows(motions, true),
-        *truth_table.end_effector_rows(Accelerations.read(files["accelerations"]), acceleration),
+        *clock_rows(read_record(dict[str, SettledClock], files["clocks"]), truth),
+        *joint_acceleration_rows(motions, true),
+        *end_effector_rows(Accelerations.read(files["accelerations"]), acceleration),
         *torque_rows(load_robot(files["fitted"]), truth, true),
-        *truth_table.wrench_rows(Forces.read(files["forces"]), true),
+        *wrench_rows(Forces.read(files["forces"]), true),
     ]
 
 
@@ -76,7 +83,7 @@ def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Ro
     rigid = true.motor_torque - true.friction_torque + true.contact_torque
     joints = joint_numbers(rigid)
     for model, torque in rigid_torques(robot, truth, true).items():
-        yield from truth_table.errors("torque", joints, "Nm", rigid, torque, f"Model {model}")
+        yield from errors("torque", joints, "Nm", rigid, torque, f"Model {model}")
 
 
 def shared(
@@ -120,3 +127,161 @@ def rigid_torques(robot: Robot, truth: TrueParameters, true: Truth) -> dict[str,
         for name in (robot.chosen_model, "identified")
         if name in robot.models
     }
+
+
+def rows(
+    quantity: str, index: Sequence[object], unit: Any, truth: Any, estimate: Any, **more: Any
+) -> list[Row]:
+    """Return a row for each of some joints, axes, components or devices (`index`).
+
+    Other arguments: one value for all, or a value for each.
+    """
+    columns = {"quantity": quantity, "index": [*index], "unit": unit, "truth": truth}
+    return pd.DataFrame(columns | {"estimate": estimate} | more).to_dict("records")
+
+
+def values(
+    quantity: str,
+    index: Sequence[object],
+    unit: str,
+    truth: Any,
+    estimate: Any,
+    std: Any,
+    freedom: float = np.inf,
+) -> list[Row]:
+    """Return a row for each estimated value, with whether its 95 % interval contains the truth.
+
+    truth, estimate, std: (n,), estimate NaN where there is none (a joint that did not move), std
+    NaN where not stated: then the row has neither; freedom: degrees of freedom of the errors.
+    """
+    off, std = np.abs(np.subtract(estimate, truth)), np.asarray(std, dtype=np.float64)
+    half = t.ppf(0.975, freedom) * std
+    stated = np.isfinite(half)
+    inside = pd.Series(off <= half).map({True: "yes", False: "no"}).where(stated)
+    intervals = {"std_error": np.where(stated, std, np.nan), "within95": inside}
+    found = rows(quantity, index, unit, truth, estimate, **intervals)
+    return [row for row in found if not np.isnan(row["estimate"])]
+
+
+def errors(
+    quantity: str, index: Sequence[object], unit: Any, truth: Array, estimate: Array, method: str
+) -> list[Row]:
+    """Return a row for each column of a series (N, M): its RMSE, and that of zero."""
+    kept = np.isfinite(estimate).all(axis=1) & np.isfinite(truth).all(axis=1)
+    off, zero = (np.sqrt(np.mean(array[kept] ** 2, axis=0)) for array in (estimate - truth, truth))
+    return rows(f"{quantity}_rmse", index, unit, 0.0, off, zero=zero, method=method)
+
+
+def clock_rows(clocks: Mapping[str, SettledClock], truth: TrueParameters) -> Iterator[Row]:
+    """Yield offset [s] and drift [ppm] of each device.
+
+    Sensors that were aligned by the host's stamps use the robot's clock: their drift has no truth.
+    """
+    for device, clock in clocks.items():
+        true, drift_std = truth.clocks[device], clock.drift_std or 0.0
+        numbers = [true["offset_s"]], [clock.offset], [clock.offset_std]
+        found = values("clock_offset", [device], "s", *numbers)
+        if clock.drift is not None and "drift_ppm" in true:
+            numbers = [true["drift_ppm"]], [1e6 * clock.drift], [1e6 * drift_std]
+            found += values("clock_drift", [device], "ppm", *numbers)
+        yield from (row | {"method": clock.method} for row in found)
+
+
+def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iterator[Row]:
+    """Yield the RMSE of q̈ by method, and the coverage of two standard deviations."""
+    for method, motion in motions.items():
+        if len(motion.time):
+            estimate, true = motion.qdd, truth.qdd
+            joints, quantity = joint_numbers(true), "joint_acceleration"
+            inside = coverage(estimate, motion.qdd_std, true, INSIDE2)
+            yield from errors(quantity, joints, "rad/s2", true, estimate, method)
+            quantity += "_inside_2_std"
+            yield from rows(quantity, joints, "1", INSIDE2, inside, method=method)
+
+
+def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Row]:
+    """Yield the RMSE of the end effector's acceleration; truth: (N, 6), low-passed alike."""
+    felt = {} if accelerations.felt is None else {"imu": accelerations.felt}
+    for method, estimate in (felt | accelerations.acceleration).items():
+        about = ("end_effector_acceleration", [*COMPONENTS], [*COMPONENTS.values()])
+        yield from errors(*about, truth, estimate, method)
+
+
+def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
+    """Yield RMSE, MAE and coverage of the 95 % band of each estimate."""
+    true, of_wrench = truth.wrench, (WRENCH, WRENCH_UNITS)
+    zero = mean_absolute_error(np.zeros_like(true), true)
+    for method, estimate in forces.wrench.items():
+        mae = mean_absolute_error(estimate, true)
+        yield from errors("wrench", *of_wrench, true, estimate, method)
+        yield from rows("wrench_mae", *of_wrench, 0.0, mae, zero=zero, method=method)
+        if (std := forces.std.get(method)) is not None:
+            held = coverage(estimate, std, true)
+            yield from rows("wrench_coverage95", WRENCH, "1", 0.95, held, method=method)
+
+
+def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
+    """Yield rotor inertias; truth: (n,) [kg m²].
+
+    Their standard errors are a jackknife over recordings, or over parts of the only one.
+    """
+    if rotors.value is not None and rotors.std_error is not None:
+        known = truth, rotors.value.inertia, rotors.std_error.inertia
+        freedom = len(rotors.from_) - 1 or PARTS - 1
+        yield from values("rotor_inertia", joint_numbers(truth), "kg m2", *known, freedom)
+
+
+def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
+    """Yield mounting, tilt of the base, gyroscope bias and place of the IMU.
+
+    imu: as simulated, at the described place.
+    """
+    for name, unit, truth in (
+        ("mounting", "rad", np.deg2rad(imu.mounting_deg)),
+        ("tilt", "rad", np.zeros(2)),
+        ("gyroscope_bias", "rad/s", imu.gyroscope_bias),
+        ("place", "m", calibration.described),
+    ):
+        axes = AXES[: len(truth)]
+        found, std = getattr(calibration, name), getattr(calibration, f"{name}_std")
+        yield from values(f"imu_{name}", axes, unit, truth, found, std)
+
+
+def parameter_rows(identification: Identification, truth: Array) -> Iterator[Row]:
+    """Yield base parameters that the data determine; truth: π (P,)."""
+    for row in identification.parameters:
+        if row.determined:
+            numbers = [float(row.weights @ truth)], [row.value], [row.std_error]
+            yield from values("base_parameter", [row.parameter], "", *numbers)
+
+
+def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array]) -> Iterator[Row]:
+    """Yield torque constants and friction; true: as simulated, by name.
+
+    within95 uses the reported intervals, which are wider than normal ones for few recordings.
+    Fitted terms that the stand's friction does not have are left out.
+    """
+    truths = {
+        "torque_constant": ("1" if friction.senses_torque() else "Nm/A", drive.torque_constant),
+        "offset": ("Nm", 0 * drive.torque_constant if drive.offset is None else drive.offset),
+        "coulomb": ("Nm", true["coulomb"]),
+        "viscous": ("Nm s/rad", true["viscous"]),
+        "load": ("1", true["load"]),
+        "periodic_1_cos": ("Nm", true["periodic"] * np.cos(true["phase"])),
+        "periodic_1_sin": ("Nm", -true["periodic"] * np.sin(true["phase"])),
+        "warming_coulomb": ("Nm/K", true["coulomb"] * true["coulomb_warming"]),
+        "warming_viscous": ("Nm s/rad/K", true["viscous"] * true["viscous_warming"]),
+    }
+    for row in friction.parameters:
+        if row.name in truths:
+            unit, of_joints = truths[row.name]
+            value, (low, high) = float(of_joints[row.joint - 1]), row.interval
+            inside = "yes" if low <= value <= high else "no"
+            numbers = [value], [row.value], [row.std_error]
+            for compared in values(row.name, [row.joint], unit, *numbers):
+                yield compared | {"within95": inside}
+
+
+def joint_numbers(values: Any) -> list[int]:
+    """Return the numbers of the joints of values (..., n)."""
+    return [*range(1, np.shape(values)[-1] + 1)]

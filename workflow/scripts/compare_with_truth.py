@@ -4,9 +4,8 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.pipeline.records.truth import TrueParameters
+from ur5lib.pipeline.records.truth import COLUMNS, TrueParameters
 from ur5lib.report.truth_rows import arm_rows, recording_rows
-from ur5lib.report.truth_table import COLUMNS
 from ur5lib.tables import read_record, write_csv
 from ur5lib.timeseries.lowpass import Butterworth
 

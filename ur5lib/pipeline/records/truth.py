@@ -11,6 +11,11 @@ from ur5lib.stand.plan import Imu
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
+COLUMNS = [  # of truth.csv
+    *("recording", "robot", "quantity", "method", "index", "unit"),
+    *("truth", "estimate", "std_error", "within95", "zero"),
+]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Truth(Table):
