@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 from ur5lib.report.document import (
     MOST_ROWS,
@@ -58,11 +58,8 @@ REMARK = re.compile(r"\{(thesis|ur|other)\|(.*?)\}")  # of that study, or of suc
 SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
-class Draft(NamedTuple):
-    """A text, sentence by sentence; beside: label of a table or figure that it requires, if any."""
-
-    sentences: list[list[str | Reference]]
-    beside: str
+Draft = Callable[[Set[str]], Paragraph | None]
+"""Returns a text, given the labels of the tables and figures that are shown."""
 
 
 def compose(contents: Contents, results: Results) -> Document:
@@ -121,22 +118,25 @@ def _blocks(part: Part, results: Results, above: Set[str] = frozenset()) -> list
     """
     drafts = [draft for draft in _drafts(part, results) if not _labels([draft]) & above]
     shown = above | _labels(drafts)
-    blocks = [_paragraph(draft, shown) if isinstance(draft, Draft) else draft for draft in drafts]
+    blocks = [draft(shown) if callable(draft) else draft for draft in drafts]
     return [block for block in blocks if block]
 
 
-def _paragraph(draft: Draft, shown: Set[str]) -> Paragraph | None:
-    """Return the sentences of a text that mention only tables and figures that are shown."""
-    kept = [
-        sentence
-        for sentence in draft.sentences
-        if all(span.label in shown for span in sentence if isinstance(span, Reference))
-    ]
-    if not kept or (draft.beside and draft.beside not in shown):
-        return None
-    return Paragraph(
-        [span for i, sentence in enumerate(kept) for span in [" "] * (i > 0) + sentence]
-    )
+def _paragraph(text: str, beside: str, name: str, shown: Set[str]) -> Paragraph | None:
+    """Return the sentences of a text that mention only tables and figures that are shown.
+
+    beside: what the text requires, if anything; name: recording or arm of what is mentioned.
+    """
+    spans: list[str | Reference] = []
+    for sentence in SENTENCE_END.split(text.strip()):
+        parts = [  # every second one is a mention
+            Reference(_label(part, name)) if i % 2 else part
+            for i, part in enumerate(MENTION.split(sentence))
+        ]
+        if all(part.label in shown for part in parts if isinstance(part, Reference)):
+            spans += [" "] * bool(spans) + parts
+    required = not beside or _label(beside, name) in shown
+    return Paragraph(spans) if spans and required else None
 
 
 def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
@@ -168,7 +168,7 @@ def _single(
         case Paragraph(sentences=sentences) if sentences:
             yield from (Paragraph([text]) for text in view(sentences)(*arguments))
         case Paragraph():
-            yield _draft(wanted, results, name)
+            yield partial(_paragraph, _filled(wanted.text, results, name), wanted.beside, name)
         case Items():
             items = [*view(wanted.entries)(*arguments)]
             if items and wanted.above:
@@ -194,16 +194,6 @@ def _single(
 
 def _label(block: str, name: str) -> str:
     return f"{block}-{name}" if name else block
-
-
-def _draft(wanted: Paragraph, results: Results, name: str) -> Draft:
-    """Return a text sentence by sentence, with its mentions of tables and figures."""
-    text = _filled(wanted.text, results, name).strip()
-    sentences = [  # of the split parts, every second one is a mention
-        [Reference(_label(span, name)) if i % 2 else span for i, span in enumerate(spans)]
-        for spans in map(MENTION.split, SENTENCE_END.split(text))
-    ]
-    return Draft(sentences, wanted.beside and _label(wanted.beside, name))
 
 
 def _filled(text: str, results: Results, name: str) -> str:
@@ -268,7 +258,7 @@ def _has_numbers(path: Path) -> bool:
 
 def _is_evidence(block: Block | Draft) -> bool:
     """Whether a block comes from results, unlike the texts that are the same in every report."""
-    return not isinstance(block, Paragraph | Heading | Draft)
+    return not (callable(block) or isinstance(block, Paragraph | Heading))
 
 
 def _notice(recordings: Sequence[Mapping[str, object]]) -> str:
