@@ -8,8 +8,10 @@ from scipy.spatial.transform import Rotation
 from tests.library.test_smoothing import POINT, Motion, kinematics, random_states
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, velocity
-from ur5lib.pipeline.imu_samples import imu_record
-from ur5lib.robots.description import Robot
+from ur5lib.pipeline.imu_samples import imu_samples
+from ur5lib.pipeline.records.dynamics import Kinematics
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.robots.description import Mounting, Robot
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.end_effector import (
@@ -18,6 +20,7 @@ from ur5lib.signals.end_effector import (
     point_acceleration,
     point_velocity,
 )
+from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.timeseries.sampling import interpolated
@@ -101,6 +104,24 @@ def readings(ur5: Robot, motion: Motion) -> Array:
     return np.concatenate([force, np.einsum("nji,nj->ni", R, moving[:, 3:])], axis=1)
 
 
+def sampled(
+    ur5: Robot, recorded: tuple[Array, ...], readings: Array, place: Array, design: Butterworth
+) -> ImuRecord:
+    """Samples of joints and an IMU; recorded: time, segment and q, place: of the IMU [m]."""
+    time, segment, q = recorded
+    R, J = kinematics(ur5, q)
+    ones, zeros = np.ones(len(time)), np.zeros((len(time), 3))
+    frames = Kinematics(
+        time=time, origin=zeros, rotation=R, jacobian=J, smallest_singular_value=ones
+    )
+    signals = Signals(
+        time=time, segment=segment.astype(np.int64), interpolated=ones == 0, actual_q=q,
+        accelerometer=readings[:, :3], gyroscope=readings[:, 3:],
+    )  # fmt: skip
+    robot = ur5.model_copy(update={"mounting": Mounting(imu=tuple(place))}).mounted(GRAVITY)
+    return imu_samples(robot, signals, frames, design)
+
+
 def test_a_record_holds_predictions_and_readings_alike(ur5: Robot) -> None:
     """Of slow swings, that a low-pass leaves; without the ends, and without what is missing."""
     time, motion = swings(1500)
@@ -108,9 +129,7 @@ def test_a_record_holds_predictions_and_readings_alike(ur5: Robot) -> None:
     felt = readings(ur5, motion)
     felt[1000] = np.nan
     design = Butterworth(order=4, cutoff=5.0)
-    record = imu_record(
-        time, segment, motion[0], kinematics(ur5, motion[0]), felt, (POINT, GRAVITY), design
-    )
+    record = sampled(ur5, (time, segment, motion[0]), felt, POINT, design)
     assert 0.5 < len(record.time) / 1500 < 0.95
     assert (np.diff(record.time) > 0).all()
     rows = np.round(record.time / PERIOD).astype(int)

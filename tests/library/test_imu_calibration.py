@@ -8,10 +8,8 @@ import pytest
 from scipy import signal
 from scipy.spatial.transform import Rotation
 
-from tests.library.test_end_effector import swings
+from tests.library.test_end_effector import sampled, swings
 from tests.library.test_force_sensor import MOUNTINGS
-from tests.library.test_smoothing import kinematics
-from ur5lib.pipeline.imu_samples import imu_record
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import (
     AS_DRAWN,
@@ -96,11 +94,9 @@ def test_the_described_place_stands_unless_another_explains_recordings_left_out(
 def test_a_record_says_how_its_force_depends_on_the_place(ur5: Robot) -> None:
     """The specific force is linear in the place: its derivative is what a shift changes."""
     time, (q, _, _) = swings(600)
-    R, J = kinematics(ur5, q)
-    known = time, np.zeros(600, np.int64), q, (R, J), np.zeros((600, 6))
-    design = Butterworth(4, 2.0)
-    here = imu_record(*known, (DESCRIBED, GRAVITY), design)
-    there = imu_record(*known, (DESCRIBED + SHIFT, GRAVITY), design)
+    known, design = (time, np.zeros(600), q), Butterworth(4, 2.0)
+    here = sampled(ur5, known, np.zeros((600, 6)), DESCRIBED, design)
+    there = sampled(ur5, known, np.zeros((600, 6)), DESCRIBED + SHIFT, design)
     moved = there.specific_force - here.specific_force
     np.testing.assert_allclose(np.matvec(here.by_place, SHIFT), moved, atol=1e-10)
     assert np.abs(moved).max() > 1e-3

@@ -10,10 +10,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import BY_HOST, BY_MOTION, Clock
 from ur5lib.signals.end_effector import point_velocity
 from ur5lib.signals.imu_calibration import ImuRecord
-from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
 from ur5lib.timeseries.sampling import differentiate
-from ur5lib.timeseries.segments import by_segment, period
+from ur5lib.timeseries.segments import by_segment
 
 
 def has_valid_imu(clocks: Mapping[str, Clock]) -> bool:
@@ -21,27 +20,12 @@ def has_valid_imu(clocks: Mapping[str, Clock]) -> bool:
     return "imu" in clocks and clocks["imu"].method in (BY_MOTION, BY_HOST)
 
 
-def imu_samples(
-    robot: Robot, signals: Signals, kinematics: Kinematics, design: Butterworth
-) -> ImuRecord:
-    """Return joints and IMU, low-passed alike; robot: under the recording's gravity."""
-    return imu_record(
-        signals.time,
-        signals.segment,
-        signals.actual_q,
-        (kinematics.rotation, kinematics.jacobian),
-        signals.imu,
-        (np.array(robot.mounting.imu), np.array(robot.gravity)),
-        design,
-    )
-
-
 def all_imu_samples(
     robot: Robot,
     recordings: Iterable[tuple[str, list[float] | None, str, str, Mapping[str, Clock]]],
     design: Butterworth,
 ) -> dict[str, ImuRecord]:
-    """Return the same of each recording with a valid IMU, by name.
+    """Return the samples of each recording with a valid IMU, by name.
 
     recordings: name, gravity, paths of signals and kinematics, and the devices' clocks.
     """
@@ -54,26 +38,19 @@ def all_imu_samples(
     }
 
 
-def imu_record(
-    time: Array,
-    segment: Labels,
-    q: Array,
-    frames: tuple[Array, Array],
-    readings: Array,
-    place: tuple[Array, Array],
-    design: Butterworth,
+def imu_samples(
+    robot: Robot, signals: Signals, kinematics: Kinematics, design: Butterworth
 ) -> ImuRecord:
     """Return the joints' predictions and the IMU's readings, both low-passed without delay.
 
-    time, segment: (N,); q: (N, 6) [rad]; frames: R_6 (N, 3, 3) and J_g (N, 6, 6); readings: (N, 6),
-    accelerometer and gyroscope [m/s², rad/s]; place: the IMU in frame 6 (3,) [m], and gravity (3,)
-    [m/s²], base frame. Rows where either side is missing, and ends where the filter extrapolates,
-    are left out.
+    robot: under the recording's gravity. Rows where either side is missing, and ends where the
+    filter extrapolates, are left out.
     """
-    (rotation, jacobian), (point, gravity), step = frames, place, period(time)
+    rotation, segment, step = kinematics.rotation, signals.segment, signals.period
+    point, gravity = np.array(robot.mounting.imu), np.array(robot.gravity)
     # not the controller's velocities, which lag the positions, R_6 and J_g by some ms
-    qd = by_segment(differentiate, q, segment, step)
-    velocity = point_velocity(rotation, jacobian, qd, point)
+    qd = by_segment(differentiate, signals.actual_q, segment, step)
+    velocity = point_velocity(rotation, kinematics.jacobian, qd, point)
     # velocities of frame 6's unit points about its origin, ω × R_6 e, side by side (N, 9)
     turned = np.cross(velocity[:, None, 3:], rotation.swapaxes(1, 2)).reshape(-1, 9)
     moved = np.concatenate([velocity[:, :3], turned], axis=1)
@@ -83,14 +60,14 @@ def imu_record(
     sides = [
         np.einsum("nji,nj->ni", rotation, acceleration - gravity),
         np.einsum("nji,nj->ni", rotation, velocity[:, 3:]),
-        readings,
+        signals.imu,
         np.einsum("nji,nkj->nik", rotation, turning).reshape(-1, 9),
     ]
     smooth = by_segment(inner_lowpass, np.concatenate(sides, axis=1), segment, 1 / step, *design)
     kept = np.isfinite(smooth).all(axis=1)
     force, rate, accelerometer, gyroscope, *by_place = np.split(smooth[kept], 7, axis=1)
     return ImuRecord(
-        time=time[kept],
+        time=signals.time[kept],
         rotation=rotation[kept],
         specific_force=force,
         angular_rate=rate,
