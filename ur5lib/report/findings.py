@@ -40,7 +40,11 @@ def by_finding(quality: pd.DataFrame) -> pd.DataFrame:
         detail=("detail", "first"),
         alike=("detail", lambda details: len({*details}) == 1),
     )
-    rows = rows.reset_index(level=[0, 1, 2]).reset_index(drop=True)
+    return by_severity(rows.reset_index(level=[0, 1, 2]).reset_index(drop=True))
+
+
+def by_severity(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return rows in the order of their severity, most serious first."""
     return rows.sort_values("severity", key=lambda s: s.map(SEVERITIES.index), kind="stable")
 
 

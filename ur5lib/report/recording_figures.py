@@ -39,10 +39,7 @@ PUBLISHED_STYLES = {
     "F*": ("with friction", "third"),
 }
 THROUGH_ANGLES = "Euler angles, Equation 2.33 as printed"
-STATES = {  # symbol, unit
-    "q": ("q", "rad"),
-    "qd": (r"\dot{q}", "rad/s"),
-}
+STATES = {"q": ("q", "rad"), "qd": (r"\dot{q}", "rad/s")}  # symbol, unit
 LATE = 1.5  # periods: a longer step lacks frames
 ENLARGED = (-0.15, 0.35)  # s, around the first late frame
 RECEIVED, LOST, SPEED = JOINTS[0], JOINTS[1], "#666666"

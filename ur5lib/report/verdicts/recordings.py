@@ -3,7 +3,7 @@
 import pandas as pd
 
 from ur5lib.report.document import Number, State, Verdict
-from ur5lib.report.findings import SEVERITIES, group_findings
+from ur5lib.report.findings import SEVERITIES, by_severity, group_findings
 from ur5lib.report.formats import Sentence, capital, days
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
@@ -50,12 +50,9 @@ def worst(results: Results) -> Sentence:
     if findings.empty:
         return say("quality.perfect")
     frames = results.tables["recordings"].set_index("recording")["frames"]
-    rank = findings["severity"].map(SEVERITIES.index)
     share = findings["count"] / findings["recording"].map(frames)
-    ranked = findings.assign(rank=rank, share=share).sort_values(
-        ["rank", "share"], ascending=[True, False], kind="stable"
-    )
-    first = ranked.iloc[0]
+    most = findings.loc[share.sort_values(ascending=False, kind="stable").index]
+    first = by_severity(most).iloc[0]
     kind = first["finding"]
     return say(
         f"quality.{kind if kind in SPOKEN else 'other'}",

@@ -68,19 +68,8 @@ def intervals(results: Results) -> pd.DataFrame:
     return groups["inside"].agg(values="size", inside="sum").reset_index()
 
 
-def fitted(results: Results) -> pd.DataFrame:
-    """Return the values fitted to several recordings, without base parameters."""
-    rows = _single(results)
-    return rows[rows["recording"].isna() & (rows["quantity"] != "base_parameter")]
-
-
-def clocks(results: Results) -> pd.DataFrame:
-    """Return the devices' clocks."""
-    rows = _single(results)
-    return rows[rows["recording"].notna()]
-
-
-def _single(results: Results) -> pd.DataFrame:
+def single(results: Results) -> pd.DataFrame:
+    """Return the single values: those fitted to several recordings, and of a recording's clocks."""
     rows = results.rows("truth")
     return rows[rows["quantity"].isin(names("truth"))]
 

@@ -6,7 +6,7 @@ import pandas as pd
 import yaml
 
 from ur5lib.report.document import MOST_ROWS
-from ur5lib.report.findings import SEVERITIES, group_findings, shortened
+from ur5lib.report.findings import SEVERITIES, by_severity, group_findings, shortened
 from ur5lib.report.formats import Sentence, joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
@@ -44,9 +44,7 @@ def findings(results: Results) -> pd.DataFrame:
         grouped = grouped.assign(detail=most.groupby(kind)["detail"].transform("first"))
     kinds = grouped.groupby(["severity", "device", "finding", "detail"], sort=False)
     rows = kinds.agg(recordings=("recording", _named), count=("count", "sum")).reset_index()
-    meaning = [shortened(detail) for detail in rows["detail"]]
-    rank = rows["severity"].map(SEVERITIES.index)
-    return rows.assign(meaning=meaning, rank=rank).sort_values("rank", kind="stable")
+    return by_severity(rows.assign(meaning=rows["detail"].map(shortened)))
 
 
 def count_findings(quality: pd.DataFrame) -> Sentence:
