@@ -5,6 +5,7 @@ HTML, PDF and the summary are made from the same object, so that they agree. The
 them from a study's results.
 """
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
@@ -174,6 +175,16 @@ class Number:
     interval: str = ""
     baseline: float | None = None
     baseline_of: str = ""
+
+    def within(self, low: float, high: float, interval: str) -> "Number":
+        """Return the number with its interval, without any where that is unknown (NaN)."""
+        if math.isnan(low):
+            return self
+        return replace(self, low=float(low), high=float(high), interval=interval)
+
+    def beside(self, baseline: float, of: str) -> "Number":
+        """Return the number with its baseline."""
+        return replace(self, baseline=float(baseline), baseline_of=of)
 
 
 @dataclass(frozen=True)

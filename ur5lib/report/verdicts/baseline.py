@@ -106,27 +106,12 @@ class AgainstBaseline:
         """Return the worst error with its range and baseline, and the largest on a recording."""
         row, largest = self.worst, self.largest
         prefix = "joint " if self.place == "joint" else ""
-        several = row["count"] > 1
-        mean = Number(
-            name=name,
-            value=float(row["error"]),
-            unit=self.unit,
-            place=f"{prefix}{row.name}",
-            low=float(row["low"]) if several else None,
-            high=float(row["high"]) if several else None,
-            interval=f"range over {row['count']:.0f} recordings" if several else "",
-            baseline=float(row["zero"]),
-            baseline_of=self.zero,
-        )
-        worst_number = Number(
-            name="largest error on a recording",
-            value=float(largest["error"]),
-            unit=self.unit,
-            place=f"{prefix}{largest['place']} on {largest['recording']}",
-            baseline=float(largest["zero"]),
-            baseline_of=self.zero,
-        )
-        return mean, worst_number
+        mean = Number(name, float(row["error"]), self.unit, f"{prefix}{row.name}")
+        if row["count"] > 1:
+            mean = mean.within(row["low"], row["high"], f"range over {row['count']:.0f} recordings")
+        place = f"{prefix}{largest['place']} on {largest['recording']}"
+        most = Number("largest error on a recording", float(largest["error"]), self.unit, place)
+        return mean.beside(row["zero"], self.zero), most.beside(largest["zero"], self.zero)
 
 
 def bars(shares: Mapping[str, float]) -> str:

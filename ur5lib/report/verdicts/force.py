@@ -111,25 +111,11 @@ def _numbers(worst: Worst) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
     row, share, held = worst
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
-    yield Number(
-        name=name,
-        value=float(row["mae"]),
-        unit="N",
-        place=f"{row['recording']}, along {row['axis']}, in contact",
-        low=float(row["mae_low"]) if worst.has_interval else None,
-        high=float(row["mae_high"]) if worst.has_interval else None,
-        interval="95 %" if worst.has_interval else "",
-        baseline=float(row["mean_force"]),
-        baseline_of=ZERO,
-    )
-    yield Number(
-        name=name,
-        value=float(share["mae"]),
-        unit="N",
-        place=f"{share.name}, mean over x, y, z, in contact",
-        baseline=float(share["mean_force"]),
-        baseline_of=ZERO,
-    )
+    place = f"{row['recording']}, along {row['axis']}, in contact"
+    error = Number(name, float(row["mae"]), "N", place)
+    yield error.within(row["mae_low"], row["mae_high"], "95 %").beside(row["mean_force"], ZERO)
+    place = f"{share.name}, mean over x, y, z, in contact"
+    yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO)
     if held is not None:
         place = f"{held['recording']}, along {held['axis']}, in contact"
         yield Number("least share in the 95 % band", 100 * float(held["coverage95"]), "%", place)

@@ -112,16 +112,9 @@ def _parts(rows: pd.DataFrame) -> list[Sentence]:
 
 
 def _number(row: pd.Series) -> Number:
-    return Number(
-        name="torque constant",
-        value=float(row["value"]),
-        unit="Nm/A",
-        place=f"joint {row['joint']}",
-        low=float(row["low"]),
-        high=float(row["high"]),
-        interval="95 %",
-        baseline=float(row["known"]),
-        baseline_of="the known constant",
+    constant = Number("torque constant", float(row["value"]), "Nm/A", f"joint {row['joint']}")
+    return constant.within(row["low"], row["high"], "95 %").beside(
+        row["known"], "the known constant"
     )
 
 
