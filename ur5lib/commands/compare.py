@@ -58,13 +58,7 @@ def compare_estimates(
     half = np.hypot(numbers[:, 2], numbers[:, 3])
     wider = norm.isf(LEVEL / 2 / max(len(rows), 1)) / norm.isf(LEVEL / 2)
     texts = [
-        [
-            _with_error(value, width, measure)
-            for value, width, measure in zip(
-                rows[f"value_{side}"], rows[f"half_{side}"], unit, strict=True
-            )
-        ]
-        for side in "ab"
+        [*map(_with_error, rows[f"value_{side}"], rows[f"half_{side}"], unit)] for side in "ab"
     ]
     verdicts = ((difference > half).tolist(), (difference > wider * half).tolist())
     return [Comparison(topic, *row) for row in zip(names, *texts, *verdicts, strict=True)]
