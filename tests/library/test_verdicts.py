@@ -12,6 +12,7 @@ from ur5lib.report.compose import shown_table
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
+from ur5lib.report.tables.making import declarations
 from ur5lib.report.verdicts.baseline import bars, error_bar, state
 from ur5lib.report.verdicts.force import judge_force
 from ur5lib.report.verdicts.models import judge_constants, judge_currents, judge_links, judge_motion
@@ -27,39 +28,11 @@ from ur5lib.report.views.first_screen import (
 from ur5lib.report.views.models import identified
 
 EVERY_JOINT = "1 2 3 4 5 6"
-COLUMNS = {
-    "recordings": ["recording", "duration_s", "frames", "moving_joints"],
-    "quality": ["recording", "device", "finding", "severity", "count", "detail"],
-    "remarks": ["robot", "step", "joint", "remark", "code"],
-    "torque_mae": ["recording", "motion", "model", "joint", "mae", "printed", "zero_mae"],
-    "current_rmse": ["model", "recording", "joint", "rmse_2hz", "r2", "coverage95"],
-    "friction": [
-        *("robot", "joint", "parameter", "value", "std_error", "low", "high", "prior_share"),
-        *("determined", "known", "known_std", "contradicted", "thesis"),
-    ],
-    "payload": ["recording", "mass", "std_error", "configured", "taken"],
-    "force_mae": [
-        *("recording", "kind", "estimate", "during", "component", "mae", "mae_low", "mae_high"),
-        *("mean_force", "coverage95", "determined", "max", "printed_mae", "printed_max"),
-    ],
-    "detection": [
-        *("recording", "estimate", "force_class_n", "contacts", "found", "alarms_per_min"),
-        *("smallest_force_95_x", "smallest_force_95_y", "smallest_force_95_z"),
-    ],
-    "fixed_threshold": [
-        *("recording", "estimate", "component", "force_n", "pushes", "found", "time_above")
-    ],
-    "contacts": ["recording", "estimate", "kind", "load_mass", "load_mass_std"],
-    "acceleration_mae": ["recording", "estimate", "component", "mae", "zero_mae"],
-    "excitation": ["robot", "combinations", "undetermined", "advice", "motion"],
-    "audit": ["recording", "quantity", "verdict"],
-    "sensed": ["recording", "largest_force_n", "at_s", "share_in_contact", "contacts"],
-    "parameters": ["robot", "determined"],
+COLUMNS = {name: own.columns for name, own in declarations().items()} | {  # and of steps
     "next_recordings": ["robot", "after", "force", "current", "mass"],
     "health": ["robot", "date", "joint", "quantity", "value", "std_error", "temperature_c"],
     "health_changes": ["robot", "joint", "quantity", "kind", "first", "last", "before", "size"],
     "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
-    "cross_validation": ["robot", "fitted_on", "tested_on", "joint", "rmse_2hz"],
 }
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
 RESTING = {"fitted": None, "seen": None, "pushed": None}
