@@ -82,12 +82,6 @@ def contact_errors(results: Results, recording: str) -> pd.DataFrame:
     return leading(results.rows("contact_errors", recording=recording, component="norm"))
 
 
-def fixed_threshold(results: Results) -> pd.DataFrame:
-    """Return the time above the thesis's threshold along z, if its estimate is compared."""
-    rows = results.rows("fixed_threshold", component="Fz")
-    return rows if "F*" in {*rows["estimate"]} else rows[:0]
-
-
 def contacts(results: Results, recording: str) -> pd.DataFrame:
     """Return the contacts that F̂ᵐᵃᵖ finds, with their likely links."""
     rows = results.rows("contacts", recording=recording, estimate="Fmap")
