@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.reference import Lookup, PrintedTable, Reference, published
+from ur5lib.report.reference import Lookup, PrintedTable, Reference
 from ur5lib.timeseries.arrays import Array
 
 COLUMNS = ["source", "quantity", "recording", "row", "number", "printed", "rebuilt", "ratio"]
@@ -28,7 +28,7 @@ def compared(
 ) -> Iterator[dict[str, object]]:
     """Yield a row for each published number of the recordings in the study's tables (by name)."""
     for name, table in reference.printed.tables().items():
-        for row, printed in published(table, table.recording).items():
+        for row, printed in dict(table.values).items():
             ways = [way for way in explained if (way.printed, way.row) == (name, row)]
             for number in _beside(table, tables, row, printed, ways):
                 yield {
@@ -105,6 +105,6 @@ def _tolerance(table: PrintedTable, printed: float, decimals: int) -> float:
 
 def _decimals(table: PrintedTable) -> int:
     """Return the most decimals of a table's numbers."""
-    rows = published(table, table.recording).values()
+    rows = dict(table.values).values()
     shown = [np.format_float_positional(number, trim="-") for row in rows for number in row]
     return max(len(text.partition(".")[2]) for text in shown)

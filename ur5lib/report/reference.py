@@ -1,7 +1,7 @@
 """Published values and errata, for comparison with a study's results."""
 
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import yaml
 from pydantic import Field, ValidationError, field_validator
@@ -115,8 +115,19 @@ class Printed(Strict):
 
     def tables(self) -> dict[str, PrintedTable]:
         """Return the published tables by name."""
-        tables = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: table for name, table in tables.items() if table is not None}
+        return {name: table for name, table in self if table is not None}
+
+
+class Published(NamedTuple):
+    """The published tables, of which some hold values of one recording."""
+
+    printed: Printed
+    recording: str
+
+    def values(self, table: str) -> dict[str, tuple[float, ...]]:
+        """Return a table's printed values of this recording; empty for any other recording."""
+        found: PrintedTable | None = getattr(self.printed, table)
+        return dict(found.values) if found and found.recording == self.recording else {}
 
 
 class Explanation(Strict):
@@ -182,10 +193,3 @@ def read_reference(path: str | Path | None) -> Reference:
         return Reference.model_validate(read_yaml(Path(path)))
     except (ValidationError, yaml.YAMLError, UnicodeDecodeError) as error:
         raise InputError(f"{path} does not hold valid published values: {error}") from error
-
-
-def published(printed: PrintedTable | None, recording: str) -> dict[str, tuple[float, ...]]:
-    """Return a table's printed values of a recording; empty for any other recording."""
-    if printed is None or printed.recording != recording:
-        return {}
-    return dict(printed.values)

@@ -8,7 +8,7 @@ from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report import recording_figures as figures
 from ur5lib.report.house_style import save
-from ur5lib.report.reference import OLDER_MODEL, published, read_reference
+from ur5lib.report.reference import OLDER_MODEL, Published, read_reference
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.timeseries.arrays import Array
 
@@ -18,9 +18,10 @@ def draw_older_model(input: Any, output: Any, params: Any) -> None:
     closed_loop = ClosedLoop.read(input.closed_loop)
     for state, file in (("q", output.positions_older), ("qd", output.velocities_older)):
         save(figures.tracking_figure(signals, closed_loop, OLDER_MODEL, state), file)
-    printed = published(read_reference(input.reference).printed.torque_mae, params.recording)
+    published = Published(read_reference(input.reference).printed, params.recording)
+    printed = published.values("torque_mae")[OLDER_MODEL]
     modelled = torques(signals, closed_loop, robot) if OLDER_MODEL in closed_loop.q else {}
-    torque = figures.older_torque_figure(signals, modelled, printed[OLDER_MODEL])
+    torque = figures.older_torque_figure(signals, modelled, printed)
     save(torque, output.torques_older)
 
 

@@ -1,24 +1,12 @@
-"""What the rows of tables are made from, beside the results of one recording or arm."""
+"""Rows of tables from columns."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
-from ur5lib.report.reference import Printed, published
 from ur5lib.timeseries.arrays import Array
 
 Row = dict[str, Any]
 Column = Array | Sequence[float | None]
-
-
-class Published(NamedTuple):
-    """The published tables, of which some hold values of one recording."""
-
-    printed: Printed
-    recording: str
-
-    def values(self, table: str) -> dict[str, tuple[float, ...]]:
-        """Return a table's printed values of this recording; empty for any other recording."""
-        return published(getattr(self.printed, table), self.recording)
 
 
 def transposed(columns: Mapping[str, Column], index: str, names: Sequence[Any]) -> list[Row]:
