@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ur5lib.pipeline.records.table import SIX, SegmentedTable, channel, channels
+from ur5lib.pipeline.records.table import SIX, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
 ESTIMATES = ("encoders", "encoders+imu", "filterpy")
@@ -20,9 +20,9 @@ class Accelerations(SegmentedTable):
     """
 
     felt: Array | None = channel("felt", MOTION, SIX, optional=True)
-    acceleration: dict[str, Array] = channels("acceleration_{}", MOTION, SIX, ESTIMATES)
+    acceleration: dict[str, Array] = channel("acceleration_{}", MOTION, SIX, keys=ESTIMATES)
     published_felt: Array | None = channel("published_felt", MOTION, SIX, optional=True)
-    published: dict[str, Array] = channels("published_{}", MOTION, SIX, PUBLISHED)
+    published: dict[str, Array] = channel("published_{}", MOTION, SIX, keys=PUBLISHED)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channels
+from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
 
@@ -15,7 +15,7 @@ class ClosedLoop(SegmentedTable):
     model whose gains they are.
     """
 
-    q: dict[str, Array] = channels("q_{}", "rad", JOINTS)
-    qd: dict[str, Array] = channels("qd_{}", "rad/s", JOINTS)
-    qdd: dict[str, Array] = channels("qdd_{}", "rad/s2", JOINTS)
-    torque: dict[str, Array] = channels("tau_{}", "Nm", JOINTS)
+    q: dict[str, Array] = channel("q_{}", "rad", JOINTS)
+    qd: dict[str, Array] = channel("qd_{}", "rad/s", JOINTS)
+    qdd: dict[str, Array] = channel("qdd_{}", "rad/s2", JOINTS)
+    torque: dict[str, Array] = channel("tau_{}", "Nm", JOINTS)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, Table, channel, channels
+from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, Table, channel
 from ur5lib.timeseries.arrays import Array, Mask
 
 ROTATION = tuple(map(str, range(9)))
@@ -34,8 +34,8 @@ class Torques(SegmentedTable):
     """
 
     interpolated: Mask = channel("interpolated", "1", dtype=np.bool_)
-    target: dict[str, Array] = channels("tau_target_{}", "Nm", JOINTS)
-    measured: dict[str, Array] = channels("tau_measured_{}", "Nm", JOINTS)
+    target: dict[str, Array] = channel("tau_target_{}", "Nm", JOINTS)
+    measured: dict[str, Array] = channel("tau_measured_{}", "Nm", JOINTS)
     payload_torque: Array = channel("payload_torque", "Nm", JOINTS)
     momentum: Array = channel("momentum", "Nm s", JOINTS)
     coriolis_torque: Array = channel("coriolis_torque", "Nm", JOINTS)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED, Stated
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.table import JOINTS, WRENCH, SegmentedTable, channel, channels
+from ur5lib.pipeline.records.table import JOINTS, WRENCH, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
 REFERENCES = ("printed", "corrected", "compensated")
@@ -21,9 +21,9 @@ class Forces(SegmentedTable):
     background: (N, 6) [Nm], slow external torque that is no contact.
     """
 
-    wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, tuple(NEW))
-    std: dict[str, Array] = channels("{}_std", "N, Nm", WRENCH, tuple(NEW))
-    log_odds: dict[str, Array] = channels("log_odds_{}", "1", (), tuple(GATED))
+    wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH, keys=tuple(NEW))
+    std: dict[str, Array] = channel("{}_std", "N, Nm", WRENCH, keys=tuple(NEW))
+    log_odds: dict[str, Array] = channel("log_odds_{}", "1", (), keys=tuple(GATED))
     causal_log_odds: Array | None = channel("causal_log_odds", "1", optional=True)
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
 
@@ -55,8 +55,8 @@ class PublishedForces(SegmentedTable):
     equations put right; the environment acting on the arm, base axes.
     """
 
-    printed: dict[str, Array] = channels("printed_{}", "N, Nm", WRENCH, tuple(PUBLISHED))
-    corrected: dict[str, Array] = channels("corrected_{}", "N, Nm", WRENCH, tuple(PUBLISHED))
+    printed: dict[str, Array] = channel("printed_{}", "N, Nm", WRENCH, keys=tuple(PUBLISHED))
+    corrected: dict[str, Array] = channel("corrected_{}", "N, Nm", WRENCH, keys=tuple(PUBLISHED))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,4 +67,4 @@ class SensorWrenches(SegmentedTable):
     compensated: by the best clock, less bias and tool weight; the last two at frame 6's origin.
     """
 
-    wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, REFERENCES)
+    wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH, keys=REFERENCES)

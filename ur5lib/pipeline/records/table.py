@@ -1,7 +1,7 @@
 """What the records of all tables have in common: columns as arrays, with names, units and shapes.
 
-A record is a frozen dataclass whose fields are declared with `channel` or `channels`. It is read
-from and written to a table by these declarations alone.
+A record is a frozen dataclass whose fields are declared with `channel`. It is read from and written
+to a table by these declarations alone.
 """
 
 import math
@@ -32,8 +32,8 @@ class Channel:
     """The columns of one quantity, <name>_<label> for each label, or <name> where it has none.
 
     shape: of one sample, whose flat elements the labels name in order; -1 in it is the number of
-    joints, where the labels are JOINTS; optional: whether it may be absent; several: whether `{}`
-    in the name stands for a key, which is one of `keys` where these are given.
+    joints, where the labels are JOINTS; optional: whether it may be absent; keys: for which `{}` in
+    the name may stand, any without them.
     """
 
     name: str
@@ -42,8 +42,12 @@ class Channel:
     shape: tuple[int, ...]
     dtype: type
     optional: bool = False
-    several: bool = False
     keys: tuple[str, ...] = ()
+
+    @property
+    def several(self) -> bool:
+        """Return whether there is one for each of some keys."""
+        return "{}" in self.name
 
     def columns(self, name: str, joints: int = 6) -> list[str]:
         """Return the columns' names of an arm's table; name: the channel's, its key filled in."""
@@ -116,29 +120,21 @@ def channel(
     shape: tuple[int, ...] | None = None,
     dtype: type = np.float64,
     optional: bool = False,
+    keys: tuple[str, ...] = (),
 ) -> Any:
-    """Declare a field of samples (N, *shape); an optional one is None where it is absent."""
-    own = _own_shape(labels)
-    declared = Channel(name, unit, labels, own if shape is None else shape, dtype, optional)
+    """Declare a field of samples (N, *shape), by default one element for each label.
+
+    An optional one is None where it is absent; with `{}` in its name, it is a dict by key.
+    """
+    own = (-1,) if labels == JOINTS else (len(labels),) if labels else ()
+    declared = Channel(name, unit, labels, own if shape is None else shape, dtype, optional, keys)
     metadata = {"channel": declared}
     # a factory, not a default: it leaves no attribute of the class that would hide the file's
-    return (
-        field(default_factory=type(None), metadata=metadata)
-        if optional
-        else field(metadata=metadata)
-    )
-
-
-def _own_shape(labels: tuple[str, ...]) -> tuple[int, ...]:
-    """Return the shape of a sample with one element for each label."""
-    return (-1,) if labels == JOINTS else (len(labels),) if labels else ()
-
-
-def channels(name: str, unit: str, labels: tuple[str, ...], keys: tuple[str, ...] = ()) -> Any:
-    """Declare a field of samples (N, len(labels)) by the key that stands for `{}` in the name."""
-    shape = _own_shape(labels)
-    declared = Channel(name, unit, labels, shape, np.float64, several=True, keys=keys)
-    return field(default_factory=dict, metadata={"channel": declared})
+    if declared.several:
+        return field(default_factory=dict, metadata=metadata)
+    if optional:
+        return field(default_factory=type(None), metadata=metadata)
+    return field(metadata=metadata)
 
 
 @dataclass(frozen=True, kw_only=True)
