@@ -7,7 +7,7 @@ import pandas as pd
 
 from ur5lib.pipeline.estimators import ESTIMATES, SPOKEN
 from ur5lib.report.document import Number, State, Verdict
-from ur5lib.report.formats import Sentence, joined
+from ur5lib.report.formats import joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.verdicts.baseline import ZERO, error_bar, state
@@ -70,12 +70,13 @@ def judge_force(results: Results) -> Verdict:
     if judged.empty:
         return _unjudged(results)
     worst = worst_of(judged)
-    row = worst.error
+    row, share, held = worst
+    about = {"known": worst.has_interval, "calibrated": row["estimate"] != UNCALIBRATED}
     return Verdict(
         topic=TOPIC,
         state=worst.state(),
         sentence=say("force.verdict", row=row, estimate=_named(row["estimate"])),
-        evidence=joined(_evidence(worst)),
+        evidence=say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
         caption=say("force.caption", known=worst.has_interval),
         numbers=tuple(_numbers(worst)),
@@ -90,21 +91,6 @@ def _named(estimate: str) -> str:
         return SPOKEN[estimate]
     noun = "the controller's own force" if estimate == "Fu" else "the force"
     return f"{noun} {ESTIMATES[estimate]}"
-
-
-def _evidence(worst: Worst) -> Iterator[Sentence]:
-    """Yield the largest error with interval and baseline, the recording with the largest relative
-    error, the band's coverage, and reservations.
-    """
-    row, share, held = worst
-    yield say("force.where", row=row, known=worst.has_interval, zero=ZERO)
-    yield say("force.share", share=share)
-    if held is not None:
-        yield say("force.band", held=held)
-    if not worst.has_interval:
-        yield say("force.no interval")
-    if row["estimate"] == UNCALIBRATED:
-        yield say("force.uncalibrated")
 
 
 def _numbers(worst: Worst) -> Iterator[Number]:

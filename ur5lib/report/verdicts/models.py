@@ -6,7 +6,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from ur5lib.report.document import Number, Verdict
-from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence
+from ur5lib.report.formats import SMALLEST_DIFFERENCE
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tables.models import STOP
@@ -91,24 +91,17 @@ def judge_constants(results: Results) -> Verdict | None:
     shares = rows.groupby("joint")["prior_share"].max()
     ratio = rows["value"] / rows["known"]
     farthest = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
-    sure = (rows["determined"] == "yes").all() and rows["contradicted"].isna().all()
+    determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
+    known, contradicted = ([*rows.loc[where, "joint"].unique()] for where in (determined, refused))
     return Verdict(
         topic=CONSTANTS,
-        state="good" if sure else "usable",
-        sentence=say("constants.verdict", parts=_parts(rows)),
+        state="good" if determined.all() and not refused.any() else "usable",
+        sentence=say("constants.verdict", known=known, refused=contradicted),
         evidence=say("constants.evidence", row=farthest),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
         numbers=(_number(farthest),),
     )
-
-
-def _parts(rows: pd.DataFrame) -> list[Sentence]:
-    """Return which constants come from the data, and on which joints the known ones are used."""
-    refused = rows[rows["contradicted"].notna()]["joint"].unique()
-    determined = rows[rows["determined"] == "yes"]["joint"].unique()
-    parts = [say("constants.known", known=determined) if len(determined) else say("constants.none")]
-    return [*parts, say("constants.refused", refused=refused)] if len(refused) else parts
 
 
 def _number(row: pd.Series) -> Number:

@@ -8,7 +8,7 @@ import pandas as pd
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.formats import Sentence, joined, numbered
+from ur5lib.report.formats import Sentence, numbered
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
@@ -38,7 +38,7 @@ def in_contact(force: pd.DataFrame) -> Iterator[Sentence]:
     for name in names[:MOST_SHOWN]:
         rows = forces[forces["recording"] == name]
         contact, free = (rows[rows["during"] == during] for during in ("contact", "free"))
-        yield joined(_errors_in_contact(str(name), leading(contact), contact, leading(free)))
+        yield _errors_in_contact(str(name), leading(contact), contact, leading(free))
     if len(names) > MOST_SHOWN:
         means = leading_of_each(touched).groupby("recording")[["mae", "mean_force"]].mean()
         better = int((means["mae"] < means["mean_force"]).sum())
@@ -47,20 +47,21 @@ def in_contact(force: pd.DataFrame) -> Iterator[Sentence]:
 
 def _errors_in_contact(
     recording: str, lead: pd.DataFrame, contact: pd.DataFrame, free: pd.DataFrame
-) -> Iterator[Sentence]:
+) -> Sentence:
     """Report one recording's errors in contact, with intervals and bands, and its free errors."""
     name = lead["estimate"].iloc[0]
     ends = lead[["mae_low", "mae_high"]].dropna().to_numpy()
-    ranges = [say("contacts.range", low=low, high=high) for low, high in ends]
-    words = {"recording": recording, "name": SPOKEN[name], "lead": lead}
-    yield say("contacts.errors", ranges=ranges if len(ranges) == len(lead) else [], **words)
-    if lead["coverage95"].notna().all():
-        yield say("contacts.bands", held=100 * lead["coverage95"])
-    baseline = contact[contact["estimate"] == "least_squares"]
-    if len(baseline) and name != "least_squares":
-        yield say("contacts.baseline", mae=baseline["mae"])
-    if len(free):
-        yield say("contacts.free", name=SPOKEN[name], mae=free["mae"])
+    plain = contact.loc[contact["estimate"] == "least_squares", "mae"]
+    return say(
+        "contacts.errors",
+        recording=recording,
+        name=SPOKEN[name],
+        lead=lead,
+        ranges=ends.tolist() if len(ends) == len(lead) else [],
+        held=100 * lead["coverage95"] if lead["coverage95"].notna().all() else None,
+        plain=[] if name == "least_squares" else plain,
+        free=free["mae"],
+    )
 
 
 def undetermined_moments(force: pd.DataFrame) -> Iterator[Sentence]:
