@@ -113,14 +113,8 @@ def _unjudged(results: Results) -> Verdict:
         return Verdict(TOPIC, "not determined", say("force.none"), joined(readings(results)))
     if len(results.tables["force_mae"]):
         return Verdict(TOPIC, "not determined", say("force.untouched"))
-    counts = found_without_sensor(results)
+    counts = [*found_without_sensor(results).values()]
     alarms = quiet(results)["alarms_per_min"]
-    parts = []
-    if counts:
-        touched = sum(map(bool, counts.values()))
-        words = {"count": sum(counts.values()), "touched": touched, "recordings": len(counts)}
-        parts.append(say("force.found", **words))
-    if len(alarms):
-        parts.append(say("force.false alarms", rate=alarms.mean()))
-    evidence = say("quality.counts", parts=parts) if parts else ""
+    known = counts or len(alarms)
+    evidence = say("force.plausible", counts=counts, alarms=alarms) if known else ""
     return Verdict(TOPIC, "not determined", say("force.no sensor"), evidence)

@@ -28,7 +28,12 @@ def judge_files(results: Results) -> Verdict:
         topic=FILES,
         state=states[0] if states else "usable" if results.unusable() else "good",
         sentence=worst(results),
-        evidence=_counts(findings, len(lost)),
+        evidence=say(
+            "quality.evidence",
+            counts=count_findings(findings),
+            bad=serious["recording"].nunique(),
+            recordings=len(lost),
+        ),
         drawing=bars({str(name): float(share) for name, share in drawn.items()}),
         caption=say("quality.caption", many=results.many),
         numbers=tuple(
@@ -70,13 +75,6 @@ def lost_shares(results: Results) -> dict[str, float]:
     lost = results.rows("quality", finding=LOST).groupby("recording")["count"].sum()
     shares = (lost.reindex(frames.index) / frames).fillna(0.0)
     return {str(name): float(share) for name, share in shares.items()}
-
-
-def _counts(findings: pd.DataFrame, recordings: int) -> Sentence:
-    """Return how many findings there are by severity, and on how many recordings."""
-    bad = findings.loc[findings["severity"] != "note", "recording"].nunique()
-    where = [say("quality.where", bad=bad, recordings=recordings)] if bad else []
-    return say("quality.counts", parts=[count_findings(findings), *where])
 
 
 def judge_drift(results: Results) -> Verdict | None:

@@ -8,7 +8,7 @@ import pandas as pd
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.formats import Sentence, numbered
+from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
@@ -80,11 +80,8 @@ def bands_held(force: pd.DataFrame) -> Iterator[Sentence]:
     rows = _forces(force)
     held = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
     if {"contact", "free"} <= {*held}:
-        parts = [
-            say("contacts.held", name=ESTIMATES[row.Index], row=row)
-            for row in held.dropna(subset=["contact", "free"]).itertuples()
-        ]
-        yield say("contacts.averaged", parts=parts)
+        known = held.dropna(subset=["contact", "free"])
+        yield say("contacts.averaged", held=[*known.itertuples()])
 
 
 def found_without_sensor(results: Results) -> dict[str, int]:
@@ -115,22 +112,8 @@ def largest_contacts(results: Results) -> Iterator[Sentence]:
         if count:
             rows = contacts[contacts["recording"] == name]
             largest = rows.loc[(rows[FORCES] ** 2).sum(axis="columns").idxmax()]
-            parts = [
-                say("contacts.component", force=largest[axis], std=largest[f"{axis}_std"])
-                for axis in FORCES
-            ]
-            place = _touched(likely(largest))
-            yield say("contacts.largest", name=name, parts=parts, at=largest["peak_s"], place=place)
-
-
-def _touched(links: list[int]) -> str:
-    """Return a sentence on the links that may be touched, empty if these are unknown."""
-    if links == [FLANGE]:
-        return say("contacts.on flange")
-    if not links:
-        return ""
-    template = "contacts.on some link" if FLANGE in links else "contacts.on link"
-    return say(template, links=numbered(links))
+            place = {"links": likely(largest), "flange": FLANGE}
+            yield say("contacts.largest", name=name, row=largest, **place)
 
 
 def elsewhere(results: Results) -> Iterator[Sentence]:
@@ -148,8 +131,7 @@ def detection(results: Results) -> Iterator[Sentence]:
     rows, name = results.rows("detection", estimate="Fmap"), ESTIMATES["Fmap"]
     by_class = rows.groupby("force_class_n")[["found", "contacts"]].sum()
     if len(by_class):
-        parts = [say("contacts.reach", row=row) for row in by_class.itertuples()]
-        yield say("contacts.found", name=name, parts=parts)
+        yield say("contacts.found", name=name, classes=[*by_class.itertuples()])
         yield from _causal(rows[rows["force_class_n"] == rows["force_class_n"].min()])
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():

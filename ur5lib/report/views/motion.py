@@ -59,11 +59,8 @@ def place(results: Results) -> Iterator[Sentence]:
     table = results.tables["imu_calibration"]
     for arm, rows in table[table["quantity"] == "place"].groupby("robot", sort=False):
         off = 1e3 * (rows["value"] - rows["described"])
-        parts = [
-            say("motion.apart", by=by, std=1e3 * std)
-            for by, std in zip(off, rows["std_error"], strict=True)
-        ]
-        yield say("motion.place", arm=arm, off=parts, ratio=rows["held_out"].iloc[0])
+        pairs = [*zip(off, 1e3 * rows["std_error"], strict=True)]
+        yield say("motion.place", arm=arm, off=pairs, ratio=rows["held_out"].iloc[0])
 
 
 def innovations(results: Results) -> Iterator[Sentence]:

@@ -7,7 +7,7 @@ import yaml
 
 from ur5lib.report.document import MOST_ROWS
 from ur5lib.report.findings import SEVERITIES, by_severity, group_findings, shortened
-from ur5lib.report.formats import Sentence, joined
+from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 
@@ -25,10 +25,7 @@ def counted(results: Results) -> Iterator[Sentence]:
     """Report how many findings there are, and the most frequent serious ones."""
     quality = results.tables["quality"]
     serious = quality[quality["severity"] != "note"]["finding"].value_counts()
-    worst = [
-        say("quality.frequent", name=name, count=count)
-        for name, count in serious[:MOST_NAMED].items()
-    ]
+    worst = [*serious[:MOST_NAMED].items()]
     yield say("quality.files", counts=count_findings(quality), worst=worst)
 
 
@@ -49,13 +46,9 @@ def findings(results: Results) -> pd.DataFrame:
 
 def count_findings(quality: pd.DataFrame) -> Sentence:
     """Return how many findings there are of each severity, most serious first."""
-    counts = quality["severity"].value_counts()
-    parts = [
-        say("quality.severity", count=int(counts[name]), name=SPOKEN.get(name, name))
-        for name in SEVERITIES
-        if name in counts
-    ]
-    return joined(parts, ", ") if parts else say("quality.none")
+    found = quality["severity"].value_counts()
+    counts = [(SPOKEN.get(name, name), int(found[name])) for name in SEVERITIES if name in found]
+    return say("quality.severities", counts=counts)
 
 
 def _named(recordings: pd.Series) -> str:
