@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
-from ur5lib.report.formats import Sentence, day, days, joined
+from ur5lib.report.formats import Sentence, day, days
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 
@@ -82,17 +82,10 @@ def detectable(results: Results) -> Iterator[Sentence]:
 def _by_axis(results: Results, robot: str) -> Iterator[Sentence]:
     """Report the smallest push along each axis that is detected, at rest and in motion."""
     rows = results.rows("observability", robot=robot)
-    rows = rows[rows["quantity"].str.startswith("smallest_push_95_")]
-    limits = [
-        (
-            say("observed.rest", slowest=slowest),
-            # the axis is the last letter of a push's quantity
-            joined((say("observed.limit", row=row, most=MOST) for row in part.itertuples()), ", "),
-        )
-        for slowest, part in rows.groupby("speed_low")
-    ]
+    rows = rows[rows["quantity"].str.startswith("smallest_push_95_")]  # and the axis
+    limits = [(slowest, [*part.itertuples()]) for slowest, part in rows.groupby("speed_low")]
     if limits:
-        yield say("observed.missed", robot=robot, limits=limits)
+        yield say("observed.missed", robot=robot, limits=limits, most=MOST)
 
 
 def pushes(results: Results) -> pd.DataFrame:

@@ -202,11 +202,8 @@ def scores(results: Results) -> list[str]:
     claimed, ours = score(results, CLAIMED), score(results, OURS)
     if claimed is None or ours is None:
         return []
-    parts = [
-        say("claim.score", name=ESTIMATES[name], score=value)
-        for name, value in ((CLAIMED, claimed), (OURS, ours))
-    ]
-    return [say("claim.compared", pushes=claimed.pushes, parts=parts)]
+    both = [(ESTIMATES[CLAIMED], claimed), (ESTIMATES[OURS], ours)]
+    return [say("claim.compared", pushes=claimed.pushes, scores=both)]
 
 
 def touched(results: Results) -> list[str]:

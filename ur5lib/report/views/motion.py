@@ -66,10 +66,9 @@ def place(results: Results) -> Iterator[Sentence]:
 def innovations(results: Results) -> Iterator[Sentence]:
     """Report how many channels pass the tests of the innovations."""
     table = results.tables["innovations"]
-    parts = []
-    for estimate, rows in table.groupby("estimate", sort=False):
-        passed = {test: int((rows[test] == "yes").sum()) for test in ("consistent", "white")}
-        parts.append(say("motion.tested", estimate=estimate, count=len(rows), **passed))
-    if parts:
-        widest, coloured = np.sqrt(table["colour"]).max(), (table["white"] == "no").any()
-        yield say("motion.innovations", parts=parts, widest=widest, coloured=coloured)
+    tests = {test: table[test] == "yes" for test in ("consistent", "white")}
+    channels = table.assign(count=1, **tests).groupby("estimate", sort=False)
+    if len(table):
+        passed = channels[["count", *tests]].sum().to_dict("index").items()
+        widest, coloured = np.sqrt(table["colour"]).max(), not tests["white"].all()
+        yield say("motion.innovations", passed=passed, widest=widest, coloured=coloured)
