@@ -72,10 +72,8 @@ def detectable(results: Results) -> Iterator[Sentence]:
     for robot in results.listed("observability", "robot"):
         rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
         if len(rows) > 1:
-            best, worst = (
-                rows.loc[place] for place in (rows["value"].idxmin(), rows["value"].idxmax())
-            )
-            yield say("observed.pushes", robot=robot, best=_push_at(best), worst=_push_at(worst))
+            ends = rows.loc[rows["value"].idxmin()], rows.loc[rows["value"].idxmax()]
+            yield say("observed.pushes", robot=robot, best=ends[0], worst=ends[1], most=MOST)
         yield from _by_axis(results, robot)
 
 
@@ -116,9 +114,3 @@ def _share(rows: pd.DataFrame) -> float:
     """Return the share [%] of samples within the band over several bins, NaN without samples."""
     count = rows["samples"].sum()
     return float(100 * (rows["value"] * rows["samples"]).sum() / count) if count else math.nan
-
-
-def _push_at(row: Any) -> tuple[Sentence, Sentence]:
-    """Return the speed at a push, and its force."""
-    during = say("observed.during", row=row)
-    return during, say("observed.force", force=row.value, most=MOST)

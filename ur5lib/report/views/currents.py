@@ -73,9 +73,8 @@ def next_recordings(results: Results) -> Iterator[Sentence]:
     table = lab.get("table_m") or 0.0
     for robot, rows in results.tables["friction"].groupby("robot", sort=False):
         worst = rows.sort_values("prior_share", ascending=False)[:LEAST_KNOWN]
-        parts = [say("currents.least known", row=row) for row in worst.itertuples()]
         words = {"robot": robot, "study": study, "table": f"{table:g}", "last": rows["joint"].max()}
-        yield say("currents.next recording", parts=parts, **words)
+        yield say("currents.next recording", worst=[*worst.itertuples()], **words)
 
 
 def unseen(results: Results) -> pd.DataFrame:

@@ -80,10 +80,7 @@ def contradictions(results: Results) -> Iterator[Sentence]:
 
 def published_gains(results: Results) -> Iterator[Sentence]:
     """Report on how many joints and recordings published gains fit as well as the best."""
-    published = results.tables["published_gains"]
-    parts = [
-        say("loop.fits", model=model, fits=int((rows["fits"] == "yes").sum()), count=len(rows))
-        for model, rows in published.groupby("model", sort=False)
-    ]
-    if parts:
-        yield say("loop.published", parts=parts)
+    gains = results.tables["published_gains"]
+    fits = gains.assign(fit=gains["fits"] == "yes", of=1).groupby("model", sort=False)
+    if len(gains):
+        yield say("loop.published", found=fits[["fit", "of"]].sum().to_dict("index").items())
