@@ -70,23 +70,6 @@ class ResidualModel:
         """Return the model with all standard deviations multiplied by a factor."""
         return replace(self, spread=factor * self.spread, change=factor * self.change)
 
-    def at_least(self, expected: "ResidualModel", paths: int) -> "ResidualModel":
-        """Return the model of a number of paths beside what is expected of the arm.
-
-        Where more is expected than the paths show, those that lack of ENOUGH count as expected:
-        σ² + (1 - n / ENOUGH) max(0, σ_e² - σ²). One path, which the fit has seen, shows too little.
-        """
-        lacking = max(0.0, 1 - paths / ENOUGH)
-
-        def beside(shown: Array, expected: Array) -> Array:
-            return np.sqrt(shown**2 + lacking * np.maximum(0.0, expected**2 - shown**2))
-
-        return replace(
-            self,
-            spread=beside(self.spread, expected.spread),
-            change=beside(self.change, expected.change),
-        )
-
     def of_few_paths(self, paths: int) -> "ResidualModel":
         """Return the model with Student's t for a number of paths, in deviations and bands.
 

@@ -77,8 +77,8 @@ def residual_models(
     return Residuals(**models, refused=refused, remarks=remarks)
 
 
-def expected_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
-    """Return the residual model that is expected of an arm by its fit; arguments as above.
+def expected_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
+    """Return the residual model of an arm without contact-free recordings; arguments as above.
 
     In motion, the error is that of the expected current at a usual speed and load; else friction
     may be anything up to breakaway, too.
@@ -90,7 +90,7 @@ def expected_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
     doubts = np.stack([np.zeros((5, 5)) if own.doubt is None else own.doubt for own in fit.joints])
     moving = constant * np.sqrt(np.einsum("jp,jpq,jq->j", columns, doubts, columns))
     spread = np.stack([moving, *[np.hypot(moving, coulomb)] * (STATES - 1)])
-    return ResidualModel(
+    model = ResidualModel(
         spread=spread,
         change=FAST[:, None] * spread,
         rate=np.array([SLOWEST, SLOWEST, 1 / RELAXING, 1 / RELAXING, SLOWEST]),
@@ -99,6 +99,7 @@ def expected_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
         breakaway=coulomb,
         constants_doubt=constants_band(fit),
     )
+    return Residuals(tau_ext=model)
 
 
 def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
@@ -125,8 +126,7 @@ def _residual_model(
         for one in runs
         for rows in unbroken(one.segment)
     ]
-    shown = fit_residual_model(stretches, cutoff, breakaway_torque(fit))
-    model = shown.at_least(expected_model(fit, cutoff), paths).of_few_paths(paths)
+    model = fit_residual_model(stretches, cutoff, breakaway_torque(fit)).of_few_paths(paths)
     return replace(model, constants_doubt=constants_band(fit))
 
 
