@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -59,9 +59,16 @@ class Ports:
             return cls(*(free.getsockname()[1] for free in sockets))
 
 
-# What controllers of one generation have in common, as in `Setup`.
-CB3 = {"software": (3, 15, 8, 106339), "rate": 125, "message": 1140}
-E_SERIES = {"software": (5, 11, 1, 108318), "rate": 500, "message": 1220}
+class Generation(NamedTuple):
+    """What controllers of one generation have in common, as in `Setup`."""
+
+    software: tuple[int, int, int, int]
+    rate: int
+    message: int
+
+
+CB3 = Generation(software=(3, 15, 8, 106339), rate=125, message=1140)
+E_SERIES = Generation(software=(5, 11, 1, 108318), rate=500, message=1220)
 
 Service = Callable[[StreamReader, StreamWriter], Coroutine[Any, Any, None]]
 
@@ -98,8 +105,8 @@ class EmulatedController:
     ) -> None:
         """robot: or its name; options: of Setup; default: those of the arm's generation."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
-        generation: dict[str, Any] = E_SERIES if arm.wrist_sensor else CB3
-        self.setup = Setup(arm, plan, **generation | options)
+        generation = E_SERIES if arm.wrist_sensor else CB3
+        self.setup = Setup(arm, plan, **generation._asdict() | options)
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""
@@ -164,7 +171,7 @@ class _Controller:
             "unlock": box.unlock,  # answers whether the stop is released
             "die": self._die,  # as when the power fails; the arm stands still
             "come back": self._open,
-            "freeze": partial(setattr, self, "_frozen"),  # True: send nothing
+            "freeze": self._freeze,  # True: keep the connections and send nothing
         }
 
     async def run(self) -> None:
@@ -235,6 +242,9 @@ class _Controller:
     async def _carry_out(self, order: str, arguments: list[Any]) -> None:
         answer = self.orders[order](*arguments)
         self._line.send(await answer if inspect.isawaitable(answer) else answer)
+
+    def _freeze(self, frozen: bool) -> None:
+        self._frozen = frozen
 
     def _die(self) -> None:
         """Close all connections and ports."""

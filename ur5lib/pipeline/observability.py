@@ -6,7 +6,7 @@ which its friction is predicted within its band.
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -109,10 +109,17 @@ def _push(push: SmallestPush) -> Observed:
 
 
 def _shares(joint: int, shares: ShareBySpeed) -> Iterator[Observed]:
-    about: Any = {"joint": joint, "speed_unit": "rad/s", "unit": "1"}
     for low, high, share, samples in shares.rows():
-        about |= {"speed_low": low, "speed_high": high}
-        yield Observed(quantity="friction_in_band", **about, value=share, samples=samples)
+        yield Observed(
+            quantity="friction_in_band",
+            joint=joint,
+            speed_low=low,
+            speed_high=high,
+            speed_unit="rad/s",
+            value=share,
+            unit="1",
+            samples=samples,
+        )
 
 
 def _predicted(joint: int, low: float, high: float) -> Observed:

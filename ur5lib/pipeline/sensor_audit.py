@@ -1,7 +1,6 @@
 """What is wrong with the force sensor in an arm's wrist, and with its controller's force."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -142,7 +141,12 @@ def _controller_rows(reading: FreeReading, left: SensorErrors) -> Iterator[Audit
 
 
 def _axis_rows(
-    quantity: str, values: Array, errors: Array, unit: str, expected: Iterable[Any], limit: float
+    quantity: str,
+    values: Array,
+    errors: Array,
+    unit: str,
+    expected: Iterable[float | None],
+    limit: float,
 ) -> Iterator[AuditRow]:
     for axis, value, std, wanted in zip("xyz", values, errors, expected, strict=True):
         yield row(quantity, axis, value, std, unit, wanted, limit)
