@@ -55,7 +55,7 @@ RESULTS = Path("results")
 FIGURE = Path(__file__).parents[1] / "docs" / "learning_curve.svg"
 SIZES = (1, 2, 3, 5)
 DRAWS = 8
-DRAWS_OF_FORCES = 1
+DRAWS_OF_FORCES = 5
 OURS, ALONE, LEAST_SQUARES = MODELS
 Subset = tuple[int, ...]  # places among an arm's recordings
 

@@ -1,5 +1,6 @@
 """External torque, joint states, and what is learned of the torque without contact."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -309,6 +310,16 @@ def test_few_paths_leave_the_gate_open(paths: int) -> None:
     np.testing.assert_allclose(inside * few.doubt, few_paths(paths))
     assert inside.max() <= few_paths(5) * (1 + 1e-12)
     assert few.doubt == 1 or paths < 5
+
+
+@pytest.mark.parametrize("share", [0.0, 1 / 3, 1.0])
+def test_what_few_paths_do_not_show_is_as_usual(share: float) -> None:
+    """Between what they show and what is usual, by the share; never less than they show."""
+    shown = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=7)))
+    usual = replace(shown, spread=3 * shown.spread, change=shown.change / 3)
+    model = shown.at_least(usual, share)
+    np.testing.assert_allclose(model.spread**2, (1 + 8 * share) * shown.spread**2)
+    np.testing.assert_array_equal(model.change, shown.change)
 
 
 @pytest.mark.parametrize("paths", [2, 3, 5, 10, 100])

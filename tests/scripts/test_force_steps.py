@@ -29,7 +29,7 @@ from ur5lib.pipeline.records.contacts import Alarm, Detected
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.friction import Friction, KnownConstants
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
@@ -384,14 +384,24 @@ def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction, tmp_pa
     runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2)]
     found = {paths: fit_residuals(tmp_path, friction, paths, *runs) for paths in (1, 2, 5)}
     models = {paths: torque_model(residuals) for paths, residuals in found.items()}
-    assert models[2].doubt == pytest.approx(few_paths(2) / few_paths(5))
+    # other arms stand for those missing of three
+    assert models[1].doubt == models[2].doubt == pytest.approx(few_paths(3) / few_paths(5))
     assert models[5].doubt == 1
-    np.testing.assert_array_equal(models[1].spread, models[2].spread)
-    np.testing.assert_allclose(models[2].spread, models[5].spread)
+    assert (models[1].spread >= models[2].spread).all()
+    assert (models[2].spread >= models[5].spread).all()
+    assert (models[1].spread > models[5].spread).any()
     assert found[1].remarks[0] == remark("one path of all")
     assert [len(found[paths].remarks) for paths in (1, 2, 5)] == [2, 1, 0]
     assert found[5].tau_observer is not None
     assert (models[5].breakaway > 0).all()
+
+
+def test_sensed_torques_have_no_usual_error(ur5: Robot, friction: Friction, tmp_path: Path) -> None:
+    runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2)]
+    sensed = replace(friction, known_constants=KnownConstants(np.ones(6), np.zeros(6)))
+    one, five = (torque_model(fit_residuals(tmp_path, sensed, n, *runs)) for n in (1, 5))
+    assert one.doubt == pytest.approx(few_paths(1) / few_paths(5))
+    np.testing.assert_allclose(one.spread, five.spread)
 
 
 @pytest.mark.parametrize(("seconds", "remarks"), [(8.0, 1), (12.0, 0)])

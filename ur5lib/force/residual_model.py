@@ -70,6 +70,21 @@ class ResidualModel:
         """Return the model with all standard deviations multiplied by a factor."""
         return replace(self, spread=factor * self.spread, change=factor * self.change)
 
+    def at_least(self, usual: "ResidualModel", share: float) -> "ResidualModel":
+        """Return the model where a share of the paths is as usual, if that is more.
+
+        σ² + share max(0, σ_usual² - σ²), of all standard deviations.
+        """
+
+        def mixed(own: Array, other: Array) -> Array:
+            return np.sqrt(own**2 + share * np.maximum(0.0, other**2 - own**2))
+
+        return replace(
+            self,
+            spread=mixed(self.spread, usual.spread),
+            change=mixed(self.change, usual.change),
+        )
+
     def of_few_paths(self, paths: int) -> "ResidualModel":
         """Return the model with Student's t for a number of paths, in deviations and bands.
 

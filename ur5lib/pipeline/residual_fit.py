@@ -9,7 +9,6 @@ from ur5lib.errors import RefusalError, Remark, remark
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import (
     RELAXING,
-    STATES,
     finite_rows,
     is_still,
     joint_states,
@@ -17,6 +16,7 @@ from ur5lib.force.external_torque import (
 )
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import (
+    ENOUGH,
     SLOWEST,
     ResidualModel,
     Residuals,
@@ -45,11 +45,14 @@ TORQUES = {
     "tau_causal": ("causal_torque", past_states),
 }
 REST = 10.0  # s, below which hardly anything shows what friction holds at rest
-# Of an arm without contact-free recordings: usual speed [rad/s]; load, in Coulomb friction; and by
-# state the part of the error that changes fast. At rest, it is the median of a UR5's and a UR10e's
-# joints (0.4, 0.15); in motion, theirs (0.55 to 0.8) exceeds that of a wrong level of friction.
-USUAL_SPEED, LOADED = 0.5, 3.0
+# Usual error along a path that no fit has seen, by joint state: relative to Coulomb friction, the
+# root mean square of the joints of a UR5 (0.22, 0.30, 0.77, 1.02, 0.76) and a UR10e (0.29, 0.19,
+# 0.31, 0.40, 0.36) fitted to one recording; and the part of it that changes fast. At rest, that is
+# the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8) exceeds that of a wrong
+# level of friction.
+USUAL = np.array([0.25, 0.25, 0.6, 0.75, 0.6])
 FAST = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
+USUAL_SPEED, LOADED = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
 DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
 
 
@@ -65,32 +68,31 @@ def residual_models(
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
         if len(friction.explained) - len(unknown) < min(DIRECTIONS, len(friction.explained)):
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
-    fit, paths = friction.fit, friction.paths
     models, refused = dict[str, ResidualModel](), None
     for name, (field, states_of) in TORQUES.items():
         try:
-            model = _residual_model(inputs(recordings, field, states_of), fit, paths, cutoff)
-            models[name] = replace(model, sensed=friction.senses_torque())
+            runs = inputs(recordings, field, states_of)
+            models[name] = _residual_model(runs, friction, cutoff)
         except RefusalError as refusal:  # too little without contact: then no force is estimated
             refused = refusal.remark
-    remarks = () if refused else tuple(_remarks(paths, recordings))
+    remarks = () if refused else tuple(_remarks(friction.paths, recordings))
     return Residuals(**models, refused=refused, remarks=remarks)
 
 
-def expected_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
-    """Return the residual model of an arm without contact-free recordings; arguments as above.
+def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
+    """Return the residual model of an arm like others; arguments as above.
 
-    In motion, the error is that of the expected current at a usual speed and load; else friction
-    may be anything up to breakaway, too.
+    The errors are USUAL, beside those of coefficients that no motion has confirmed, at a usual speed
+    and load.
     """
     coulomb, constant = breakaway_torque(fit), torque_constants(fit)
-    usual = LOADED * coulomb  # Nm
-    ones = np.ones_like(usual)
-    columns = np.stack([usual, ones, ones, USUAL_SPEED * ones, usual], axis=1)  # of BASE
+    load = LOADED * coulomb  # Nm
+    ones = np.ones_like(load)
+    columns = np.stack([load, ones, ones, USUAL_SPEED * ones, load], axis=1)  # of BASE
     doubts = np.stack([np.zeros((5, 5)) if own.doubt is None else own.doubt for own in fit.joints])
-    moving = constant * np.sqrt(np.einsum("jp,jpq,jq->j", columns, doubts, columns))
-    spread = np.stack([moving, *[np.hypot(moving, coulomb)] * (STATES - 1)])
-    model = ResidualModel(
+    doubted = constant * np.sqrt(np.einsum("jp,jpq,jq->j", columns, doubts, columns))
+    spread = np.hypot(doubted, USUAL[:, None] * coulomb)
+    return ResidualModel(
         spread=spread,
         change=FAST[:, None] * spread,
         rate=np.array([SLOWEST, SLOWEST, 1 / RELAXING, 1 / RELAXING, SLOWEST]),
@@ -99,7 +101,11 @@ def expected_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
         breakaway=coulomb,
         constants_doubt=constants_band(fit),
     )
-    return Residuals(tau_ext=model)
+
+
+def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
+    """Return the residual models without contact-free recordings; arguments as above."""
+    return Residuals(tau_ext=usual_model(fit, cutoff).of_few_paths(ENOUGH))
 
 
 def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
@@ -118,16 +124,21 @@ def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Itera
         yield remark("little rest", seconds=rest)
 
 
-def _residual_model(
-    runs: Sequence[ForceInput], fit: CurrentFit, paths: int, cutoff: float
-) -> ResidualModel:
+def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:
+    """Return what the runs show; other arms' errors stand for paths that are missing."""
     stretches = [
         Stretch(one.torque[rows], one.states[rows], one.period)
         for one in runs
         for rows in unbroken(one.segment)
     ]
-    model = fit_residual_model(stretches, cutoff, breakaway_torque(fit)).of_few_paths(paths)
-    return replace(model, constants_doubt=constants_band(fit))
+    fit, sensed = friction.fit, friction.senses_torque()
+    model = fit_residual_model(stretches, cutoff, breakaway_torque(fit))
+    # the errors of other arms are those of motor currents
+    missing = 0 if sensed else max(0, LEAST_PATHS - friction.paths)
+    if missing:
+        model = model.at_least(usual_model(fit, cutoff), missing / LEAST_PATHS)
+    model = model.of_few_paths(friction.paths + missing)
+    return replace(model, constants_doubt=constants_band(fit), sensed=sensed)
 
 
 def with_trials(

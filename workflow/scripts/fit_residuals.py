@@ -9,7 +9,7 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.residual_fit import expected_residuals, residual_models, with_trials
+from ur5lib.pipeline.residual_fit import residual_models, usual_residuals, with_trials
 from ur5lib.tables import read_record, write_json
 
 
@@ -27,5 +27,5 @@ def fit_residuals(input: Any, output: Any, params: Any) -> None:
         prior = ContactPrior(force=params.contact_force_n)
         residuals = with_trials(residuals, with_jacobians, prior)
     elif friction.fit.joints:
-        residuals = expected_residuals(friction.fit, params.cutoff_hz)
+        residuals = usual_residuals(friction.fit, params.cutoff_hz)
     write_json(residuals, output.residuals)
