@@ -24,6 +24,7 @@ from ur5lib.force.residual_model import (
     fit_residual_model,
 )
 from ur5lib.force.trial_contacts import Tried, largest_of_trials, try_contacts
+from ur5lib.identification.current_regression import MOVING as USUAL_MOVING
 from ur5lib.identification.currents import (
     CurrentFit,
     breakaway_torque,
@@ -45,12 +46,12 @@ TORQUES = {
     "tau_causal": ("causal_torque", past_states),
 }
 REST = 10.0  # s, below which hardly anything shows what friction holds at rest
-# Usual error along a path that no fit has seen, by joint state: relative to Coulomb friction, the
-# root mean square of the joints of a UR5 (0.22, 0.30, 0.77, 1.02, 0.76) and a UR10e (0.29, 0.19,
-# 0.31, 0.40, 0.36) fitted to one recording; and the part of it that changes fast. At rest, that is
-# the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8) exceeds that of a wrong
-# level of friction.
-USUAL = np.array([0.25, 0.25, 0.6, 0.75, 0.6])
+# Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
+# motion that of the band of currents; at rest the root mean square of the joints of a UR5 (0.77,
+# 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that changes
+# fast is at rest the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8) exceeds
+# that of a wrong level of friction.
+USUAL = np.array([USUAL_MOVING.error, USUAL_MOVING.error, 0.6, 0.75, 0.6])
 FAST = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
 USUAL_SPEED, LOADED = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
 DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
@@ -82,7 +83,7 @@ def residual_models(
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
     """Return the residual model of an arm like others; arguments as above.
 
-    The errors are USUAL, beside those of coefficients that no motion has confirmed, at a usual speed
+    The errors are USUAL, beside those of coefficients that no motion confirmed, at a usual speed
     and load.
     """
     coulomb, constant = breakaway_torque(fit), torque_constants(fit)
