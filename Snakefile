@@ -46,9 +46,9 @@ rule all:
 # A report shows the figures of a few recordings; `snakemake figures` draws those of all.
 rule figures:
     input:
-        expand(rules.draw_figures.output, recording=RECORDINGS),
-        expand(rules.draw_tracking.output, recording=examined()),
-        expand(rules.draw_published_forces.output, recording=RECORDINGS),
+        lambda wildcards: expand(rules.draw_figures.output, recording=RECORDINGS),
+        lambda wildcards: expand(rules.draw_tracking.output, recording=examined()),
+        lambda wildcards: expand(rules.draw_published_forces.output, recording=RECORDINGS),
 
 
 # What a paper takes over: tables as LaTeX, figures as PDF, methods, references.

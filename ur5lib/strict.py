@@ -13,6 +13,7 @@ from ur5lib.errors import InputError
 MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of them
 DEEPEST = 50  # levels of lists and mappings; a study has 8
 FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, if installed
+FAST_DUMPER: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 SPECIAL = {
     stat.S_ISFIFO: "a named pipe",
     stat.S_ISSOCK: "a socket",

@@ -130,19 +130,24 @@ def read_units(path: str | Path) -> dict[str, str]:
     return {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in fields}
 
 
-def column_names(path: str | Path) -> list[str]:
-    """Return the names of a table's columns."""
-    return list(pq.read_schema(path).names)
+def read_footer(path: str | Path) -> pq.FileMetaData:
+    """Return where a table's columns are in its file, with their names as `schema.names`."""
+    return pq.read_metadata(path)
 
 
 def read_columns(
-    path: str | Path, names: list[str], dtype: type = np.float64, rows: Labels | None = None
+    path: str | Path,
+    names: list[str],
+    dtype: type = np.float64,
+    rows: Labels | None = None,
+    footer: pq.FileMetaData | None = None,
 ) -> Column:
     """Return columns of a table as an array (N, len(names)), without reading others.
 
-    rows: indices of the rows to return, ascending; all by default.
+    rows: indices of the rows to return, ascending; all by default; footer: of `read_footer`, if it
+    is known: of a short table, it takes longer to read than the columns.
     """
-    with pq.ParquetFile(path) as file:
+    with pq.ParquetFile(path, metadata=footer) as file:
         count = file.metadata.num_rows if rows is None else len(rows)
         result = np.empty((count, len(names)), dtype)
         start = 0

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from ur5lib.steps.absent import left_out, without, write_stamp
-from ur5lib.steps.batches import Batches, Step, batch_of
+from ur5lib.steps.batches import NUMBER, Batches, Step, divided
 from ur5lib.steps.job import Job, Names
 from ur5lib.steps.upkeep import run_if_changed, run_or_restore
 
@@ -41,7 +41,7 @@ def batches() -> Batches:
     ]
     output = {"fit": "r/parameters/{robot}/fit"}
     fit = Step("fit", "robot", frozenset(["ur5"]), {"motion": smoothed}, output, {}, {})
-    return Batches("r", {step.name: step for step in steps}, {"fit": fit}, NAMES)
+    return Batches("r", {step.name: step for step in steps}, {"fit": fit}, NAMES, NAMES)
 
 
 def test_a_level_ends_where_recordings_wait_for_others(batches: Batches) -> None:
@@ -50,31 +50,39 @@ def test_a_level_ends_where_recordings_wait_for_others(batches: Batches) -> None
 
 
 def test_a_batch_needs_raw_files_or_stamps(batches: Batches) -> None:
-    batch, others = batch_of("a"), [batches.stamp(1, batch_of(name)) for name in NAMES]
+    of = batches.batch_of
+    batch, others = of["a"], [batches.stamp(1, of[name]) for name in NAMES]
     raw = [f"raw/{name}" for name in batches.batches[batch]]
     assert batches.needs(0, batch) == raw
     assert batches.needs(1, batch) == [batches.stamp(0, batch), "r/parameters/ur5/fit"]
     assert batches.needs(2, batch) == [*dict.fromkeys([batches.stamp(1, batch), *others])]
     log = "r/benchmarks/smooth/c.1.tsv"
-    assert batches.stamped([log, "raw/a"]) == [batches.stamp(0, batch_of("c.1")), "raw/a"]
+    assert batches.stamped([log, "raw/a"]) == [batches.stamp(0, of["c.1"]), "raw/a"]
 
 
-def test_each_recording_is_in_one_batch_that_others_do_not_change(batches: Batches) -> None:
-    assert sorted(name for names in batches.batches.values() for name in names) == NAMES
-    assert all(name in batches.batches[batch_of(name)] for name in NAMES)
+@pytest.mark.parametrize("count", [3, 150, 2443])
+def test_another_recording_changes_the_batches_around_it_alone(count: int) -> None:
+    names = [f"run {k}" for k in range(count)]
+    before = divided(names)
+    assert [name for batch in before.values() for name in batch] == names
+    assert len(before) <= 2 * NUMBER
+    for place in range(0, count + 1, max(1, count // 10)):
+        after = divided([*names[:place], "new", *names[place:]])
+        assert sum(after.get(key) != batch for key, batch in before.items()) <= 3
 
 
 def test_a_batch_with_a_missing_file_is_forgotten(
     batches: Batches, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    batch = batch_of("a")
-    stamp = Path(batches.stamp(0, batch))
-    for file in [*batches.files("output", 0, batch), str(stamp)]:
+    batch = batches.batch_of["a"]
+    stamp, older = Path(batches.stamp(0, batch)), Path(batches.stamp(0, "of others"))
+    for file in [*batches.files("output", 0, batch), str(stamp), str(older)]:
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         Path(file).touch()
     batches.forget_incomplete()
     assert stamp.exists()
+    assert not older.exists()
     Path("r/recordings/a/smooth").unlink()
     batches.forget_incomplete()
     assert not stamp.exists()

@@ -22,6 +22,7 @@ from ur5lib.report.formats import Sentence
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.robots.description import Robot
+from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
 
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
@@ -77,7 +78,7 @@ class Results:
         values, if any; arms: of the study.
         """
         return cls(
-            study=yaml.safe_load(study),
+            study=yaml.load(study, FAST_LOADER),
             tables={Path(path).stem: read_csv(path) for path in tables},
             figures=Path(os.path.commonpath(figures)),
             drawn=frozenset(Path(path).parent.name for path in figures),

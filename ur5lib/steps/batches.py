@@ -9,9 +9,9 @@ steps run is decided for each recording, see `ur5lib.steps.upkeep`.
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from graphlib import TopologicalSorter
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,7 +21,7 @@ from ur5lib.steps.absent import STAMPS, left_out, name_of
 from ur5lib.steps.job import Job, Names
 from ur5lib.steps.upkeep import paths
 
-NUMBER = 32  # of batches: each takes minutes, and a new recording changes its own alone
+NUMBER = 32  # fewest batches of many recordings, which are at most twice as many
 Values = Mapping[str, Any]  # declared by name: constants, texts with wildcards, functions of these
 
 
@@ -73,13 +73,15 @@ class Batches:
     """The steps of each recording, in levels and batches.
 
     results: the study's folder; steps: those of each recording; of_arms: those of each arm;
-    samples: a recording of each kind, whose inputs show what waits for what.
+    samples: a recording of each kind, whose inputs show what waits for what; recordings: all, so
+    ordered that they wait for those that are near.
     """
 
     results: str
     steps: dict[str, Step]
     of_arms: dict[str, Step]
     samples: list[str]
+    recordings: list[str]
     known_levels: dict[str, int] = field(default_factory=dict)
 
     @cached_property
@@ -158,10 +160,12 @@ class Batches:
     @cached_property
     def batches(self) -> dict[str, list[str]]:
         """The recordings of each batch."""
-        found: dict[str, list[str]] = {}
-        for name in sorted(frozenset.union(*(step.of for step in self.steps.values()))):
-            found.setdefault(batch_of(name), []).append(name)
-        return found
+        return divided(self.recordings)
+
+    @cached_property
+    def batch_of(self) -> dict[str, str]:
+        """The batch of each recording."""
+        return {name: batch for batch, names in self.batches.items() for name in names}
 
     def stamp(self, level: int, batch: str) -> str:
         """Return the file that is written when a batch has passed a level."""
@@ -175,7 +179,7 @@ class Batches:
         """Return a file, or the stamp of the batch that makes it."""
         if made := self.maker(path):
             step, recording = made
-            return self.stamp(self.level(step), batch_of(recording))
+            return self.stamp(self.level(step), self.batch_of[recording])
         return path
 
     def steps_of(self, level: int, batch: str) -> Iterator[tuple[str, list[Step]]]:
@@ -208,12 +212,15 @@ class Batches:
         return hashlib.sha256(json.dumps(stated).encode()).hexdigest()[:16]
 
     def forget_incomplete(self) -> None:
-        """Delete the stamps of batches of which a file is missing, so that it is made again."""
-        for level in range(len(self.levels)):
-            for batch in self.batches:
-                stamp = Path(self.stamp(level, batch))
-                if stamp.exists() and not self.is_complete(level, batch):
-                    stamp.unlink()
+        """Delete the stamps of batches of which a file is missing, so that it is made again, and of
+        those that are no more: others have changed their recordings since.
+        """
+        places = [(level, batch) for level in range(len(self.levels)) for batch in self.batches]
+        known = {self.stamp(*place): place for place in places}
+        for stamp in Path(self.results, STAMPS).glob("*/*.json"):
+            of = known.get(str(stamp))
+            if of is None or not self.is_complete(*of):
+                stamp.unlink()
 
     def is_complete(self, level: int, batch: str) -> bool:
         """Return whether all files of a batch at a level exist, but of what was left out."""
@@ -226,7 +233,17 @@ class Batches:
         return left_out(self.stamp(0, batch) for batch in self.batches)
 
 
-@cache
-def batch_of(recording: str) -> str:
-    """Return the batch of a recording, by its name alone."""
-    return f"{int(hashlib.sha256(recording.encode()).hexdigest()[:8], 16) % NUMBER:02d}"
+def divided(names: Sequence[str]) -> dict[str, list[str]]:
+    """Return names in batches of successive ones, each called by its first.
+
+    A batch begins at a name whose checksum is the smallest among its neighbours. Another name
+    therefore changes only the batches around it, and batches are of similar size.
+    """
+    marks = [hashlib.sha256(name.encode()).digest() for name in names]
+    reach = 1 << max(len(names) // (2 * NUMBER), 1).bit_length() - 1  # seldom another one
+    found: dict[str, list[str]] = {}
+    for place, name in enumerate(names):
+        if not place or marks[place] == min(marks[max(0, place - reach) : place + reach + 1]):
+            batch = found[name] = []
+        batch.append(name)
+    return found

@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 from ur5lib.errors import InputError
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand import layout
-from ur5lib.strict import expect_few_values, read_yaml
+from ur5lib.strict import FAST_DUMPER, expect_few_values, read_yaml
 from ur5lib.study.model import Study
 from ur5lib.study.patterns import is_pattern, of_each_file
 from ur5lib.study.schema import explain, shown
@@ -206,7 +206,7 @@ def study_text(study: Study) -> str:
         if "simulate" in recording:  # whose files the test stand names
             for key in FILE_KEYS & recording.keys():
                 del recording[key]
-    return yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
+    return yaml.dump(plain, Dumper=FAST_DUMPER, sort_keys=False, allow_unicode=True)
 
 
 def _different_arms(study: Study) -> Iterator[str]:

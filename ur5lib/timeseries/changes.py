@@ -19,6 +19,7 @@ although many jumps are tried.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -155,8 +156,7 @@ def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
     if len(series.day) < FEWEST:
         return []
     problem = _Problem.from_series(series)
-    noise = np.random.default_rng(seed).standard_normal((DRAWS, len(series.day)))
-    noise = coloured(noise, WORST)
+    noise = _worst_noise(seed, DRAWS, len(series.day))
     chosen, chances = list[int](), list[float]()
     while len(chosen) < MOST:
         if len(series.day) - problem.columns(chosen).shape[1] - 1 < FREEDOM:
@@ -168,6 +168,13 @@ def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
         chosen.append(_likeliest(odds[0]))
         chances.append(chance)
     return [_change(series, problem, chosen, *pair) for pair in enumerate(chances)]
+
+
+@lru_cache(1)
+def _worst_noise(seed: int, draws: int, dates: int) -> Array:
+    """Return noise (draws, dates) of WORST correlation; kept, as series of an arm share dates."""
+    noise = np.random.default_rng(seed).standard_normal((draws, dates))
+    return coloured(noise, WORST)
 
 
 def coloured(noise: Array, correlation: float) -> Array:
@@ -222,7 +229,16 @@ def _log_odds(problem: _Problem, chosen: Sequence[int], values: Array) -> Array:
         residual = np.maximum(1 - explained_shares(fixed, tried, rows), LEAST)
         freedom = len(fixed) - fixed.shape[1] - 1
         changed.append(none[-1][:, None] - freedom / 2 * np.log(residual))
-    return np.logaddexp.reduce(np.stack(changed)) - np.logaddexp.reduce(np.stack(none))[:, None]
+    return _log_sum(np.stack(changed)) - _log_sum(np.stack(none))[:, None]
+
+
+def _log_sum(logarithms: Array) -> Array:
+    """Return the logarithm (...) of the sum over the first axis of what has logarithms (N, ...).
+
+    A tenth of the time of `numpy.logaddexp.reduce`, which most of a simulation would be.
+    """
+    highest = logarithms.max(axis=0)
+    return np.asarray(highest + np.log(np.exp(logarithms - highest).sum(axis=0)))
 
 
 def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
@@ -241,7 +257,7 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
 
 def _any_change(log_odds: Array) -> Array:
     """Return log odds (B,) of any change; see `_likeliest`."""
-    jumps = np.logaddexp.reduce(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
+    jumps = _log_sum(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
     return np.asarray(np.logaddexp(log_odds[:, 0], jumps))
 
 

@@ -280,9 +280,9 @@ def dates_of(names):
     return [date_of(name) for name in names]
 
 
-def contact_free_gravities(wildcards):
-    """Return gravity in the base frames of an arm's contact-free recordings."""
-    return gravities(contact_free(wildcards))
+def drawn_gravities(wildcards):
+    """Return gravity in the base frames of an arm's recordings on which contacts are tried."""
+    return gravities(drawn(wildcards))
 
 
 def payload_of(wildcards):
@@ -304,6 +304,7 @@ def sensor_mounting_of(wildcards):
     return [mounting and [*mounting.position_m], mounting and [*mounting.rotation_deg]]
 
 
+@cache
 def raw_files(name):
     """Return the files that a recording names, or all files below its folder."""
     folder = Path(RECORDINGS[name].folder)
@@ -428,7 +429,7 @@ def imported_modules(path):
 
 def outputs_in(folder):
     """Outputs of every job of the rules so far that lie in a folder of the results."""
-    return [path for path in of_every_job("output") if path.startswith(f"{RESULTS}/{folder}/")]
+    return of_every_job("output", f"{RESULTS}/{folder}/")
 
 
 def parts_of_tables():
@@ -507,8 +508,9 @@ def recordings_of(step):
     return only.get(step, RECORDINGS)
 
 
-def of_every_job(kind):
-    """Return the outputs or logs (`output`, `log`) that a run makes by the rules above.
+def of_every_job(kind, start=""):
+    """Return the outputs or logs (`output`, `log`) that a run makes by the rules above, of which the
+    paths have a start.
 
     What is for a paper is made on demand alone.
     """
@@ -518,7 +520,7 @@ def of_every_job(kind):
         CONSTRAINT.sub(r"{\1}", str(file)): recordings_of(name)
         for name, found in files.items()
         for file in ([found] if isinstance(found, str) else found)
-        if not str(file).startswith(f"{RESULTS}/paper")
+        if str(file).startswith(start) and not str(file).startswith(f"{RESULTS}/paper")
     }
     of = {"{recording}": None, "{robot}": ROBOTS, "{batch}": batches}
     return [

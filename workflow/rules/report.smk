@@ -186,12 +186,13 @@ rule tabulate_recording:
         run_step(rule, input, output, params, log)
 
 
+# Thousands of inputs are given as functions: of a list, Snakemake weighs each path when it parses.
 rule make_tables:
     input:
         **REFERENCE,
         **PARTS,
-        rows=results("rows.json"),
-        accelerations=results("accelerations.json"),
+        rows=lambda wildcards: results("rows.json"),
+        accelerations=lambda wildcards: results("accelerations.json"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),
@@ -318,9 +319,12 @@ rule compare_studies:
         run_step(rule, input, output, params, log)
 
 
+BENCHMARKS = [path for path in of_every_job("log") if path.endswith(".tsv")]
+
+
 rule time_steps:
     input:
-        benchmarks=[path for path in of_every_job("log") if path.endswith(".tsv")],
+        benchmarks=lambda wildcards: BENCHMARKS,
     output:
         **tables(["run_times"]),
     log:
@@ -379,7 +383,7 @@ rule write_run:
 rule describe_run:
     input:
         report=rules.write_report.output[:4],
-        raw=[path for name in RECORDINGS for path in raw_files(name)],
+        raw=lambda wildcards: [path for name in RECORDINGS for path in raw_files(name)],
         files=rules.make_tables.output.files,
         tables=rules.write_report.input.tables,
         figures=rules.write_report.input.figures,

@@ -78,12 +78,13 @@ rule calibrate_imu:
         run_step(rule, input, output, params, log)
 
 
-# The same step, on recordings that no calibration above has seen: it judges, and corrects nothing.
+# The same step, on recordings that no calibration above has seen: it judges, and corrects nothing. Of
+# many, those drawn do: each new one would let all others wait.
 rule calibrate_imu_without_each:
     input:
-        signals=free_results("signals.parquet"),
-        kinematics=free_results("kinematics.parquet"),
-        clocks=free_results("clocks.json"),
+        signals=drawn_results("signals.parquet"),
+        kinematics=drawn_results("kinematics.parquet"),
+        clocks=drawn_results("clocks.json"),
         arm=arm_file,
     output:
         calibration=parameter("imu_without_each.json"),
@@ -94,8 +95,8 @@ rule calibrate_imu_without_each:
     params:
         **SETTINGS.lowpass.accelerations.model_dump(),
         code=code("calibrate_imu"),
-        recordings=contact_free,
-        gravities=contact_free_gravities,
+        recordings=drawn,
+        gravities=drawn_gravities,
     run:
         run_step("calibrate_imu", input, output, params, log)
 

@@ -7,7 +7,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.recordings.stop_signs import CHECKED, stop_signs
 from ur5lib.robots.description import Payload, load_robot
-from ur5lib.tables import column_names, read_table, write_json
+from ur5lib.tables import read_footer, read_table, write_json
 
 
 def find_contradictions(input: Any, output: Any, params: Any) -> None:
@@ -15,6 +15,7 @@ def find_contradictions(input: Any, output: Any, params: Any) -> None:
     signals, arm = Signals.read(input.signals), load_robot(input.arm).mounted(params.gravity)
     load, doubts = carried(declared, signals), disagreements(declared, params.tcp or None, signals)
     del signals
-    table = read_table(input.signals, [*CHECKED.intersection(column_names(input.signals))])
+    known = CHECKED.intersection(read_footer(input.signals).schema.names)
+    table = read_table(input.signals, [*known])
     signs = stop_signs(table, arm, load.configured, load.payload, params.role == "fit")
     write_json(Contradictions(signs, doubts), output.contradictions)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 import pandas as pd
 
-from ur5lib.tables import ByKey, column_names, read_columns, write_table
+from ur5lib.tables import ByKey, read_columns, read_footer, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import period
 
@@ -155,7 +155,9 @@ class Table:
         rows: ascending, those to read; all by default. Raises KeyError where a column that is not
         optional is missing.
         """
-        return cls._of(Source(column_names(path), partial(read_columns, path, rows=rows)))
+        footer = read_footer(path)
+        load = partial(read_columns, path, rows=rows, footer=footer)
+        return cls._of(Source([*footer.schema.names], load))
 
     @classmethod
     def from_table(cls, table: pd.DataFrame) -> Self:

@@ -86,17 +86,18 @@ def bands_held(force: pd.DataFrame) -> Iterator[Sentence]:
 
 def found_without_sensor(results: Results) -> dict[str, int]:
     """Return the number of contacts that F̂ᵐᵃᵖ finds, by contact recording without a sensor."""
-    sensed = {*results.tables["force_mae"]["recording"]}
-    searched = {*results.rows("detection", estimate="Fmap")["recording"]}
+    searched = {*results.rows("detection", estimate="Fmap")["recording"].unique()}
+    without = searched.difference(results.listed("force_mae"))
     contacts = results.rows("contacts", estimate="Fmap", kind="contact")["recording"]
-    names = [name for name in results.with_role("contact") if name in searched - sensed]
+    names = [name for name in results.with_role("contact") if name in without]
     return contacts.value_counts().reindex(names, fill_value=0).to_dict()
 
 
 def felt_while_fitted(results: Results) -> list[str]:
     """Return the recordings of the role fit on which F̂ᵐᵃᵖ finds contacts, by a fit without them."""
     rows = results.rows("contacts", estimate="Fmap", kind="contact")
-    return [name for name in results.with_role("fit") if name in {*rows["recording"]}]
+    found = {*rows["recording"].unique()}
+    return [name for name in results.with_role("fit") if name in found]
 
 
 def counted(results: Results) -> Iterator[Sentence]:

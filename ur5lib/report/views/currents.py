@@ -89,7 +89,8 @@ def in_motion(results: Results, names: Set[str]) -> pd.DataFrame:
     """
     rows = results.tables["current_rmse"]
     rows = rows[rows["recording"].isin(names)]
-    moves = [row.joint in results.moving(row.recording) for row in rows.itertuples()]
+    joints = zip(rows["recording"], rows["joint"], strict=True)
+    moves = [joint in results.moving(recording) for recording, joint in joints]
     rows = rows[np.array(moves, dtype=bool)]
     return rows.assign(zero=rows["rmse_2hz"] / np.sqrt(1 - rows["r2"]))
 

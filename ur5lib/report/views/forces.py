@@ -18,9 +18,9 @@ PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
 
 def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
-    drawn = {*searched(results)["recording"]}
+    drawn = {*searched(results)["recording"].unique()}
     touched = [name for name in results.with_role("contact") if name in drawn]
-    beside = [*results.tables["force_mae"]["recording"], *results.tables["sensed"]["recording"]]
+    beside = [*results.listed("force_mae"), *results.listed("sensed")]
     printed = results.printed("force_mae", "printed_mae")
     return results.shown([*printed, *beside, *touched])
 
@@ -33,13 +33,13 @@ def searched(results: Results) -> pd.DataFrame:
 
 def published(results: Results) -> Iterator[Sentence]:
     """Explain the published estimates, if they are compared."""
-    if {"F", "F*"} & {*results.tables["force_mae"]["estimate"]}:
+    if {"F", "F*"}.intersection(results.listed("force_mae", "estimate")):
         yield say("force.published")
 
 
 def leading(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the leading estimate: the first in the report's order."""
-    available = {*rows["estimate"]}
+    available = {*rows["estimate"].unique()}
     first = next((name for name in [*NEW, *PUBLISHED] if name in available), None)
     return rows[rows["estimate"] == first]
 
