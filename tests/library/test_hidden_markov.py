@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.gate import Chain, filtered, log_odds, posterior
+from ur5lib.force.gate import Chain, log_odds, posterior
 
 SAMPLES, STATES = 6, 3
 CERTAIN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # states in turn
@@ -32,14 +32,6 @@ def enumerated(evidence: np.ndarray, steps: np.ndarray, start: np.ndarray) -> np
 def test_smoothing_is_bayes_rule_over_all_histories(seed: int) -> None:
     given = chain(seed)
     np.testing.assert_allclose(posterior(*given), enumerated(*given), atol=1e-12)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_filtering_is_smoothing_of_what_came_so_far(seed: int) -> None:
-    evidence, *rest = chain(seed)
-    past = filtered(evidence, *rest)
-    for last in range(SAMPLES):
-        np.testing.assert_allclose(past[last], enumerated(evidence[: last + 1], *rest)[-1])
 
 
 def test_a_constant_in_the_evidence_changes_nothing() -> None:

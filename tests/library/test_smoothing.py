@@ -26,6 +26,7 @@ from ur5lib.dynamics.kinematics import (
 from ur5lib.robots.description import Robot
 from ur5lib.signals.end_effector import jacobian_derivative, point_jacobian
 from ur5lib.signals.imu_fusion import (
+    ALL,
     LinearImu,
     add_imu,
     imu_noise,
@@ -585,7 +586,7 @@ def broken_system(ur5: Robot, measured: tuple[np.ndarray, np.ndarray]) -> System
 def test_chunks_make_no_difference(broken_system: System, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = smoothed(broken_system, 600)
     for size in (7, 100, 599):
-        monkeypatch.setattr(kalman, "CHUNK", size)
+        monkeypatch.setattr(kalman, "CHUNK", size * ALL**2)
         for part, expected in zip(smoothed(broken_system, 600), whole, strict=True):
             np.testing.assert_array_equal(part, expected)
 
@@ -593,7 +594,7 @@ def test_chunks_make_no_difference(broken_system: System, monkeypatch: pytest.Mo
 def test_memory_of_the_smoother_does_not_grow(
     broken_system: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kalman, "CHUNK", 100)
+    monkeypatch.setattr(kalman, "CHUNK", 100 * ALL**2)
     peaks = [peak_memory(partial(deque, smooth(broken_system, n), 0)) for n in (300, 1200)]
     assert peaks[1] < 1.1 * peaks[0]
 

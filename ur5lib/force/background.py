@@ -4,87 +4,96 @@ It is an Ornstein-Uhlenbeck process b, and friction that is stronger or weaker i
 those of the fit by one factor for each joint: u = b + diag(f) s.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from scipy.linalg.lapack import dposv
+from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.kalman import Gaussians, rts_pass
-
-
-class Filtered(NamedTuple):
-    """States of a filter before and after each measurement, and the normal equations of s.
-
-    Means are (N, n + 1, n): of the measured torque, and of each joint's friction f in its place.
-    squares: Σ E V⁻¹ Eᵀ (n + 1, n + 1) over the innovations E (n + 1, n), with V their covariance.
-    """
-
-    before: Gaussians
-    after: Gaussians
-    squares: Array
+from ur5lib.timeseries.kalman import Gaussians
 
 
 def smooth(
     measured: Array, noise: Array, spread: Array, decay: Array, friction: Array, scale_std: float
 ) -> Gaussians:
-    """Smooth u = b + diag(f) s by a Kalman filter and Rauch, Tung and Striebel's pass.
+    """Return u = b + diag(f) s at N samples, given all measurements.
 
     b(t) = A b(t - 1) + w, A = diag(decay), cov w = sqrt(1 - A²) Q sqrt(1 - A²); measured = u + v.
     measured: (N, n), NaN rows where nothing was measured; noise: cov v (N, n, n); spread: Q
     (N, n, n), the stationary covariance; decay: (N, n), over the step towards each sample;
-    friction: f (N, n) [Nm]; scale_std: prior standard deviation of each of s. Since the filter is
-    linear, it passes the measurements and each joint's f on their own, and s is the regression of
-    the innovations of the first on those of the others [de Jong 1991].
+    friction: f (N, n) [Nm]; scale_std: prior standard deviation of each of s. Since b is linear in
+    the measurements, it is found for them and for each joint's f on their own, and s is the
+    regression of what it leaves of the first on what it leaves of the others [de Jong 1991].
+
+    The inverse covariance Λ of b at all samples is block tridiagonal, and its Cholesky factor
+    banded: LAPACK solves b = Λ⁻¹ R⁻¹ y of measurements y faster than a loop over samples filters
+    them; R: cov v.
     """
-    before, after, squares = _filter(measured, noise, spread, decay, friction)
-    # s = (E_f V⁻¹ E_fᵀ + 1 / σ²)⁻¹ E_f V⁻¹ e
-    every = np.eye(measured.shape[1])
+    joints = measured.shape[1]
+    every = np.eye(joints)
+    inputs = np.concatenate([measured[:, None], friction[:, None] * every], axis=1)
+    inputs = np.where(finite_rows(measured)[:, None, None], inputs, 0.0).mT  # (N, n, n + 1)
+    # R⁻¹, and 0 where nothing was measured
+    weight = np.where(finite_rows(measured)[:, None, None], np.linalg.inv(noise), 0.0)
+    weighted = weight @ inputs
+    whole, before = _precision(weight, spread, decay)
+    factor = _factor(whole, before)
+    found = cho_solve_banded((factor, True), weighted.reshape(-1, joints + 1))
+    found = found.reshape(inputs.shape)
+    # s = (E_f V⁻¹ E_fᵀ + 1 / σ²)⁻¹ E_f V⁻¹ e, of innovations: Y V⁻¹ Yᵀ = Y R⁻¹ (Y - b)
+    squares = np.tensordot(weighted, inputs - found, axes=((0, 1), (0, 1)))
     doubt = np.linalg.inv(squares[1:, 1:] + every / scale_std**2)
     scale = doubt @ squares[1:, 0]
-    # cov(b(t), b(t - 1)) = A P(t - 1)
-    cross = decay[1:, None, :, None] * after.covariance[:-1]  # (N - 1, 1, n, n)
-    own = rts_pass(cross, before.at(slice(1, None)), after.at(slice(-1)), after.at(-1))
     # u = b(measured) + (f - b(f)) s, and the covariance likewise
-    apart = friction[:, :, None] * every - own.mean[:, 1:].mT  # (N, n, n)
-    return Gaussians(
-        own.mean[:, 0] + apart @ scale, own.covariance[:, 0] + apart @ doubt @ apart.mT
-    )
+    apart = friction[:, :, None] * every - found[:, :, 1:]  # (N, n, n)
+    covariance = _covariance(whole, before, factor)
+    return Gaussians(found[:, :, 0] + apart @ scale, covariance + apart @ doubt @ apart.mT)
 
 
-def _filter(
-    measured: Array, noise: Array, spread: Array, decay: Array, friction: Array
-) -> Filtered:
-    """Pass the measurements, and each joint's friction; arguments as above."""
-    known, joints = finite_rows(measured), measured.shape[1]
-    frictions = friction[:, None] * np.eye(joints)
-    inputs = np.concatenate([measured[:, None], frictions], axis=1)  # (N, n + 1, n)
-    # covariance and means are rows of one state (2 n + 1, n), so that a step is one product
-    given = np.concatenate([np.zeros_like(spread), inputs], axis=1)  # (N, 2 n + 1, n)
-    # prediction: P⁻ = A P A + cov w, cov w = sqrt(1 - A²) Q sqrt(1 - A²);  b⁻ = A b
+def _precision(weight: Array, spread: Array, decay: Array) -> tuple[Array, Array]:
+    """Return the blocks Λ(t, t) and Λ(t, t - 1) (N, n, n) of b's inverse covariance; weight: R⁻¹.
+
+    The first of the latter is meaningless.
+    """
+    # V = (cov w)⁻¹;  Λ(t, t) = V(t) + A(t + 1) V(t + 1) A(t + 1) + R⁻¹(t), Λ(t, t - 1) = -V(t) A(t)
     renewal = np.sqrt(1 - decay**2)
-    decays = np.repeat(decay[:, None], joints + 1, axis=1)
-    kept = np.concatenate([decay[:, :, None] * decay[:, None, :], decays], axis=1)
-    renewed = np.zeros_like(given)
-    renewed[:, :joints] = renewal[:, :, None] * spread * renewal[:, None, :]
-    kept[0], renewed[0, :joints] = 0.0, spread[0]
-    before, after = np.empty_like(given), np.empty_like(given)
-    state, squares = np.zeros(given.shape[1:]), np.zeros((joints + 1, joints + 1))
-    for t in range(len(measured)):
-        state = before[t] = kept[t] * state + renewed[t]
-        # correction: V = P⁻ + cov v, E = measured - b⁻, b = b⁻ + E V⁻¹ P⁻, P = P⁻ - P⁻ V⁻¹ P⁻
-        if known[t]:
-            lead = state - given[t]  # P⁻ and -E
-            # dposv takes a quarter of the time of np.linalg.solve
-            _, solved, _ = dposv(lead[:joints] + noise[t], lead.T)  # V⁻¹ P⁻ and -V⁻¹ Eᵀ
-            squares += lead[joints:] @ solved[:, joints:]
-            state = state - lead @ solved[:, :joints]
-        after[t] = state
-    return Filtered(_gaussians(before), _gaussians(after), squares)
+    renewal[0] = 1.0
+    own = np.linalg.inv(renewal[:, :, None] * spread * renewal[:, None, :])
+    before = -own * decay[:, None, :]
+    whole = weight + own
+    whole[:-1] -= decay[1:, :, None] * before[1:]
+    return whole, before
 
 
-def _gaussians(state: Array) -> Gaussians:
-    """Return means (N, n + 1, n) and covariances (N, 1, n, n) of states (N, 2 n + 1, n)."""
-    joints = state.shape[2]
-    return Gaussians(state[:, joints:], state[:, None, :joints])
+def _covariance(whole: Array, before: Array, factor: Array) -> Array:
+    """Return the covariances (N, n, n) of b at each sample; factor: by `_factor`.
+
+    Its inverse is the sum of what the past tells, and the future, less Λ(t, t), which both contain.
+    """
+    # from the last sample to the first, the past is the future
+    following = np.roll(before.mT, -1, axis=0)
+    reverse = _factor(whole[::-1, ::-1, ::-1], following[::-1, ::-1, ::-1])
+    past, future = (_squares(each, whole.shape[1]) for each in (factor, reverse))
+    return np.asarray(np.linalg.inv(past + future[::-1, ::-1, ::-1] - whole), np.float64)
+
+
+def _factor(whole: Array, before: Array) -> Array:
+    """Return the lower bands (2 n, N n) of a block tridiagonal matrix's Cholesky factor."""
+    count, joints, _ = whole.shape
+    bands = np.zeros((2 * joints, count, joints))
+    row, column = np.tril_indices(joints)
+    bands[row - column, :, column] = whole[:, row, column].T
+    row, column = np.indices((joints, joints)).reshape(2, -1)
+    bands[joints + row - column, :-1, column] = before[1:, row, column].T
+    return np.asarray(cholesky_banded(bands.reshape(2 * joints, -1), True, lower=True))
+
+
+def _squares(factor: Array, joints: int) -> Array:
+    """Return L(t, t) L(t, t)ᵀ (N, n, n) of a factor's diagonal blocks.
+
+    It is the inverse covariance of b at a sample, given the samples up to it.
+    """
+    bands = factor.reshape(len(factor), -1, joints)
+    lower = np.zeros((bands.shape[1], joints, joints))
+    row, column = np.tril_indices(joints)
+    lower[:, row, column] = bands[row - column, :, column].T
+    return lower @ lower.mT

@@ -6,7 +6,7 @@ slow part of a free arm's torque, is smoothed without the contacts. Smoothing th
 computing the probabilities of the states alternate.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,25 +30,27 @@ def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
     from one state (row) to another (column) by the next sample; start: (K,), before the first.
     Forward-backward recursion, scaled at each sample [Rabiner 1989].
     """
-    likelihood, backward = _scaled(evidence), np.ones_like(evidence)
-    for t in range(len(evidence) - 2, -1, -1):
-        # β_t(i) = Σ_j a_ij p(x_t+1 | j) β_t+1(j)
-        after = np.maximum(transitions @ (likelihood[t + 1] * backward[t + 1]), LEAST)
-        backward[t] = after / after.max()
-    weight = np.maximum(filtered(evidence, transitions, start) * backward, LEAST)
+    likelihood = _scaled(evidence)
+    # both directions at once, the second from the last sample to the first
+    both = np.stack([likelihood, likelihood[::-1]], axis=1)
+    steps, starts = np.stack([transitions.T, transitions]), np.stack([start, np.ones_like(start)])
+    forward, backward = _predicted(both, steps, starts).swapaxes(0, 1)
+    weight = np.maximum(forward * likelihood * backward[::-1], LEAST)
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
 
-def filtered(evidence: Array, transitions: Array, start: Array) -> Array:
-    """Return the probability (N, K) of each state given past samples; arguments as above."""
-    likelihood, forward = _scaled(evidence), np.empty_like(evidence)
-    before = start
-    for t in range(len(evidence)):
-        # α_t(j) = p(x_t | j) Σ_i α_t-1(i) a_ij
-        now = np.maximum(likelihood[t] * before, LEAST)
-        forward[t] = now / now.sum()
-        before = forward[t] @ transitions
-    return forward
+def _predicted(likelihood: Array, steps: Array, start: Array) -> Array:
+    """Return the weight (N, ..., K) of each state before each sample, from a start (..., K).
+
+    likelihood: (N, ..., K); steps: (..., K, K), from a state (column) to the next (row).
+    """
+    predicted = np.empty_like(likelihood)
+    for t, seen in enumerate(likelihood):
+        predicted[t] = start
+        # α_t+1(j) = Σ_i a_ij p(x_t | i) α_t(i); backwards, β_t-1(i) = Σ_j a_ij p(x_t | j) β_t(j)
+        following = np.matvec(steps, seen * start) / np.vecdot(seen, start)[..., None]
+        start = np.maximum(following, LEAST)
+    return predicted
 
 
 def log_odds(probability: Array) -> Array:
@@ -159,6 +161,12 @@ class Observations:
             for share in (0.0, *self.prior.hunting)
         ]
 
+    def contact_covariances(self) -> Iterator[Array]:
+        """Yield the covariances Jᵀ P J (N, n, n) of the torque of each kind of contact."""
+        by_force, by_moment = (half.mT @ half for half in np.split(self.jacobian, 2, axis=1))
+        for contact in self.prior.bank():  # isotropic, both in force and moment
+            yield contact[0, 0] * by_force + contact[-1, -1] * by_moment
+
 
 def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
     """Estimate when a stretch without a gap is in contact.
@@ -171,15 +179,14 @@ def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
     free = seen.free_covariances()
     chain = Chain.of(len(free), len(prior.bank()), period, prior)
     slow = held = Gaussians(np.zeros_like(filled), noise.spread)
-    for share in ROUNDS:
+    for left, share in zip(reversed(range(len(ROUNDS))), ROUNDS, strict=True):
         # log p(τ | state), and 0 where τ is unknown
         without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
         # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
         residual = filled - slow.mean
         besides = noise.quick + noise.hidden + share * slow.covariance
         during = [
-            log_density(residual, besides + seen.jacobian.mT @ contact @ seen.jacobian)
-            for contact in prior.bank()
+            log_density(residual, besides + contact) for contact in seen.contact_covariances()
         ]
         evidence = np.stack([*without, *during], axis=1)  # (N, S)
         evidence *= seen.worth * known[:, None]
@@ -195,9 +202,9 @@ def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
         given = seen.torque, measured, noise.spread
         scaled = -seen.gears.friction, prior.friction_std
         slow = smooth(*given, np.exp(-period * (rate + renewed)), *scaled)
-        # without a push it stays: the background of the free states
+        # without a push it stays: the background of the free states, of which the next round asks
         held = slow
-        if noise.still.any():
+        if left and noise.still.any():
             held = smooth(*given, np.exp(-period * rate), *scaled)
     return Gate(contact, slow)
 
@@ -249,9 +256,15 @@ def diagonal(variance: Array) -> Array:
 def log_density(x: Array, covariance: Array) -> Array:
     """Return the log-density (N,) of a normal distribution around zero, up to a constant.
 
-    -½ xᵀ C⁻¹ x - ½ log |C| = -½ |L⁻¹ x|² - Σ log L_ii, with C = L Lᵀ.
+    p(x) = p(x_1) p(x_2 | x_1) ..., of all samples at once: one variable after the other is
+    eliminated. x: (N, n), or (n,) of all; covariance: (N, n, n).
     """
-    factor = np.linalg.cholesky(covariance)
-    whitened = np.linalg.solve(factor, x[..., None])[..., 0]
-    roots = np.diagonal(factor, axis1=1, axis2=2)
-    return np.asarray(-0.5 * (whitened**2).sum(axis=1) - np.log(roots).sum(axis=1))
+    left = np.broadcast_to(x, covariance.shape[:-1]).T.copy()  # (n, N)
+    within = np.moveaxis(covariance, 0, -1).copy()  # (n, n, N)
+    density = np.zeros(len(covariance))
+    for k, variance in enumerate(np.einsum("iin->in", within)):
+        density -= (left[k] ** 2 / variance + np.log(variance)) / 2
+        share = within[k + 1 :, k] / variance
+        left[k + 1 :] -= share * left[k]
+        within[k + 1 :, k + 1 :] -= share[:, None] * within[k, k + 1 :]
+    return density

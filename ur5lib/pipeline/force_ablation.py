@@ -17,13 +17,12 @@ from ur5lib.timeseries.segments import marked
 def variants(
     problem: Problem, jacobian: Array, prior: ContactPrior, reference: Array
 ) -> dict[str, tuple[Array, Array]]:
-    """Return wrench and standard deviation of F̂ᵐᵃᵖ, complete and with one part replaced or omitted.
+    """Return wrench and standard deviation of F̂ᵐᵃᵖ with one part replaced or omitted.
 
     jacobian: (M, 6, 6), at the problem's `rows`; reference: the sensor's force (N, 3) [N].
     """
     touched = marked(contacts(np.linalg.norm(reference, axis=1)), len(reference))
     settings = {
-        "whole": (prior, Ablation()),
         "contacts by the sensor": (prior, Ablation(contacts=touched)),
         "no background": (prior, Ablation(background=False)),
         "usual contact": (prior, Ablation(learning=False)),

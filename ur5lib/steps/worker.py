@@ -5,6 +5,7 @@ batch of recordings are one job here.
 """
 
 import contextlib
+import gc
 import multiprocessing
 import signal
 import sys
@@ -27,6 +28,7 @@ def serve(connection: Connection) -> None:
             for step in job.steps():
                 with contextlib.suppress(Exception):  # the job reports the error
                     load_step(step)
+            gc.freeze()  # a job that collected garbage would copy the packages' memory
             now = time.process_time()
             connection.send(run_in_fork(job, now - before, connection))
             before = now

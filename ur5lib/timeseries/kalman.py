@@ -53,7 +53,7 @@ def rts_pass(cross: Array, prior: Gaussians, posterior: Gaussians, end: Gaussian
     return Gaussians(mean, covariance)
 
 
-CHUNK = 2048  # samples
+CHUNK = 1 << 20  # numbers in the matrices F of a chunk: 4,854 samples of six joints
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
     filtered again, which saves memory. Raises numpy.linalg.LinAlgError if a state has no
     uncertainty.
     """
-    parts = chunks(count, CHUNK)
+    parts = chunks(count, max(1, CHUNK // system(slice(1)).F.size))
     before: list[Gaussians | None] = [None]
     for rows in parts[:-1]:
         before.append(_filter(system(rows), before[-1])[1].at(-1).copy())

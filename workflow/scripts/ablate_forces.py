@@ -23,7 +23,8 @@ def ablate_forces(input: Any, output: Any, params: Any) -> None:
         prior = ContactPrior(force=params.contact_force_n)
         fmap = direct_problems(motion, currents, read_record(Residuals, input.residuals))["Fmap"]
         jacobian = Kinematics.read(input.kinematics, fmap.rows).jacobian
-        estimates = variants(fmap, jacobian, prior, reference)
+        estimates = {"whole": (forces.wrench["Fmap"], forces.std["Fmap"])}
+        estimates |= variants(fmap, jacobian, prior, reference)
         for name in ("least_squares", "repeat"):
             if name in forces.wrench:
                 estimates[name] = forces.wrench[name], forces.std[name]
