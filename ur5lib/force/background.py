@@ -30,10 +30,11 @@ def smooth(
     """
     joints = measured.shape[1]
     every = np.eye(joints)
-    inputs = np.concatenate([measured[:, None], friction[:, None] * every], axis=1)
-    inputs = np.where(finite_rows(measured)[:, None, None], inputs, 0.0).mT  # (N, n, n + 1)
+    known = finite_rows(measured)[:, None, None]
+    inputs = np.concatenate([measured[:, :, None], friction[:, :, None] * every], axis=2)
+    inputs = np.where(known, inputs, 0.0)  # (N, n, n + 1)
     # R⁻¹, and 0 where nothing was measured
-    weight = np.where(finite_rows(measured)[:, None, None], np.linalg.inv(noise), 0.0)
+    weight = np.where(known, np.linalg.inv(noise), 0.0)
     weighted = weight @ inputs
     whole, before = _precision(weight, spread, decay)
     factor = _factor(whole, before)

@@ -84,7 +84,8 @@ def noise_of_one(residual: Array, block: Labels, expected: float = np.nan) -> fl
     """
     found, count = float(np.sum(np.bincount(block, residual) ** 2)), float(len(residual))
     if np.isfinite(expected):
-        further = USUAL * count / max(1, len(np.unique(block)))
+        blocks = int(np.count_nonzero(np.bincount(block)))
+        further = USUAL * count / max(1, blocks)
         found, count = found + further * expected, count + further
     return found / count
 

@@ -6,7 +6,7 @@ comparable; fast changes of the measured current are noise.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -103,17 +103,10 @@ class Samples:
     day: Labels
     unit: Labels
 
-    @cached_property
-    def _places(self) -> dict[Term, list[int]]:
-        places, start = {}, 2
-        for term in self.terms:
-            places[term] = list(range(start, start + len(term.names())))
-            start += len(term.names())
-        return places
-
     def design(self, terms: Sequence[Term]) -> Array:
         """Return the columns (n, P) of the torque, an offset, and these terms."""
-        return self.columns[:, [0, 1, *(place for term in terms for place in self._places[term])]]
+        places = _places(self.terms)
+        return self.columns[:, [0, 1, *(place for term in terms for place in places[term])]]
 
     @cached_property
     def stop(self) -> Labels:
@@ -125,6 +118,16 @@ class Samples:
         """Return the samples in a mask."""
         names = ("columns", "held", "current", "moving", "block", "record", "path", "day", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+
+@cache
+def _places(terms: tuple[Term, ...]) -> dict[Term, list[int]]:
+    """Return the columns of each of a joint's terms."""
+    places, start = {}, 2
+    for term in terms:
+        places[term] = list(range(start, start + len(term.names())))
+        start += len(term.names())
+    return places
 
 
 def joint_samples(
