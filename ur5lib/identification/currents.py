@@ -3,7 +3,7 @@
 The current is predicted from it for motion without contact, with its band.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +11,8 @@ import numpy as np
 from ur5lib.errors import Remark
 from ur5lib.identification.estimation import Estimate, physical
 from ur5lib.identification.regression import half_width
-from ur5lib.identification.samples import FEW, Record, Smooth, design, smoothed_moving
-from ur5lib.robots.friction import Term
+from ur5lib.identification.samples import FEW, Record, Smooth, columns_of, smoothed_moving
+from ur5lib.robots.friction import JointMotion, Term
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -125,9 +125,21 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 
 def predict(fit: CurrentFit, record: Record) -> Array:
     """Predict the current (N, 6) [A] of a motion without contact; ignores the record's current."""
+    return predicted(fit, motions(fit, record))
+
+
+def motions(fit: CurrentFit, record: Record) -> Iterator[JointMotion]:
+    """Yield the motion of each joint; of the fit, only how friction reverses matters."""
+    for joint, model in enumerate(fit.joints):
+        yield record.joint(joint, model.presliding)
+
+
+def predicted(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
+    """Predict the currents (N, n) [A] of n joints' motion without contact."""
     currents = [
         columns @ model.estimate.coefficients + model.held * held
-        for model, columns, held in _designs(fit, record)
+        for model, motion in zip(fit.joints, joints, strict=True)
+        for columns, held in [columns_of(motion, model.terms)]
     ]
     return np.stack(currents, axis=1)
 
@@ -135,16 +147,10 @@ def predict(fit: CurrentFit, record: Record) -> Array:
 def friction_current(fit: CurrentFit, record: Record) -> Array:
     """Return the part (N, 6) [A] of the predicted current that friction takes in motion."""
     currents = [
-        columns[:, 2:] @ model.estimate.coefficients[2:]
-        for model, columns, _ in _designs(fit, record)
+        columns_of(motion, model.terms)[0][:, 2:] @ model.estimate.coefficients[2:]
+        for model, motion in zip(fit.joints, motions(fit, record), strict=True)
     ]
     return np.stack(currents, axis=1)
-
-
-def _designs(fit: CurrentFit, record: Record) -> Iterator[tuple[JointFit, Array, Array]]:
-    """Yield each joint's fit and its `design` of a motion."""
-    for joint, model in enumerate(fit.joints):
-        yield model, *design(record, joint, model.terms, model.presliding)
 
 
 def load_loss(fit: CurrentFit, record: Record) -> Array:
@@ -172,8 +178,9 @@ def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
 def _coefficients_doubt(fit: CurrentFit, record: Record) -> Array:
     """Return the standard deviation (N, 6) [A] of a prediction by the coefficients' doubt."""
     doubts = np.zeros_like(record.q)
-    for joint, (model, columns, _) in enumerate(_designs(fit, record)):
+    for joint, (model, motion) in enumerate(zip(fit.joints, motions(fit, record), strict=True)):
         if model.doubt is not None:
+            columns, _ = columns_of(motion, model.terms)
             doubts[:, joint] = np.sqrt(((columns @ model.doubt) * columns).sum(axis=1))
     return doubts
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from ur5lib.identification.currents import CurrentFit, predict, torque_constants
+from ur5lib.identification.currents import CurrentFit, motions, predicted, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
 from ur5lib.identification.samples import STEP, Record, Smooth, blocks, smoothed_moving
 from ur5lib.robots.friction import GEARS
@@ -164,10 +164,13 @@ def estimate_payload(
     columns = (explained / scale[:, None])[rows]
     axes, told = _axes(columns)
     along = columns @ told
+    unloaded = [*motions(fit, record)]
 
     def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
-        carried = replace(record, torque=record.torque + regressor @ start)
-        unexplained = smooth(record.current - predict(drawn, carried), record)[::every]
+        torques = (record.torque + regressor @ start).T
+        pairs = zip(unloaded, torques, strict=True)
+        loaded = (replace(motion, torque=torque) for motion, torque in pairs)
+        unexplained = smooth(record.current - predicted(drawn, loaded), record)[::every]
         torque = (unexplained * torque_constants(drawn) / scale)[rows] + columns @ start
         found = _solution(along, torque, block, count, axes @ known)
         return np.asarray(axes.T @ found)

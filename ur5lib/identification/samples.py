@@ -191,10 +191,14 @@ def path_of(q: Array, qd: Array, period: float) -> PathStates:
 def design(
     record: Record, joint: int, terms: Sequence[Term], presliding: float
 ) -> tuple[Array, Array]:
-    """Return the columns (N, P) of the torque of joint 0 to 5, an offset and terms, and the
-    direction (N,) of the friction that holds the joint at rest.
+    """Return `columns_of` joint 0 to 5 of a recording."""
+    return columns_of(record.joint(joint, presliding), terms)
+
+
+def columns_of(motion: JointMotion, terms: Sequence[Term]) -> tuple[Array, Array]:
+    """Return the columns (N, P) of a joint's torque, an offset and terms, and the direction (N,) of
+    the friction that holds the joint at rest.
     """
-    motion = record.joint(joint, presliding)
     ones = np.ones_like(motion.torque)
     columns = np.column_stack([motion.torque, ones, *(term.columns(motion) for term in terms)])
     return columns, motion.direction * resting(motion.qd)
