@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.gate import Chain, log_odds, posterior
+from ur5lib.force.gate import Chain, log_density, log_odds, posterior
 
 SAMPLES, STATES = 6, 3
 CERTAIN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # states in turn
@@ -54,6 +55,16 @@ def test_ten_thousand_certain_samples_neither_overflow_nor_underflow() -> None:
     probability = posterior(evidence, steps, np.array([0.5, 0.5]))
     np.testing.assert_allclose(probability[:, 1], np.arange(10000) >= 5000, atol=1e-9)
     assert np.isfinite(log_odds(probability[:, 1])).all()
+
+
+def test_the_density_is_that_of_the_normal_distribution() -> None:
+    random = np.random.default_rng(2)
+    x, root = random.normal(size=(20, 6)), random.normal(size=(20, 6, 6))
+    covariance = root @ root.mT + 1e-3 * np.eye(6)
+    pairs = zip(x, covariance, strict=True)
+    expected = [multivariate_normal(cov=own).logpdf(row) for row, own in pairs]
+    found = log_density(x, covariance) - 3 * np.log(2 * np.pi)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
 def test_log_odds_are_those_of_the_probability() -> None:
