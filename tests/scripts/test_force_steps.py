@@ -33,6 +33,7 @@ from ur5lib.pipeline.records.friction import Friction, KnownConstants
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.residual_fit import usual_residuals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path
 from ur5lib.tables import read_json, read_record, read_table, write_json
@@ -41,6 +42,7 @@ from ur5lib.timeseries.arrays import Array
 PERIOD = 0.016
 BARE = JudgedLoad(0.0, 0.05, (0.0, 0.0), False, 0.0, 0.0, False, np.zeros(3), np.zeros(3))
 LOADED = replace(BARE, mass=2.7, carried=2.7)
+SENSED = KnownConstants(np.ones(6), np.zeros(6))
 SUMMARIES = {"load", "residuals", "threshold", "detection", "friction", "contradictions"}
 SETTINGS = SimpleNamespace(recording="own", cutoff_hz=2.0, contact_force_n=15.0, tries=False)
 
@@ -398,7 +400,7 @@ def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction, tmp_pa
 
 def test_sensed_torques_have_no_usual_error(ur5: Robot, friction: Friction, tmp_path: Path) -> None:
     runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2)]
-    sensed = replace(friction, known_constants=KnownConstants(np.ones(6), np.zeros(6)))
+    sensed = replace(friction, known_constants=SENSED)
     one, five = (torque_model(fit_residuals(tmp_path, sensed, n, *runs)) for n in (1, 5))
     assert one.doubt == pytest.approx(few_paths(1) / few_paths(5))
     np.testing.assert_allclose(one.spread, five.spread)
@@ -430,14 +432,21 @@ def test_recordings_of_several_rates_leave_the_same(
             np.testing.assert_allclose(own, reference, rtol=0.03)
 
 
-def test_a_joint_that_never_moves_is_refused(
+def test_of_a_joint_that_never_moves_other_arms_tell(
     ur5: Robot, friction: Friction, tmp_path: Path
 ) -> None:
     run = free_run(ur5, 4, period=PERIOD)
-    qd = run.qd * [1, 1, 1, 1, 1, 0]
-    found = fit_residuals(tmp_path, friction, 5, Free(**vars(run) | {"qd": qd}))
-    assert found.refused == remark("still joints", joints=[6])
-    assert found.tau_ext is None
+    still = Free(**vars(run) | {"qd": run.qd * [1, 1, 1, 1, 1, 0]})
+    reason = remark("still joints", joints=[6])
+    found = fit_residuals(tmp_path, friction, 5, still)
+    assert found.remarks == (reason,)
+    np.testing.assert_array_equal(
+        torque_model(found).spread, torque_model(usual_residuals(friction.fit, 2.0)).spread
+    )
+    # of a sensed torque, they do not
+    refused = fit_residuals(tmp_path, replace(friction, known_constants=SENSED), 5, still)
+    assert refused.refused == reason
+    assert refused.tau_ext is None
 
 
 def test_without_a_fit_there_are_no_residuals(tmp_path: Path) -> None:

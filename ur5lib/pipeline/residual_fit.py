@@ -63,7 +63,7 @@ def residual_models(
     """Return the residual model of each external torque, or the reason why there is none.
 
     recordings: those to fit, without contact, predicted by fits without their own path;
-    cutoff: of the torques [Hz].
+    cutoff: of the torques [Hz]. Where they show too little, the errors are those of other arms.
     """
     if friction.explained is not None:
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
@@ -74,8 +74,10 @@ def residual_models(
         try:
             runs = inputs(recordings, field, states_of)
             models[name] = _residual_model(runs, friction, cutoff)
-        except RefusalError as refusal:  # too little without contact: then no force is estimated
+        except RefusalError as refusal:
             refused = refusal.remark
+    if refused and "tau_ext" not in models and not friction.senses_torque():
+        return replace(usual_residuals(friction.fit, cutoff), remarks=(refused,))
     remarks = () if refused else tuple(_remarks(friction.paths, recordings))
     return Residuals(**models, refused=refused, remarks=remarks)
 
