@@ -4,7 +4,7 @@ A payload adds a torque that is linear in its mass and first moments. Friction g
 torque, too, so both are estimated alternately. The run-to-run error is that of unloaded runs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.special import ndtri, stdtrit
 from ur5lib.identification.currents import CurrentFit, motions, predicted, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
 from ur5lib.identification.samples import STEP, Record, Smooth, blocks, smoothed_moving
-from ur5lib.robots.friction import GEARS
+from ur5lib.robots.friction import GEARS, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
 
 ROUNDS = 5
@@ -167,13 +167,10 @@ def estimate_payload(
     unloaded = [*motions(fit, record)]
 
     def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
-        torques = (record.torque + regressor @ start).T
-        pairs = zip(unloaded, torques, strict=True)
-        loaded = (replace(motion, torque=torque) for motion, torque in pairs)
+        loaded = _under(unloaded, record.torque + regressor @ start)
         unexplained = smooth(record.current - predicted(drawn, loaded), record)[::every]
         torque = (unexplained * torque_constants(drawn) / scale)[rows] + columns @ start
-        found = _solution(along, torque, block, count, axes @ known)
-        return np.asarray(axes.T @ found)
+        return np.asarray(axes.T @ _solution(along, torque, block, count, axes @ known))
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
     nothing = np.zeros(regressor.shape[2])
@@ -197,6 +194,12 @@ def estimate_payload(
         for part in np.array_split(np.unique(block), PARTS)
     ]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
+
+
+def _under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion]:
+    """Yield the joints' motions under another torque (N, n) [Nm]."""
+    for motion, own in zip(joints, torque.T, strict=True):
+        yield replace(motion, torque=own)
 
 
 def _axes(columns: Array) -> tuple[Array, Array]:
