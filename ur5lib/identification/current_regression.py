@@ -50,9 +50,10 @@ from ur5lib.identification.unlike_others import unlike_others, without_others
 from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-CONFLICT = 3.0  # prior standard deviations
-# A torque constant contradicts the known one beyond both. In right recordings of two arms, it is
-# up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
+# A torque constant is doubted, or contradicts the known one, where it is off by more than both:
+# prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6 standard
+# deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
+DOUBTED, DOUBTED_RATIO = 3.0, 1.5
 DEVIATIONS, RATIO = 5.0, 1.75
 FOLDS = 10  # of cross-fitting, at most
 NONE = np.empty(0), np.empty(0, np.int64)  # residuals of no recording, and their labels
@@ -266,7 +267,8 @@ def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[R
     if moved < FEW:
         code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
         remarks.append(remark(code, paths=moved))
-    away = abs(estimate.coefficients[0] - prior.inverse) / prior.std
-    if away > CONFLICT:
-        remarks.append(remark("unlikely constant", deviations=float(away)))
+    inverse, known = float(estimate.coefficients[0]), prior.inverse
+    away = abs(inverse - known) / prior.std
+    if away > DOUBTED and not known / DOUBTED_RATIO < inverse < known * DOUBTED_RATIO:
+        remarks.append(remark("unlikely constant", deviations=away))
     return tuple(remarks)

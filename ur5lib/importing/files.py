@@ -29,10 +29,6 @@ class Imported:
         """Return the arm that it is of."""
         return str(self.entry["robot"])
 
-    def is_ambiguous(self) -> bool:
-        """Return whether the entry leaves out what the file does not prove."""
-        return any(line.startswith("# ambiguous") for line in self.comments)
-
 
 class ImportedFiles(list[Imported]):
     """The files that were imported; refused: the reasons why the others were not."""
@@ -50,15 +46,17 @@ def import_files(
     InputError, with all reasons, where no file can be read, is unambiguous, and agrees with its
     entry.
     """
-    files, proposed, refused = list[Contents](), dict[Path, Imported](), dict[Path, str]()
+    files, refused = list[Contents](), dict[Path, str]()
+    proposed, whole = dict[Path, Imported](), dict[Path, Imported]()  # whole: nothing is ambiguous
     for path in paths:
         try:
             files.append(contents(path))
             proposal = propose(files[-1], arms, trusted)
             proposed[path] = Imported(entry(proposal), proposal.evidence.lines())
+            if not proposal.evidence.ambiguous:
+                whole[path] = proposed[path]
         except InputError as error:
             refused[path] = str(error)
-    whole = {path: one for path, one in proposed.items() if not one.is_ambiguous()}
     for file in (file for file in files if file.path not in whole):
         own = proposed.get(file.path)
         same = {path: one for path, one in whole.items() if own and one.arm == own.arm}
