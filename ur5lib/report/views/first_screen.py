@@ -229,12 +229,12 @@ def _each(template: str, rows: pd.DataFrame) -> Iterator[Sentence]:
 
 
 def left_out(results: Results) -> list[Sentence]:
-    """Return the results that this study's data do not allow, with the reasons."""
+    """Return results that the study's data do not allow or leave in doubt, with the reasons."""
     return [*results.left_out, *left_out_fits(results), *_not_compared(results)]
 
 
 def left_out_fits(results: Results) -> list[Sentence]:
-    """Return the fits that were not possible, with the reasons."""
+    """Return the fits that were not possible or are in doubt, with the reasons."""
     remarks = results.tables["remarks"]
     rows = remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples()
     return [say("findings.left out fit", row=row) for row in rows]
