@@ -25,10 +25,11 @@ def time_steps(input: Any, output: Any, params: Any) -> None:
 def job(benchmark: str) -> tuple[str, float, float, float, float, float]:
     """Return one job: its step, its columns of SUMS, largest memory [MB] and when it ended [s]."""
     with open(benchmark) as file:
-        wall, largest, start_up, used = map(float, file.read().splitlines()[1].split("\t"))
+        names, values = (line.split("\t") for line in file.read().splitlines())
         end = os.fstat(file.fileno()).st_mtime
+    of = dict(zip(names, map(float, values), strict=True))
     step = benchmark.partition("/benchmarks/")[2].split("/")[0].removesuffix(".tsv")
-    return step, wall, start_up, used, largest, end
+    return step, of["s"], of["start_up_time"], of["cpu_time"], of["max_rss"], end
 
 
 def written(end: float) -> str:
