@@ -135,11 +135,12 @@ def damaged(job: Job) -> None:
 def test_a_step_runs_again_if_what_it_depends_on_has_changed(
     job: Job, change: Callable[[Job], None], again: bool
 ) -> None:
-    assert run_if_changed(job, copy)
-    assert not run_if_changed(job, copy)
+    ran, written = run_if_changed(job, copy)
+    assert ran
+    assert run_if_changed(job, copy) == (False, written)
     change(job)
-    assert run_if_changed(job, copy) == again
-    assert not run_if_changed(job, copy)
+    assert run_if_changed(job, copy)[0] == again
+    assert not run_if_changed(job, copy)[0]
 
 
 def failing(job: Job) -> None:
@@ -152,7 +153,7 @@ def test_a_step_that_failed_runs_again(job: Job) -> None:
     with pytest.raises(RuntimeError):
         run_if_changed(job, failing)
     job.params["code"] = "1"
-    assert run_if_changed(job, copy)
+    assert run_if_changed(job, copy)[0]
 
 
 def test_a_step_whose_files_were_deleted_is_restored_if_nothing_else_changed(job: Job) -> None:

@@ -1,5 +1,6 @@
 """One job of a step, with its log, its benchmark and a sentence on its error."""
 
+import gc
 import importlib.util
 import os
 import resource
@@ -7,6 +8,7 @@ import sys
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -44,8 +46,8 @@ class Job:
     """A step, the files that it reads and writes, and its settings.
 
     log: file of its output, and of the traceback of an unexpected error; benchmark: file of its
-    wall time [s], largest memory [MB], start-up time [s], in which Python and packages were loaded
-    for it, and processor time [s], which includes start-up.
+    wall time [s], largest memory [MB], start-up time [s], in which it loaded packages that its
+    process had not loaded yet, and processor time [s], which includes start-up.
     """
 
     step: str
@@ -59,29 +61,27 @@ class Job:
         """Return this job."""
         return self
 
-    def steps(self) -> set[str]:
-        """Return its step alone."""
-        return {self.step}
-
-    def run(self, start_up: float = 0.0) -> str:
+    def run(self) -> str:
         """Run the step in this process; return its error as one sentence, empty on success.
 
         From now on, all output of the process goes to the log, also that of libraries.
-        start_up: processor time [s] that was spent on loading packages for this job.
         """
         Path(self.log).parent.mkdir(parents=True, exist_ok=True)
         with open(self.log, "w", encoding="utf-8") as log:
             os.dup2(log.fileno(), sys.stdout.fileno())
             os.dup2(log.fileno(), sys.stderr.fileno())
+        forget_largest_memory()
         began, before = time.perf_counter(), time.process_time()
-        error = self._error()
-        if error:
+        with suppress(Exception):  # the step reports the error
+            load_step(self.step)
+        loaded = time.process_time()
+        if error := self._error():
             print(error)
         sys.stdout.flush()
         took, used = time.perf_counter() - began, time.process_time() - before
         largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         Path(self.benchmark).parent.mkdir(parents=True, exist_ok=True)
-        Path(self.benchmark).write_text(BENCHMARK.format(took, largest, start_up, start_up + used))
+        Path(self.benchmark).write_text(BENCHMARK.format(took, largest, loaded - before, used))
         return error
 
     def _error(self) -> str:
@@ -96,6 +96,12 @@ class Job:
         return ""
 
 
+def forget_largest_memory() -> None:
+    """Let the system measure the largest memory of this process anew, where it can (Linux)."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
 @cache
 def load_step(name: str) -> Step:
     """Return the function of a step from its script."""
@@ -104,5 +110,7 @@ def load_step(name: str) -> Step:
     assert spec.loader is not None
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
+    gc.collect()
+    gc.freeze()  # no later collection looks at what the packages keep
     step: Step = getattr(script, name)
     return step

@@ -16,16 +16,19 @@ from ur5lib.steps.job import Job
 Seen = tuple[int, int, str]  # when a file was changed [ns], its size [B] and its checksum
 
 
-def run_if_changed(job: Job, run: Callable[[Job], None]) -> bool:
-    """Run a step unless its files are those of its last run; return whether it ran."""
-    if known(job) is not None:
-        return False
+def run_if_changed(job: Job, run: Callable[[Job], None]) -> tuple[bool, list[str]]:
+    """Run a step unless its files are those of its last run.
+
+    Return whether it ran, and the checksums of what it wrote, now or then.
+    """
+    if (checksums := known(job)) is not None:
+        return False, checksums
     record(job).unlink(missing_ok=True)
     read = {path: seen(path) for path in paths(job.input)}
     run(job)
     written = {path: seen(path) for path in paths(job.output)}
     write_whole(json.dumps([declaration(job), read, written]), record(job))
-    return True
+    return True, [checksum for _, _, checksum in written.values()]
 
 
 def run_or_restore(job: Job, run: Callable[[Job], None]) -> None:
@@ -40,7 +43,8 @@ def run_or_restore(job: Job, run: Callable[[Job], None]) -> None:
     for path, copy in kept.items():
         if copy.exists():
             shutil.copyfile(copy, path)
-    if run_if_changed(job, run):
+    ran, _ = run_if_changed(job, run)
+    if ran:
         folder.mkdir(exist_ok=True)
         for path, copy in kept.items():
             shutil.copyfile(path, copy)
@@ -78,12 +82,6 @@ def delete_parts(job: Job) -> None:
 def record(job: Job) -> Path:
     """Return the file that holds what a step's last run read and wrote."""
     return Path(job.log).with_suffix(".json")
-
-
-def written_by(job: Job) -> list[str]:
-    """Return the checksums of what a step's last run wrote."""
-    _, _, written = json.loads(record(job).read_text(encoding="utf-8"))
-    return [checksum for _, _, checksum in written.values()]
 
 
 def declaration(job: Job) -> str:

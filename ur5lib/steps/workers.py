@@ -109,7 +109,7 @@ def in_warm_process(job: Job | Chains) -> str | dict[str, End]:
         IDLE.put(worker)
     except (EOFError, OSError):
         last = job.next()
-        answer = f"{last.step}: its process was killed; see {last.log}"
+        answer = f"{last.step}: its process ended early, perhaps for lack of memory; see {last.log}"
     return answer
 
 
