@@ -1,7 +1,6 @@
 """The report's contents as data: what they name exists, what they show is mentioned."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pandas as pd
@@ -29,7 +28,6 @@ from ur5lib.report.document import (
     Part,
     Picture,
     Reference,
-    Repeated,
     Section,
     Table,
     contents,
@@ -44,12 +42,7 @@ TABLES_MADE = declarations()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 
-def blocks(part: Part) -> Iterator[Block | DeclaredTable]:
-    for block in part.blocks:
-        yield from block.blocks if isinstance(block, Repeated) else [block]
-
-
-EVERY = [block for part in [*contents().sections, *contents().run] for block in blocks(part)]
+EVERY = [block for part in contents().parts() for block in part.flat()]
 FIGURES = [block for block in EVERY if isinstance(block, Picture)]
 TABLES = [block for block in EVERY if isinstance(block, DeclaredTable)]
 
@@ -67,13 +60,7 @@ def test_every_view_exists() -> None:
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.figure)
 def test_every_figure_is_drawn_by_the_rule_it_names(figure: Picture) -> None:
     (rule,) = re.findall(rf"\nrule {figure.rule}:.*?(?=\nrule |\Z)", RULES, re.DOTALL)
-    drawn = re.findall(r'"([a-z_]+)"', rule)
-    lists = {name: re.findall(r'"([a-z_]+)"', text) for name, text in LISTS}
-    drawn += [figure for name, figures in lists.items() if name in rule for figure in figures]
-    assert figure.figure in drawn
-
-
-LISTS = re.findall(r"^([A-Z_]+) = \[(.*?)\]", RULES, re.DOTALL | re.MULTILINE)
+    assert f'drawn_by("{figure.rule}"' in rule or f'["{figure.figure}"]' in rule
 
 
 @pytest.mark.parametrize("table", TABLES, ids=lambda table: table.table)
@@ -89,9 +76,9 @@ def test_every_table_comes_from_a_file_of_the_workflow(table: DeclaredTable) -> 
 def test_every_table_and_figure_is_mentioned() -> None:
     """So that a reader knows what to look at it for."""
     for part in contents().sections:
-        texts = [block.text for block in blocks(part) if isinstance(block, Paragraph)]
+        texts = [block.text for block in part.flat() if isinstance(block, Paragraph)]
         mentioned = {name for text in texts for name in MENTION.findall(text)}
-        shown = {b.table if isinstance(b, DeclaredTable) else b.figure for b in blocks(part)
+        shown = {b.table if isinstance(b, DeclaredTable) else b.figure for b in part.flat()
                  if isinstance(b, DeclaredTable | Picture)}  # fmt: skip
         assert shown - mentioned == set(), part.title
         assert mentioned - shown == set(), part.title

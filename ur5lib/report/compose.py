@@ -206,9 +206,8 @@ def _filled(text: str, results: Results, name: str) -> str:
 
 def shown_table(table: str, results: Results, name: str = "") -> Body:
     """Return header and rows of a table of the contents; name: recording, arm or study of it."""
-    blocks = (block for part in contents().sections for block in part.blocks)
-    single = (one for b in blocks for one in (b.blocks if isinstance(b, Repeated) else [b]))
-    declared = {block.table: block for block in single if isinstance(block, DeclaredTable)}
+    blocks = (block for part in contents().sections for block in part.flat())
+    declared = {block.table: block for block in blocks if isinstance(block, DeclaredTable)}
     return body_of(declared[table], results, name)
 
 

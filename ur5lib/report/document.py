@@ -316,12 +316,21 @@ class Part(Strict):
     absent: str = ""
     blocks: list[Block | DeclaredTable | Repeated]
 
+    def flat(self) -> Iterator[Block | DeclaredTable]:
+        """Yield all blocks, those that are repeated once."""
+        for block in self.blocks:
+            yield from block.blocks if isinstance(block, Repeated) else [block]
+
 
 class Contents(Strict):
     """The whole report; run: the sections of a recording's own page."""
 
     sections: list[Part]
     run: list[Part] = Field(default_factory=list)
+
+    def parts(self) -> list[Part]:
+        """Return the sections of the report and of a recording's page."""
+        return [*self.sections, *self.run]
 
     def of_run(self) -> "Contents":
         """Return the contents of a recording's own page."""

@@ -1,28 +1,5 @@
-FIGURES = [
-    "packets",
-    "torques",
-    "accelerations",
-    "accelerations_published",
-    "currents",
-    "forces_estimated",
-]
-PUBLISHED_FIGURES = [
-    "forces_printed",
-    "forces_friction_printed",
-    "forces_corrected",
-    "forces_friction_corrected",
-]
-TRACKING_FIGURES = ["positions", "velocities"]
-OLDER_FIGURES = ["positions_older", "velocities_older", "torques_older"]
-MODEL_FIGURES = ["frames", "models"]
-CURRENT_FIGURES = ["current_torque_printed", "current_torque_friction_printed"]
-FRICTION_FIGURES = [
-    "knowledge",
-    "current_torque",
-    "current_torque_friction",
-    "friction",
-    "residuals",
-]
+from ur5lib.report.document import Picture, contents
+
 COMPARED = [
     "quality",
     "parameters",
@@ -41,6 +18,17 @@ TEMPLATES = REPORT / "templates"
 PAGE = *CONTENTS, *(TEMPLATES / name for name in ("report.html.jinja", "lines.js", "zoom.js"))
 
 
+def drawn_by(rule, of=""):
+    """Return the figures that the report's contents name as drawn by a rule.
+
+    of: the wildcard of the recordings or arms that each is drawn for, none for the whole study.
+    """
+    blocks = (block for part in contents().parts() for block in part.flat())
+    own = (block for block in blocks if isinstance(block, Picture) and block.rule == rule)
+    folder = f"{RESULTS}/figures/{of}" if of else f"{RESULTS}/figures"
+    return drawings(folder, dict.fromkeys(block.figure for block in own))
+
+
 rule draw_figures:
     input:
         signals=result("signals.parquet"),
@@ -52,7 +40,7 @@ rule draw_figures:
         forces=result("forces.parquet"),
         arm=parameter_of("arm.yaml"),
     output:
-        **drawings(f"{RESULTS}/figures/{{recording}}", FIGURES),
+        **drawn_by("draw_figures", "{recording}"),
     log:
         **traces("draw_figures", "{recording}"),
     group:
@@ -70,7 +58,7 @@ rule draw_tracking:
         closed_loop=result("closed_loop.parquet"),
         arm=parameter_of("arm.yaml"),
     output:
-        **drawings(f"{RESULTS}/figures/{{recording}}", TRACKING_FIGURES),
+        **drawn_by("draw_tracking", "{recording}"),
     log:
         **traces("draw_tracking", "{recording}"),
     group:
@@ -90,7 +78,7 @@ rule draw_filtered_first:
         quality=result("quality.json"),
         arm=arm_file,
     output:
-        **drawings(f"{RESULTS}/figures/{{recording}}", ["accelerations_filtered_first"]),
+        **drawn_by("draw_filtered_first", "{recording}"),
     log:
         **traces("draw_filtered_first", "{recording}"),
     group:
@@ -110,7 +98,7 @@ rule draw_older_model:
         closed_loop=result("closed_loop.parquet"),
         arm=parameter_of("arm.yaml"),
     output:
-        **drawings(f"{RESULTS}/figures/{{recording}}", OLDER_FIGURES),
+        **drawn_by("draw_older_model", "{recording}"),
     log:
         **traces("draw_older_model", "{recording}"),
     group:
@@ -127,7 +115,7 @@ rule draw_published_forces:
         published=result("published_forces.parquet"),
         sensor=result("sensor.parquet"),
     output:
-        **drawings(f"{RESULTS}/figures/{{recording}}", PUBLISHED_FIGURES),
+        **drawn_by("draw_published_forces", "{recording}"),
     log:
         **traces("draw_published_forces", "{recording}"),
     group:
@@ -144,7 +132,7 @@ rule draw_current_torque:
         torques=result("torques.parquet"),
         arm=arm_file,
     output:
-        **drawings(f"{RESULTS}/figures/{{recording}}", CURRENT_FIGURES),
+        **drawn_by("draw_current_torque", "{recording}"),
     log:
         **traces("draw_current_torque", "{recording}"),
     group:
@@ -219,7 +207,7 @@ rule draw_friction:
         friction=parameter("friction.json"),
         arm=parameter("arm.yaml"),
     output:
-        **drawings(f"{RESULTS}/figures/{{robot}}", FRICTION_FIGURES),
+        **drawn_by("draw_friction", "{robot}"),
     log:
         **traces("draw_friction", "{robot}"),
     group:
@@ -236,7 +224,7 @@ rule draw_filters:
     input:
         **REFERENCE,
     output:
-        **drawings(f"{RESULTS}/figures", ["filters"]),
+        **drawn_by("draw_filters"),
     log:
         **traces("draw_filters"),
     group:
@@ -252,7 +240,7 @@ rule draw_models:
     input:
         arm=parameter("arm.yaml"),
     output:
-        **drawings(f"{RESULTS}/figures/{{robot}}", MODEL_FIGURES),
+        **drawn_by("draw_models", "{robot}"),
     log:
         **traces("draw_models", "{robot}"),
     group:
@@ -267,7 +255,7 @@ rule draw_calibration:
     input:
         errors=rules.make_tables.output.force_mae,
     output:
-        **drawings(f"{RESULTS}/figures", ["calibration"]),
+        **drawn_by("draw_calibration"),
     log:
         **traces("draw_calibration"),
     group:
