@@ -33,8 +33,8 @@ from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.compose import shown_table
 from ur5lib.report.formats import days
 from ur5lib.report.results import Results
-from ur5lib.report.verdicts.recordings import judge_drift
 from ur5lib.report.views import arm_state
+from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.robots.friction import BASE
 
 START = date(2026, 3, 3)

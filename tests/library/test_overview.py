@@ -13,9 +13,9 @@ from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
-from ur5lib.report.verdicts.recordings import judge_files
 from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality
+from ur5lib.report.views.recordings import judge_files
 
 MANY = 2 * (MOST_ROWS + 1)
 DAYS = pd.date_range("2026-01-30", periods=MANY, freq="D")

@@ -8,24 +8,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from ur5lib.report.baseline import bars, error_bar, state
 from ur5lib.report.compose import shown_table
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
-from ur5lib.report.verdicts.baseline import bars, error_bar, state
-from ur5lib.report.verdicts.force import judge_force
-from ur5lib.report.verdicts.models import judge_constants, judge_currents, judge_links, judge_motion
-from ur5lib.report.verdicts.recordings import judge_files
-from ur5lib.report.views.contacts import claim, felt_while_fitted, scores
-from ur5lib.report.views.currents import next_recordings
+from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
+from ur5lib.report.views.currents import judge_constants, judge_currents, next_recordings
 from ur5lib.report.views.first_screen import (
     drawn,
     findings,
     left_out,
     next_steps,
 )
-from ur5lib.report.views.models import identified
+from ur5lib.report.views.models import identified, judge_links
+from ur5lib.report.views.motion import judge_motion
+from ur5lib.report.views.recordings import judge_files
 
 EVERY_JOINT = "1 2 3 4 5 6"
 COLUMNS = {name: own.columns for name, own in declarations().items()} | {  # and of steps

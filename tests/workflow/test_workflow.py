@@ -203,7 +203,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("find_contradictions", *FROM_FRICTION) | FRICTION | REPORT),
         # The wording of a warning, verdict or caption: no step but those of the report.
         ("ur5lib/report/templates/findings.yaml", jobs(TABULATED) | REPORT),
-        ("ur5lib/report/verdicts/force.py", DOCUMENTED),
+        ("ur5lib/report/views/contacts.py", DOCUMENTED),
         ("ur5lib/report/contents.yaml", DOCUMENTED),
         ("ur5lib/report/sentences.yaml", DOCUMENTED),
         ("ur5lib/commands/compare.py", {"compare_studies": 1} | DOCUMENT),

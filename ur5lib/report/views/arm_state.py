@@ -1,4 +1,4 @@
-"""An arm's state: how each joint changed over time, and what can be observed on it."""
+"""An arm's state: how each joint changed over time, the verdict, what can be observed."""
 
 import math
 from collections.abc import Iterator
@@ -7,11 +7,14 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
-from ur5lib.report.formats import Sentence, day, days
+from ur5lib.report.baseline import bars
+from ur5lib.report.document import Verdict
+from ur5lib.report.formats import Sentence, capital, day, days
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 
 LEAST = 0.5  # %, smallest effect of temperature that is mentioned
+DRIFT = "Drift over time"  # topic
 
 
 def dates(results: Results) -> Iterator[Sentence]:
@@ -114,3 +117,33 @@ def _share(rows: pd.DataFrame) -> float:
     """Return the share [%] of samples within the band over several bins, NaN without samples."""
     count = rows["samples"].sum()
     return float(100 * (rows["value"] * rows["samples"]).sum() / count) if count else math.nan
+
+
+def judge_drift(results: Results) -> Verdict | None:
+    """Judge by whether anything changed; None with too few dates."""
+    dates = results.tables["health"]
+    if dates.empty:
+        return None
+    changes = ranked(results)
+    worst = changes.groupby("joint")["share"].max()
+    joints = range(1, int(dates["joint"].max()) + 1)
+    sentence = say("health.unchanged")
+    if len(changes):
+        sentence = capital(change(next(changes.itertuples())))
+    return Verdict(
+        topic=DRIFT,
+        state="usable" if len(changes) else "good",
+        sentence=sentence,
+        evidence=_evidence(results, len(changes)),
+        drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),
+        caption=say("health.caption"),
+    )
+
+
+def _evidence(results: Results, changes: int) -> Sentence:
+    """Return the number of dates, tests and changes, and the chance of a false one."""
+    dates = results.tables["health"]
+    tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
+    first, last = dates["date"].min(), dates["date"].max()
+    words = {"days": dates["date"].nunique(), "span": days(first, last, "to"), "tested": tested}
+    return say("health.evidence", changes=changes, **words)

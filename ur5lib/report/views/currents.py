@@ -1,4 +1,4 @@
-"""Friction, torque constants and motor currents: fits, published constants, prediction, payload."""
+"""Friction, torque constants and motor currents: fits, prediction, payload, and the verdicts."""
 
 from collections.abc import Iterator, Set
 
@@ -6,15 +6,20 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
+from ur5lib.report.baseline import HELD, AgainstBaseline, bars
+from ur5lib.report.document import Number, Verdict
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import names, say
 from ur5lib.report.tables.friction import AS_PRINTED
+from ur5lib.report.tables.models import STOP
 from ur5lib.timeseries.segments import DEAD_ZONE
 
 LEAST_KNOWN = 3  # parameters that the next recording is designed for
 MOST_COMPARED = 12  # columns that fit on a page
 PARAMETERS = {"torque_constant": "k", "offset": "b"}
+CONSTANTS, CURRENTS = "Torque constants", "Friction and currents"  # topics
+CONSTANT = "a constant current"
 
 
 def predicted(results: Results) -> list[str]:
@@ -196,3 +201,62 @@ def linear(results: Results, recording: str) -> Iterator[Sentence]:
     rows = results.rows("torque_constants", recording=recording, regression=AS_PRINTED)
     without, friction = rows["correlation_without_friction"], rows["correlation"]
     yield say("constants.linear", recording=recording, without=without, friction=friction)
+
+
+def judge_constants(results: Results) -> Verdict | None:
+    """Judge by the constants that the data determine; None where no friction was fitted."""
+    rows = results.rows("friction", parameter="torque_constant")
+    if len(results.rows("remarks", step=STOP)):
+        return Verdict(CONSTANTS, "do not use", say("constants.contradicted"))
+    if rows.empty:
+        return None
+    shares = rows.groupby("joint")["prior_share"].max()
+    ratio = rows["value"] / rows["known"]
+    farthest = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
+    determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
+    known, contradicted = ([*rows.loc[where, "joint"].unique()] for where in (determined, refused))
+    return Verdict(
+        topic=CONSTANTS,
+        state="good" if determined.all() and not refused.any() else "usable",
+        sentence=say("constants.verdict", known=known, refused=contradicted),
+        evidence=say("constants.evidence", row=farthest),
+        drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
+        caption=say("constants.caption"),
+        numbers=(_number(farthest),),
+    )
+
+
+def _number(row: pd.Series) -> Number:
+    constant = Number("torque constant", float(row["value"]), "Nm/A", f"joint {row['joint']}")
+    return constant.within(row["low"], row["high"], "95 %").beside(
+        row["known"], "the known constant"
+    )
+
+
+def judge_currents(results: Results) -> Verdict:
+    """Judge the predicted currents by the worst joint, their band by the smallest coverage."""
+    rows = unseen(results)
+    rows = rows[rows["model"] == "fitted"]
+    against = AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT)
+    if against.errors.empty:
+        return Verdict(CURRENTS, "not determined", say(f"currents.{_reason(results)}"))
+    least = rows.loc[rows["coverage95"].idxmin()]
+    held = float(least["coverage95"])
+    place = f"joint {least['joint']} on {least['recording']}"
+    share = Number("least share in the 95 % band", 100 * held, "%", place)
+    return Verdict(
+        topic=CURRENTS,
+        state=against.state(held),
+        sentence=say("currents.verdict", against=against, hold=held >= HELD),
+        evidence=say("currents.evidence", against=against, least=least),
+        drawing=against.drawing(),
+        caption=say("error.bars", zero=CONSTANT),
+        numbers=(*against.numbers("RMSE below 2 Hz"), share),
+    )
+
+
+def _reason(results: Results) -> str:
+    """Return the name of the sentence on why currents are not judged."""
+    if results.tables["friction"].empty:
+        return "no friction"
+    return "no motion" if results.with_role("validate") else "no validate"

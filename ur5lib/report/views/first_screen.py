@@ -13,33 +13,26 @@ from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tables.models import STOP
-from ur5lib.report.verdicts import force, models, recordings
-from ur5lib.report.verdicts.models import compare, named
-from ur5lib.report.verdicts.recordings import lost_shares
-from ur5lib.report.views import arm_state, comparison
-from ur5lib.report.views.audit import faults as wrist_sensor_faults
-from ur5lib.report.views.contacts import (
-    claim,
-    counted,
-    elsewhere,
-    felt_while_fitted,
-    quiet,
-    readings,
-    touched,
-    undetermined_moments,
+from ur5lib.report.views import (
+    arm_state,
+    comparison,
+    contacts,
+    currents,
+    models,
+    motion,
+    recordings,
 )
-from ur5lib.report.views.currents import loaded, predicted
+from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.forces import PUSHES, pushes_found, searched
-from ur5lib.report.views.models import compared
 
 VERDICTS: list[Callable[[Results], Verdict | None]] = [
     recordings.judge_files,
     models.judge_links,
-    models.judge_constants,
-    models.judge_currents,
-    force.judge_force,
-    models.judge_motion,
-    recordings.judge_drift,
+    currents.judge_constants,
+    currents.judge_currents,
+    contacts.judge_force,
+    motion.judge_motion,
+    arm_state.judge_drift,
 ]
 
 
@@ -60,16 +53,18 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
     Forces beside a sensor in contact; currents in motion, if possible without a load; torques in
     motion; forces without a sensor.
     """
-    for name in results.shown([*force.errors_in_contact(results)["recording"]]):
+    for name in results.shown([*contacts.errors_in_contact(results)["recording"]]):
         yield "forces", name
-    carrying = {*loaded(results)["recording"]}
-    for name in sorted(predicted(results), key=carrying.__contains__):
+    carrying = {*currents.loaded(results)["recording"]}
+    for name in sorted(currents.predicted(results), key=carrying.__contains__):
         if results.moving(name):
             yield "currents", name
-    for name in compared(results):
+    for name in models.compared(results):
         if results.moving(name):
             yield "torques", name
-    for name in results.shown([*touched(results), *results.tables["contacts"]["recording"]]):
+    for name in results.shown(
+        [*contacts.touched(results), *results.tables["contacts"]["recording"]]
+    ):
         yield "forces", name
 
 
@@ -111,13 +106,13 @@ def touched_while_fitted(results: Results) -> Iterator[Sentence]:
     names = [name for name in results.with_role("fit") if name in touched]
     if names:
         yield say("steps.touched", some=_some(names))
-    if felt := [name for name in felt_while_fitted(results) if name not in names]:
+    if felt := [name for name in contacts.felt_while_fitted(results) if name not in names]:
         yield say("steps.felt", some=_some(felt))
 
 
 def payloads(results: Results) -> Iterator[Sentence]:
     """Ask for the payload that currents show and the study does not declare."""
-    loads = loaded(results)
+    loads = currents.loaded(results)
     for row in loads[:1].itertuples():
         mass = {"mass": row.configured + row.mass, "std": row.std_error}
         some = _some([*loads["recording"]])
@@ -133,7 +128,9 @@ def contradictions(results: Results) -> Iterator[Sentence]:
 
 def lossy_files(results: Results) -> Iterator[Sentence]:
     """Name the recordings that lost many frames."""
-    lost = {name: share for name, share in lost_shares(results).items() if share >= MANY_LOST}
+    lost = {
+        name: share for name, share in recordings.lost_shares(results).items() if share >= MANY_LOST
+    }
     if lost:
         names = sorted(lost, key=lambda name: -lost[name])
         worst = {"share": lost[names[0]], "file": results.file_of(names[0])}
@@ -158,7 +155,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
         yield say("steps.fit")
     if not results.with_role("validate"):
         yield say("steps.validate")
-    if results.tables["force_mae"].empty and not touched(results):
+    if results.tables["force_mae"].empty and not contacts.touched(results):
         yield say("steps.pushes")
     yield from narrowing(results)
 
@@ -194,16 +191,19 @@ def findings(results: Results) -> list[Sentence]:
         *stop_signs(results),
         *nearest_model(results),
         *comparison.rebuilt(results),
-        *_each("findings.load", loaded(results)),
+        *_each("findings.load", currents.loaded(results)),
         *_each("findings.unlike", results.rows("remarks", code="unlike other arms")),
-        *(say("findings.felt", name=name) for name in felt_while_fitted(results)[:MOST_SHOWN]),
-        *counted(results),
-        *elsewhere(results),
+        *(
+            say("findings.felt", name=name)
+            for name in contacts.felt_while_fitted(results)[:MOST_SHOWN]
+        ),
+        *contacts.counted(results),
+        *contacts.elsewhere(results),
         *_each("findings.load taken up", taken_up),
-        *readings(results),
+        *contacts.readings(results),
         *_detection(results),
-        *claim(results),
-        *undetermined_moments(results.tables["force_mae"]),
+        *contacts.claim(results),
+        *contacts.undetermined_moments(results.tables["force_mae"]),
         *wrist_sensor_faults(results),
         *beside_truth(results.rows("truth")),
         *comparison.changes(results),
@@ -250,14 +250,14 @@ def _not_compared(results: Results) -> Iterator[Sentence]:
 
 def nearest_model(results: Results) -> Iterator[Sentence]:
     """Report the model that is closest to the controller's torques, if the models differ."""
-    compared = compare(results)
+    compared = models.compare(results)
     if compared is None or compared.rows["model"].nunique() < 2:
         return
     if not compared.differ:
         yield say("models.same")
     else:
         words = {"near": compared.near, "differ": compared.differ, "unseen": compared.unseen}
-        yield say("models.nearest", best=[*map(named, compared.best)], **words)
+        yield say("models.nearest", best=[*map(models.named, compared.best)], **words)
 
 
 def _detection(results: Results) -> Iterator[Sentence]:
@@ -267,7 +267,7 @@ def _detection(results: Results) -> Iterator[Sentence]:
     if len(least):
         found, count = (int(least[column].sum()) for column in ("found", "contacts"))
         yield say("findings.contacts", name=name, found=found, count=count)
-    free = quiet(results)
+    free = contacts.quiet(results)
     if len(free):
         yield say("findings.false alarms", name=name, rate=free["alarms_per_min"].mean())
     smallest = pushes_found(results)[PUSHES].median(skipna=False)

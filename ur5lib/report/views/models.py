@@ -1,14 +1,19 @@
-"""Link models, their torques compared with the controller's, and the closed loop."""
+"""Link models, their torques compared with the controller's, the verdict, and the closed loop."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.formats import Sentence
+from ur5lib.report.baseline import AgainstBaseline
+from ur5lib.report.document import Verdict
+from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence
 from ur5lib.report.reference import OLDER_MODEL
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
+
+LINKS = "Link model"  # topic
 
 
 def compared(results: Results) -> list[str]:
@@ -84,3 +89,66 @@ def published_gains(results: Results) -> Iterator[Sentence]:
     fits = gains.assign(fit=gains["fits"] == "yes", of=1).groupby("model", sort=False)
     if len(gains):
         yield say("loop.published", found=fits[["fit", "of"]].sum().to_dict("index").items())
+
+
+class Comparison(NamedTuple):
+    """Errors of the link models at one motion, on recordings in which the arm moves.
+
+    rows: of torque_mae.csv; unseen: whether no fit has seen these recordings; best: the models
+    that are closest on most joints; near: number of these joints; differ: number of joints on
+    which the models differ.
+    """
+
+    rows: pd.DataFrame
+    unseen: bool
+    best: list[str]
+    near: int
+    differ: int
+
+
+def compare(results: Results) -> Comparison | None:
+    """Compare the link models, on unseen recordings if possible; None without a motion."""
+    rows = results.rows("torque_mae").dropna(subset="mae")
+    rows = rows[rows["recording"].isin([*filter(results.moving, rows["recording"].unique())])]
+    if rows.empty:
+        return None
+    unseen = rows[~rows["recording"].isin(results.with_role("fit"))]
+    rows = unseen if len(unseen) else rows
+    rows = rows[rows["motion"] == rows["motion"].iloc[0]]
+    mean = rows.pivot_table("mae", "joint", "model", aggfunc="mean")
+    close = near_the_best(mean)
+    counts = close.sum()
+    best = [*counts[counts == counts.max()].index]
+    return Comparison(rows, len(unseen) > 0, best, int(counts.max()), len(close))
+
+
+def near_the_best(mean: pd.DataFrame) -> pd.DataFrame:
+    """Return whether a model (column) equals the best one, on joints (rows) where they differ."""
+    above = mean.sub(mean.min(axis="columns"), axis="index")
+    return above[above.max(axis="columns") > SMALLEST_DIFFERENCE] <= SMALLEST_DIFFERENCE
+
+
+def named(model: str) -> str:
+    """Return a model's name as used in sentences: Model C, the model “identified”."""
+    return f"Model {model}" if model[0].isupper() else f"the model “{model}”"
+
+
+def judge_links(results: Results) -> Verdict:
+    """Judge the link model that is best on most joints by its worst joint."""
+    compared = compare(results)
+    if compared is None:
+        unknown = results.tables["torque_mae"].dropna(subset="mae").empty
+        reason = "no torques" if unknown else "at rest"
+        return Verdict(LINKS, "not determined", say(f"models.{reason}"))
+    rows = compared.rows[compared.rows["model"] == compared.best[0]]
+    against = AgainstBaseline(rows, "mae", "zero_mae", "Nm", 3)
+    words = {"model": named(compared.best[0]), "unseen": compared.unseen}
+    return Verdict(
+        topic=LINKS,
+        state=against.state(tested=compared.unseen),
+        sentence=say("models.verdict", against=against, **words),
+        evidence=say("models.evidence", against=against),
+        drawing=against.drawing(),
+        caption=say("error.bars", zero="zero torque"),
+        numbers=against.numbers("mean absolute error"),
+    )

@@ -1,15 +1,19 @@
 """End effector's accelerations compared with the IMU, its calibration, tests of the smoother."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
+from ur5lib.report.baseline import AgainstBaseline
+from ur5lib.report.document import Verdict
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results, with_zero
 from ur5lib.report.sentences import say
 
 LINEAR, ANGULAR = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
+MOTION = "Motion"  # topic
 
 
 def drawn(results: Results) -> list[str]:
@@ -72,3 +76,22 @@ def innovations(results: Results) -> Iterator[Sentence]:
         passed = channels[["count", *tests]].sum().to_dict("index").items()
         widest, coloured = np.sqrt(table["colour"]).max(), not tests["white"].all()
         yield say("motion.innovations", passed=passed, widest=widest, coloured=coloured)
+
+
+def judge_motion(results: Results) -> Verdict | None:
+    """Judge the acceleration from encoders by its worst component; None without an IMU."""
+    rows = results.rows("acceleration_mae", estimate="encoders")
+    against = AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component")
+    if against.errors.empty:
+        return None
+    if str(against.worst.name).startswith("r"):
+        against = replace(against, unit="rad/s²")
+    return Verdict(
+        topic=MOTION,
+        state=against.state(),
+        sentence=say("motion.verdict", against=against),
+        evidence=say("motion.evidence", against=against),
+        drawing=against.drawing(),
+        caption=say("motion.caption"),
+        numbers=against.numbers("mean absolute error"),
+    )

@@ -10,9 +10,9 @@ from ur5lib.report.findings import SEVERITIES
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.report.verdicts.force import errors_in_contact
-from ur5lib.report.verdicts.recordings import lost_shares
+from ur5lib.report.views.contacts import errors_in_contact
 from ur5lib.report.views.currents import in_motion, loaded
+from ur5lib.report.views.recordings import lost_shares
 
 
 def arms(results: Results) -> list[str]:

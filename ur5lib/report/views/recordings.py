@@ -1,11 +1,12 @@
-"""The recordings, their defects and clocks, and the provenance of the results."""
+"""The recordings, their defects and clocks, the verdict on them, and the provenance of results."""
 
 from collections.abc import Iterator
 
 import pandas as pd
 import yaml
 
-from ur5lib.report.document import MOST_ROWS
+from ur5lib.report.baseline import bars
+from ur5lib.report.document import MOST_ROWS, Number, State, Verdict
 from ur5lib.report.findings import SEVERITIES, by_severity, group_findings, shortened
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
@@ -13,11 +14,15 @@ from ur5lib.report.sentences import say
 
 SPOKEN = {"stop": "stop sign"}
 MOST_NAMED = 4  # recordings of one finding
+FILES = "Data quality"  # topic
+LOST = "lost frames"
+WORDED = (LOST, "impossible frames")  # findings with a sentence of their own
+STATES: dict[str, State] = {"stop": "do not use", "error": "usable", "warning": "usable"}
 
 
 def late(results: Results) -> list[str]:
     """Return the recording with figures that lost most frames."""
-    lost = results.rows("quality", device="robot", finding="lost frames")
+    lost = results.rows("quality", device="robot", finding=LOST)
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 
 
@@ -109,3 +114,63 @@ class _Line(dict[str, object]):
 yaml.SafeDumper.add_representer(
     _Line, lambda dumper, line: dumper.represent_mapping("tag:yaml.org,2002:map", line, True)
 )
+
+
+def judge_files(results: Results) -> Verdict:
+    """Judge by the recordings that were left out, or by the most serious finding."""
+    findings = results.tables["quality"]
+    serious = findings[findings["severity"] != "note"]
+    states = [STATES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}]
+    lost = lost_shares(results)
+    drawn = pd.Series(lost).groupby(results.months()).max() if results.many else lost
+    return Verdict(
+        topic=FILES,
+        state=states[0] if states else "usable" if results.unusable() else "good",
+        sentence=worst(results),
+        evidence=say(
+            "quality.evidence",
+            counts=count_findings(findings),
+            bad=serious["recording"].nunique(),
+            recordings=len(lost),
+        ),
+        drawing=bars({str(name): float(share) for name, share in drawn.items()}),
+        caption=say("quality.caption", many=results.many),
+        numbers=tuple(
+            Number(f"findings of severity “{name}”", int((findings["severity"] == name).sum()), "")
+            for name in SEVERITIES
+        ),
+    )
+
+
+def worst(results: Results) -> Sentence:
+    """Return the most serious finding with its file; among equals, that of the most frames.
+
+    Recordings that were left out come before it.
+    """
+    if absent := results.unusable():
+        return say("quality.left out", count=len(absent), of=len(results.roles()))
+    findings = group_findings(results.tables["quality"])
+    findings = findings[findings["severity"] != "note"]
+    if findings.empty:
+        return say("quality.perfect")
+    frames = results.tables["recordings"].set_index("recording")["frames"]
+    share = findings["count"] / findings["recording"].map(frames)
+    most = findings.loc[share.sort_values(ascending=False, kind="stable").index]
+    first = by_severity(most).iloc[0]
+    kind = first["finding"]
+    return say(
+        f"quality.{kind if kind in WORDED else 'other'}",
+        file=results.file_of(first["recording"]),
+        finding=kind,
+        detail=first["detail"].partition("; ")[0],
+        count=first["count"],
+        frames=frames[first["recording"]],
+    )
+
+
+def lost_shares(results: Results) -> dict[str, float]:
+    """Return the share of lost frames of each recording."""
+    frames = results.tables["recordings"].set_index("recording")["frames"]
+    lost = results.rows("quality", finding=LOST).groupby("recording")["count"].sum()
+    shares = (lost.reindex(frames.index) / frames).fillna(0.0)
+    return {str(name): float(share) for name, share in shares.items()}

@@ -1,1 +1,0 @@
-"""Verdicts on the first screen of a report, one module for each topic."""
