@@ -10,7 +10,7 @@ from ur5lib.pipeline.records.force_errors import Compared
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.findings import sentence, worded
-from ur5lib.report.tables.source import Row
+from ur5lib.report.tables import Row
 from ur5lib.signals.clock import SettledClock
 
 SAME = "same file"  # the finding that a device's file is a copy of another recording's

@@ -7,7 +7,7 @@ from ur5lib.force.contact_link import touched_link
 from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
 from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared, Figures
 from ur5lib.report.reference import Published
-from ur5lib.report.tables.source import Row, transposed
+from ur5lib.report.tables import Row, transposed
 
 LINKS = [f"on_link_{link}" for link in range(1, MOST_JOINTS + 1)]
 FORCES = ("Fx", "Fy", "Fz")

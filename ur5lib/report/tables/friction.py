@@ -10,7 +10,7 @@ from ur5lib.pipeline.published_constants import PublishedConstants
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.report.reference import Published
-from ur5lib.report.tables.source import Row, by_joint
+from ur5lib.report.tables import Row, by_joint
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import KARNOPP, PRESLIDING
 

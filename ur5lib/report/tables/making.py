@@ -14,9 +14,8 @@ import pandas as pd
 
 from ur5lib.pipeline.records.table import Table
 from ur5lib.report.reference import Printed, Published
-from ur5lib.report.tables import files, forces, friction, models, motion
+from ur5lib.report.tables import Row, files, forces, friction, models, motion
 from ur5lib.report.tables.forces import LINKS
-from ur5lib.report.tables.source import Row
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.strict import read_yaml
 from ur5lib.tables import ByKey, read_cells, read_record

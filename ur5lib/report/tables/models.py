@@ -13,7 +13,7 @@ from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report.findings import in_words
 from ur5lib.report.reference import Published
-from ur5lib.report.tables.source import Column, Row, by_joint
+from ur5lib.report.tables import Column, Row, by_joint
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import mean_absolute_error
 

@@ -10,7 +10,7 @@ from ur5lib.pipeline.records.gains import GainSummary
 from ur5lib.pipeline.records.motion import MotionAccount
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report.reference import Published
-from ur5lib.report.tables.source import Row, by_joint
+from ur5lib.report.tables import Row, by_joint
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
