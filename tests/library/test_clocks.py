@@ -2,19 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-import torch
 from scipy import signal
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.kinematics import jacobian, link_frames
-from ur5lib.errors import Remark, remark
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.errors import remark
 from ur5lib.signals.clock import WANDER, Clock, clock_from_stamps
 from ur5lib.signals.device_clock import (
     LATENCY,
@@ -23,8 +17,6 @@ from ur5lib.signals.device_clock import (
     interpolate,
 )
 from ur5lib.signals.resampling import resample
-from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.sampling import differentiate
 
 OFFSET, DRIFT = -0.08, -3300e-6
 STAMPS = clock_from_stamps(-0.03, 0.1)
@@ -338,118 +330,3 @@ def test_few_samples_do_not_fail(count: int) -> None:
     device = tone(1, 266).iloc[:count]
     aligned = resample(device, CLOCK, TIME)["ft_fx"].to_numpy()
     assert np.isfinite(aligned).sum() == (count > 1)  # three samples end before 8 ms
-
-
-# Real recordings
-
-REFERENCE = {  # offset [s], drift [ppm]: a fit to linear and angular acceleration, made apart
-    "Movement_No4_Acc": (-0.081, -2690),
-    "Movement_No5_Acc_slow_no_disturbance": (-0.078, -3170),
-    "Movement_No6_Acc_slow_Verify_Model": (-0.064, -3270),
-    "Movement_No7_Acc_slow_Verify_Model_short": (-0.080, -3040),
-    "Movement_No8_Singularity_Free_1": (-0.115, -4310),
-    "Movement_No9_Singularity_Free_NoDist": (-0.074, -2940),
-}
-# Where the reference leaves more of the accelerometer's reading unexplained.
-BETTER = [name for name in REFERENCE if any(f"_No{number}_" in name for number in (4, 8, 9))]
-STILL = "Movement_No10_Standstill_WDist"
-
-
-MOUNTING = np.array(load_robot(robot_path("ur5")).mounting.imu)  # type: ignore[union-attr]
-GRAVITY = np.array([0, 0, -9.81])
-
-
-@dataclass
-class RealRecord:
-    """What one of the thesis's recordings tells of the turning; and of specific force, which
-    takes no part in finding the clock."""
-
-    turning: dict[str, np.ndarray]
-    specific_force: np.ndarray
-    accelerometer: np.ndarray
-    clock: Clock
-    reason: Remark | None
-
-    def accelerometer_error(self, clock: Clock) -> float:
-        """Of R_6^T (a - g0) at the IMU against its accelerometer under a clock, below 2 Hz: RMS
-        [m/s²] that is left beside a bias and a mounting rotation."""
-        inside = slice(125, -125)
-        acc = pd.DataFrame(self.accelerometer).assign(time=self.turning["device_time"])
-        felt = resample(acc, clock, self.turning["time"]).to_numpy()[inside]
-        seen = np.isfinite(felt).all(axis=1)
-        felt = zero_phase_lowpass(felt[seen], 125, 4, 2.0)
-        told = zero_phase_lowpass(self.specific_force[inside][seen], 125, 4, 2.0)
-        A = np.column_stack([told, np.ones(len(told))])
-        return float(np.std((felt - A @ np.linalg.lstsq(A, felt)[0])[125:-125]))
-
-
-def numbers(path: Path, width: int) -> np.ndarray:
-    """The complete rows of a CSV."""
-    rows = [line.split(",") for line in path.read_text().splitlines()[:-1]]
-    return np.array([row for row in rows if len(row) == width], dtype=float)
-
-
-@cache
-def real(folder: Path) -> RealRecord:
-    csv = folder / "csv_files"
-    joints = [numbers(csv / f"log_{name}_actual.csv", 7) for name in ("q", "qd")]
-    count = min(map(len, joints))
-    (time, q), qd = (joints[0][:count, 0], joints[0][:count, 1:]), joints[1][:count, 1:]
-    arm = build_arm(load_robot(robot_path("ur5")), "A")
-    rotations, origins = link_frames(arm, torch.from_numpy(q))
-    R, o6 = rotations[:, 6].numpy(), origins[:, 6].numpy()
-    omega = np.einsum("nij,nj->ni", jacobian(arm, torch.from_numpy(q)).numpy()[:, 3:], qd)
-    a = differentiate(differentiate(o6 + R @ MOUNTING, PERIOD), PERIOD)
-    imu = numbers(csv / "acc_data.csv", 10)
-    starts = [float((csv / f"{n}start_time.csv").read_text().split()[0]) for n in ("", "acc_")]
-    stamps = clock_from_stamps((starts[1] / 1000 - starts[0] + 43200) % 86400 - 43200, 0.1)
-    turning = {
-        "time": time,
-        "rate": np.einsum("nji,nj->ni", R, omega),
-        "segment": np.zeros(count, dtype=np.int64),
-        "device_time": (imu[:, 0] - imu[0, 0]) / 1000,
-        "gyroscope": imu[:, 7:],
-    }
-    force = np.einsum("nji,nj->ni", R, a - GRAVITY)
-    return RealRecord(turning, force, imu[:, 1:4], *clock_from_rotation(**turning, stamps=stamps))
-
-
-@pytest.mark.parametrize("name", REFERENCE)
-def test_the_real_clocks_are_found(thesis_data: Path, name: str) -> None:
-    """Within 20 ms of the reference in the middle of the record, where it is known best."""
-    found = real(thesis_data / name)
-    assert found.reason is None
-    assert found.clock.drift is not None
-    offset, drift = REFERENCE[name]
-    middle = found.turning["time"].mean()
-    apart = found.clock.offset - offset + (found.clock.drift - 1e-6 * drift) * middle
-    assert abs(apart) < 0.02
-    if name not in BETTER:
-        assert found.clock.offset == pytest.approx(offset, abs=0.01)
-        assert found.clock.drift == pytest.approx(1e-6 * drift, abs=300e-6)
-        assert abs(found.clock.offset - offset) < 2 * found.clock.offset_std
-        assert abs(found.clock.drift - 1e-6 * drift) < 2 * (found.clock.drift_std or 0.0)
-
-
-@pytest.mark.parametrize("name", BETTER)
-def test_the_accelerometer_bears_out_what_differs(thesis_data: Path, name: str) -> None:
-    """It took no part, and agrees better with the clock found than with the reference."""
-    found = real(thesis_data / name)
-    offset, drift = REFERENCE[name]
-    reference = Clock(offset, 0.0, 1e-6 * drift, 0.0, "reference")
-    ratio = found.accelerometer_error(reference) / found.accelerometer_error(found.clock)
-    assert ratio > 1.3
-
-
-def test_what_determines_a_clock_poorly_says_so(thesis_data: Path) -> None:
-    """16 s of motion (No 8), and hardly any turning (No 4), against the rest."""
-    std = {name: real(thesis_data / name).clock.drift_std or 0.0 for name in REFERENCE}
-    poor = [std.pop("Movement_No8_Singularity_Free_1"), std.pop("Movement_No4_Acc")]
-    assert min(poor) > 1.5 * max(std.values())
-
-
-def test_the_stamps_stand_where_the_arm_stood(thesis_data: Path) -> None:
-    found = real(thesis_data / STILL)
-    assert found.clock.method == "start stamps"
-    assert found.reason is not None
-    assert found.reason.code == "unexplained rotation"
