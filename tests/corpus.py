@@ -154,23 +154,8 @@ def rtde(folder: Path, name: str, mark: bytes) -> Base:
         comments="",
     )
     write_force(path / "force.csv", 1.4)
-    entry: dict[str, Any] = {
-        "name": name,
-        "robot": "ur5",
-        "folder": str(path),
-        "role": "fit",
-        "format": "rtde-csv",
-        "file": "robot.csv",
-        "force_sensor": {
-            "file": "force.csv",
-            "columns": ["time", "ft"],
-            "units": {},
-            "time": "relative_s",
-            "start_file": None,
-            "start": "epoch_s",
-        },
-        "imu": None,
-    }
+    entry: dict[str, Any] = {"format": "rtde-csv", "folder": str(path), "file": "robot.csv"}
+    entry |= {"force_sensor": {"file": "force.csv", "columns": ["time", "ft"]}}
     return Base(name, entry, {"robot.csv": names, "force.csv": FORCE}, mark, 1, "force.csv")
 
 
@@ -196,19 +181,7 @@ def table(folder: Path) -> Base:
     columns = [channels[name] for name in TABLE[1:]]
     np.savetxt(path / "robot.csv", np.column_stack([time, *columns]), fmt="%.4f", delimiter=",")
     names = ["time", *(f"{channel}_{joint}" for channel in TABLE[1:] for joint in range(6))]
-    entry: dict[str, Any] = {
-        "name": "table",
-        "robot": "ur5",
-        "folder": str(path),
-        "role": "fit",
-        "format": "table-csv",
-        "file": "robot.csv",
-        "columns": TABLE,
-        "units": {},
-        "time": "relative_s",
-        "force_sensor": None,
-        "imu": None,
-    }
+    entry = {"format": "table-csv", "folder": str(path), "file": "robot.csv", "columns": TABLE}
     return Base("table", entry, {"robot.csv": names}, b",")
 
 
@@ -220,14 +193,7 @@ def thesis_base(name: str, folder: Path, sensor: str | None) -> Base:
     }
     if sensor:
         files[sensor] = FORCE
-    entry: dict[str, Any] = {
-        "name": name,
-        "robot": "ur5",
-        "folder": str(folder),
-        "role": "validate",
-        "format": "thesis-csv",
-    }
-    return Base(name, entry, files, b", ", 0, sensor)
+    return Base(name, {"format": "thesis-csv", "folder": str(folder)}, files, b", ", 0, sensor)
 
 
 def made_up(folder: Path) -> Base:

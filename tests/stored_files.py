@@ -159,7 +159,7 @@ def entry_of(format: str, path: Path, names: Sequence[str]) -> dict[str, Any]:
     if format == "channel-files":
         whole |= {"folder": str(path)}
         del whole["file"]
-    return whole | {"joints": None, "units": {}, "time": "relative_s"}
+    return whole
 
 
 WRITERS: dict[str, tuple[str, Callable[..., None]]] = {  # file, and how it is written

@@ -39,13 +39,6 @@ def test_blank_lines_above_a_table_count(tmp_path: Path) -> None:
     assert said(findings[0]).startswith("some.csv, line 3 (")
 
 
-def test_a_name_that_appears_twice_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "some.csv"
-    path.write_text("time,q,q\n1,2,3\n")
-    with pytest.raises(InputError, match="column 'q' appears twice"):
-        read_numbers(Log(path, "robot", []), None)
-
-
 @pytest.mark.parametrize(("other", "whole"), [(5, True), (25, False)])
 def test_a_last_line_without_end_is_whole_if_it_is_like_the_twenty_before_it(
     tmp_path: Path, other: int, whole: bool
@@ -112,16 +105,6 @@ def test_text_is_plain(tmp_path: Path, content: bytes, plain: bytes, finding: st
 def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes) -> None:
     with pytest.raises(InputError, match=r"line 1: not a text file"):
         blocks(tmp_path / "other.csv", content)
-
-
-def test_zeros_further_down_are_a_damaged_line(tmp_path: Path) -> None:
-    content = b"1,2\n" * 300 + b"\0\0\0\n"
-    assert blocks(tmp_path / "lost.csv", content)[0] == [content]
-
-
-def test_a_torn_archive_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="damaged gzip file"):
-        blocks(tmp_path / "torn.csv", gzip.compress(b"1,2\n" * 1000)[:-9])
 
 
 ROW = ",".join(["{0}", *["0.25"] * 6])

@@ -137,7 +137,7 @@ def test_names_of_joints_in_columns_of_text_order_the_numbers(
     entry, comments = imported(saved(table, tmp_path / "run.csv"))
     assert "assumed: the joints' order" not in comments
     assert entry["time"] == "epoch_s"
-    raw = read_recording({"units": {}} | entry).robot.table
+    raw = read_recording(entry).robot.table
     for name in MOVED:
         np.testing.assert_allclose(channel(raw, name), made[1][name], rtol=1e-6)
 
@@ -148,7 +148,7 @@ def test_a_header_of_numpy_is_no_comment(tmp_path: Path, made: Made) -> None:
     np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=head)
     entry, _ = imported(tmp_path / "run.csv")
     assert entry["format"] == "rtde-csv"
-    raw = read_recording({"units": {}} | entry).robot.table
+    raw = read_recording(entry).robot.table
     np.testing.assert_allclose(channel(raw, "actual_q"), made[1]["actual_q"])
 
 
@@ -159,7 +159,7 @@ def test_dates_are_stamps_and_text_is_left_out(tmp_path: Path, made: Made, form:
     table = table.assign(Time=dates.dt.strftime(form), robot_mode="RUNNING", pressed=True)
     entry, _ = imported(saved(table, tmp_path / "run.csv"))
     assert entry["columns"] == ["time", *MOVED, "-", "-"]
-    record = read_recording({"units": {}} | entry).robot
+    record = read_recording(entry).robot
     assert record.start.seconds == pytest.approx(EPOCH)
     np.testing.assert_allclose(record.table["time"], made[0] - made[0][0], atol=1e-5)
 
@@ -210,7 +210,7 @@ def test_names_of_joints_and_units(
             title = pattern.format(kind=kind, **words).format(**words)
             columns[title] = factor * made[1][name][:, k]
     entry, _ = imported(saved(pd.DataFrame(columns), tmp_path / "run.csv"))
-    raw = read_recording({"units": {}} | entry).robot.table
+    raw = read_recording(entry).robot.table
     for name in MOVED:
         np.testing.assert_allclose(channel(raw, name), made[1][name])
 

@@ -52,14 +52,6 @@ def test_what_no_arm_can_do_is_discarded(channel: str, sign: int) -> None:
     assert detail.startswith("first in row 61:")
 
 
-def test_a_sensor_has_samples_not_frames() -> None:
-    findings: list[Finding] = []
-    table = frames(100, "ft_fx")
-    table.loc[5, "ft_fx"] = 1e6
-    drop_implausible(table, "force.csv", "force", findings)
-    assert [one.finding for one in findings] == ["impossible samples"]
-
-
 def test_a_joint_without_limits_may_be_anywhere() -> None:
     table, findings = frames(100), list[Finding]()
     table["actual_q_0"] += 50.0

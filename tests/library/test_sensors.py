@@ -1,6 +1,5 @@
 """What a sensor's file has to hold: samples in order, of a sensor that was connected."""
 
-import gzip
 from pathlib import Path
 
 import numpy as np
@@ -166,21 +165,6 @@ def table(path: Path, rows: int, damaged: list[int]) -> Path:
     return path
 
 
-@pytest.mark.parametrize("rows", [50, 60_000])
-def test_damaged_lines_are_located_however_long_a_file_is(tmp_path: Path, rows: int) -> None:
-    damaged = [3, 4, 17, 30, 31, rows - 5, rows]
-    findings: list[Finding] = []
-    numbers = read_numbers(
-        Log(table(tmp_path / "t.csv", rows, damaged), "robot", findings), ["a", "b"]
-    )
-    expected = np.delete(np.arange(rows), np.array(damaged) - 1)
-    np.testing.assert_array_equal(numbers["a"], expected)
-    np.testing.assert_array_equal(numbers["b"], 2 * expected)
-    ((name, count, detail),) = ((one.finding, one.count, said(one)) for one in findings)
-    assert (name, count) == ("damaged lines", 7)
-    assert detail.startswith("t.csv, line 3, 4, 17, 30, 31 and 2 more (it has 3 cells)")
-
-
 @pytest.mark.parametrize(
     ("damaged", "reported"), [(5, "line 1, 2, 3, 4, 5 (it"), (6, "5 and 1 more")]
 )
@@ -228,19 +212,6 @@ def test_what_stands_for_no_number(tmp_path: Path, empty: str, beside: str) -> N
     (tmp_path / "t.csv").write_text(f"1,2\n3,{empty}\n{beside}5,6\n")
     numbers = read_numbers(Log(tmp_path / "t.csv", "robot", []), ["a", "b"])
     np.testing.assert_array_equal(numbers["b"], [2, np.nan, 6])
-
-
-def test_lines_above_the_header_and_marks_are_skipped(tmp_path: Path) -> None:
-    """Blank ones, comments, quotes, carriage returns; compressed or not."""
-    text = '# made by hand\r\n\r\n% of two columns\r\n"a";"b"\r\n1,5;2\r\n3;4\r\n'
-    (tmp_path / "t.csv").write_bytes(b"\xef\xbb\xbf" + text.encode())
-    (tmp_path / "t.gz").write_bytes(gzip.compress(text.encode()))
-    for name, reported in (("t.csv", "byte-order mark"), ("t.gz", "compressed file")):
-        findings: list[Finding] = []
-        numbers = read_numbers(Log(tmp_path / name, "robot", findings), None)
-        assert list(numbers) == ["a", "b"]
-        np.testing.assert_array_equal(numbers.to_numpy(), [[1.5, 2], [3, 4]])
-        assert [one.finding for one in findings] == [reported, "decimal commas"]
 
 
 @pytest.mark.parametrize(("place", "text"), [(999, False), (1000, True)])

@@ -95,7 +95,7 @@ def test_a_sensor_may_lie_in_the_robot_s_file(tmp_path: Path, made: Made) -> Non
     write_hdf5(tmp_path / "run.h5", made[0], made[1] | own)
     entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q"])
     its = {"time": ["run/stamps"], "ft_f": "run/force", "ft_t": "run/torque"}
-    entry["force_sensor"] = {"channels": its, "units": {}, "time": "relative_s"}
+    entry["force_sensor"] = {"channels": its}
     sensor = read_recording(entry).sensors["force"]
     np.testing.assert_allclose(sensor.table[["ft_fx", "ft_fy", "ft_fz"]], force)
     assert sensor.start is not None
@@ -154,7 +154,7 @@ def test_a_wrench_of_a_bag_has_its_own_stamps(tmp_path: Path, made: Made) -> Non
     write_bag(tmp_path / "run.db3", made[0], kept, wrench=wrench)
     entry = entry_of("rosbag", tmp_path / "run.db3", ["actual_q"])
     its = {"time": "/wrench/bag_stamp", "ft_f": "/wrench/force", "ft_t": "/wrench/torque"}
-    entry["force_sensor"] = {"channels": its, "units": {}, "time": "relative_s"}
+    entry["force_sensor"] = {"channels": its}
     sensor = read_recording(entry).sensors["force"].table
     np.testing.assert_allclose(sensor.drop(columns="time"), wrench)
 
