@@ -9,6 +9,9 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 from ur5lib.tables import read_json
 
 PUSHES = [
@@ -17,11 +20,7 @@ PUSHES = [
 ]
 NAMES = ("log", "apart")  # of the file that was imported, and of the entry written by hand
 MOVED = {"trajectory": {"kind": "fourier", "period_s": 20}, "seconds": 20}
-
-
-def entry(name: str, role: str, **plan: Any) -> dict[str, Any]:
-    made = {"name": name, "robot": "ur5", "format": "rtde-csv", "role": role}
-    return made | {"simulate": MOVED | plan}
+FIT = {"name": "moved", "robot": "ur5", "format": "rtde-csv", "role": "fit", "simulate": MOVED}
 
 
 @pytest.fixture(scope="module")
@@ -31,16 +30,15 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     The moments of the simulated sensor are dropped.
     """
     workflow = Workflow(copy_project(tmp_path_factory.mktemp("forces") / "project"))
-    pushed = entry("pushed", "contact", seed=1, contacts=PUSHES, force_sensor={})
-    made = {"study": "made", "title": "Made", "recordings": [pushed]}
-    config = workflow.folder / "config.yaml"
-    config.write_text(yaml.safe_dump(made))
-    workflow.build("--until", "repair_frames")
-    apart = without_moments(workflow.folder / "raw/made/pushed")
+    folder = workflow.folder / "raw" / "made" / "pushed"
+    pushed = MOVED | {"seed": 1, "contacts": PUSHES, "force_sensor": {}}
+    plan, robot = SimulatedRecording.model_validate(pushed), load_robot(robot_path("ur5"))
+    simulate(robot, plan, "rtde-csv", folder, workflow.folder / "truth")
+    apart = without_moments(folder)
     (imported,) = yaml.safe_load(workflow.ur5("import", "raw/made/pushed/log.csv"))
-    study = {"study": "forces", "title": "Three forces"}
-    recordings = [entry("moved", "fit"), imported, apart]
-    config.write_text(yaml.safe_dump(study | {"recordings": recordings}))
+    study: dict[str, Any] = {"study": "forces", "title": "Three forces"}
+    study["recordings"] = [FIT, imported, apart]
+    (workflow.folder / "config.yaml").write_text(yaml.safe_dump(study))
     workflow.build("--", *(f"results/forces/recordings/{name}/forces.json" for name in NAMES))
     return workflow
 

@@ -321,27 +321,6 @@ def started(workflow: Workflow) -> subprocess.Popen[bytes]:
     )
 
 
-def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
-    """What was deleted is made again to the byte: all of one recording, and files that follow."""
-    before = results(workflow)
-    folder = workflow.folder / "results" / "small"
-    for file in DELETED:
-        (folder / file).unlink()
-    shutil.rmtree(folder / "recordings" / "pushed")
-    planned = workflow.plan()
-    run = started(workflow)
-    while not (folder / "recordings" / "pushed" / "motion.parquet").exists():
-        assert run.poll() is None, "the run ended before it could be killed"
-        time.sleep(0.05)
-    os.killpg(run.pid, signal.SIGKILL)
-    run.wait()
-    assert not (folder / "report.pdf").exists()
-    assert 0 < sum(workflow.plan().values()) < sum(planned.values())
-    workflow.build()
-    assert results(workflow) == before
-    assert workflow.plan() == {}
-
-
 def processes_of(run: subprocess.Popen[bytes]) -> list[int]:
     """The processes of a run that have not ended."""
     found = []
