@@ -2,7 +2,6 @@
 
 import random
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +28,8 @@ from tests.stored_files import (
 )
 from ur5lib import cli
 from ur5lib.errors import InputError
-from ur5lib.importing.blocks import Block
-from ur5lib.importing.contents import NIST, contents
+from ur5lib.importing.contents import NIST
 from ur5lib.importing.files import import_files
-from ur5lib.importing.proposal import propose
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.entries import expand
 from ur5lib.recordings.readings import IN_ORDER, UNABLE, readings
@@ -92,8 +89,7 @@ def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: 
     entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["joints"] == [3, 2, 1, 4, 5, 6]
     assert "elbow, shoulder lift, shoulder pan, wrist 1" in comments
-    complete = entry | {"units": {}, "joints": entry["joints"]}
-    table = read_recording(complete | {"time": "relative_s"}).robot.table
+    table = read_recording(entry).robot.table
     np.testing.assert_allclose(table["actual_q_0"], made[1]["actual_q"][:, 0])
 
 
@@ -123,21 +119,16 @@ def bare(made: Made, **more: Array) -> Made:
 
 
 def currents_read(entry: dict[str, Any]) -> Array:
-    complete = {"units": {}, "joints": None, "time": "relative_s"} | entry
-    return channel(read_recording(complete).robot.table, "actual_current")
+    return channel(read_recording(entry).robot.table, "actual_current")
 
 
-def test_milliamperes_are_told_by_gravity(tmp_path: Path, made: Made) -> None:
-    write_hdf5(tmp_path / "run.h5", *bare(made, effort=1e3 * made[1]["actual_current"]))
+@pytest.mark.parametrize(("factor", "unit"), [(1e3, "mA"), (-1.0, "opposite")])
+def test_the_unit_and_sign_of_currents_are_told_by_gravity(
+    tmp_path: Path, made: Made, factor: float, unit: str
+) -> None:
+    write_hdf5(tmp_path / "run.h5", *bare(made, effort=factor * made[1]["actual_current"]))
     entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
-    assert entry["units"] == {"actual_current": "mA"}
-    np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
-
-
-def test_efforts_of_the_opposite_sign_are_turned(tmp_path: Path, made: Made) -> None:
-    write_hdf5(tmp_path / "run.h5", *bare(made, effort=-made[1]["actual_current"]))
-    entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
-    assert entry["units"] == {"actual_current": "opposite"}
+    assert entry["units"] == {"actual_current": unit}
     np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
 
 
@@ -167,7 +158,7 @@ def test_gravity_is_added_to_torques_without_it(tmp_path: Path, made: Made, ur5:
     entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["channels"]["actual_torque_less_gravity"] == "run/effort"
     assert "assumed: run/effort in Nm, less gravity" in comments
-    taken = read_and_repair({"units": {}, "joints": None, "time": "relative_s"} | entry, ur5, 0.1)
+    taken = read_and_repair(entry, ur5, 0.1)
     torque = free + gravity_torque(ur5, ur5.chosen_model, made[1]["actual_q"])
     current = torque / np.array(ur5.maker_torque_constants())
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), current, atol=1e-6)
@@ -284,9 +275,7 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
     else:
         its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
         assert entry["force_sensor"] == {"channels": its} | turned
-        complete = {"units": {}, "joints": None, "time": "relative_s"} | entry
-        complete["force_sensor"] = {"units": {}, "time": "relative_s"} | entry["force_sensor"]
-        read = read_recording(complete).sensors["force"].table
+        read = read_recording(entry).sensors["force"].table
         np.testing.assert_allclose(read["ft_fx"], touched(made, ur5, frame)[1]["force"][:, 0])
 
 
@@ -468,8 +457,7 @@ def test_bag_and_table_of_one_run_of_a_ur3_agree() -> None:
     both = [import_files([file], [])[0].entry for file in files]
     for key in ("name", "robot", "role"):
         assert both[0][key] == both[1][key]
-    complete = {"units": {}, "joints": None, "time": "relative_s"}
-    bag, table = (read_recording(complete | one).robot.table for one in both)
+    bag, table = (read_recording(one).robot.table for one in both)
     assert [*bag] == [*table]
     assert both[0]["robot"] == "ur3"
     np.testing.assert_allclose(bag, table, atol=2e-6)
@@ -534,28 +522,3 @@ def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> No
     assert other.entry["columns"][3:] == WHOLE
     assert one.entry["file"] != other.entry["file"]
     assert "columns, units and robot as in" in "".join(one.comments)
-
-
-def test_joints_shuffled_at_random_are_found_or_refused(ur5e_data: Path, ur10e_data: Path) -> None:
-    random = np.random.default_rng(7)
-    pose = contents(ur5e_data / "recorded_demo_2022-06-25_15-20-01.h5")
-    gravity = contents(ur10e_data / "ur-20_02_12-40sec_12harm.csv")
-    for found in (pose, gravity, pose, gravity):
-        order = random.permutation(6)
-        joints = [b for b in found.blocks if b.rows.shape[1] == 6]
-        blocks = [
-            Block(b.names, b.rows[:, order], b.clock) if any(b is j for j in joints) else b
-            for b in found.blocks
-        ]
-        order_found = propose(replace(found, blocks=blocks)).order
-        np.testing.assert_array_equal(order[list(order_found)], range(6))
-
-
-def test_efforts_turned_into_newton_metres_are_reported(ur5e_data: Path) -> None:
-    found = contents(ur5e_data / "recorded_demo_2022-06-25_15-20-01.h5")
-    constants = load_robot(robot_path("ur5e")).maker_torque_constants()
-    blocks = [
-        Block(b.names, b.rows * constants, b.clock) if b.meaning() == "effort" else b
-        for b in found.blocks
-    ]
-    assert "actual_current_as_torque" in propose(replace(found, blocks=blocks)).channels
