@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 from scipy.signal import lfilter, lsim
 from scipy.stats import f as fisher
 
@@ -118,44 +117,6 @@ def test_the_simulation_is_scipys(position: list[float], velocity: list[float]) 
         assert (np.abs(qd[:, joint] - states[:, 1]) < 1e-9 * scale[1]).all()
     error, rate = q - targets[0], qd - targets[1]
     np.testing.assert_allclose(qdd, targets[2] - gains[0] * error - gains[1] * rate, atol=1e-6)
-
-
-def test_the_simulation_solves_the_differential_equation() -> None:
-    """Against a solver with small steps, critically damped (2.74)."""
-    targets = np.random.default_rng(1).normal(size=(3, 60, 6))
-    gains = np.full(6, 15.0**2), np.full(6, 2 * 15.0)
-    time = PERIOD * np.arange(60)
-    drive = targets[2] + gains[0] * targets[0] + gains[1] * targets[1]
-
-    def slope(t: float, x: Array) -> Array:
-        u = [np.interp(t, time, drive[:, joint]) for joint in range(6)]
-        return np.concatenate([x[6:], u - gains[0] * x[:6] - gains[1] * x[6:]])
-
-    start = np.concatenate([targets[0, 0], targets[1, 0]])
-    limits = {"rtol": 1e-8, "atol": 1e-9, "max_step": PERIOD / 16}
-    solved = solve_ivp(slope, (0, time[-1]), start, t_eval=time, **limits).y.T
-    q, qd, _ = simulate_closed_loop(*targets, PERIOD, *gains)
-    np.testing.assert_allclose(np.hstack([q, qd]), solved, atol=1e-5)
-
-
-def test_the_simulation_does_not_depend_on_the_step() -> None:
-    """Exact: targets interpolated to a quarter of the step give the same states."""
-    targets = np.random.default_rng(2).normal(size=(3, 100, 6))
-    fine = np.interp(np.arange(397) / 4, np.arange(100), np.arange(100))
-    low = np.minimum(fine.astype(int), 98)
-    share = (fine - low)[:, None]
-    between = [(1 - share) * told[low] + share * told[low + 1] for told in targets]
-    whole = simulate_closed_loop(*targets, PERIOD, K0, K1)
-    parts = simulate_closed_loop(*between, PERIOD / 4, K0, K1)
-    for one, other in zip(whole, parts, strict=True):
-        np.testing.assert_allclose(other[::4], one, atol=1e-9)
-
-
-def test_a_loop_at_rest_stays() -> None:
-    told = np.tile(np.linspace(-1, 1, 6), (50, 1))
-    q, qd, qdd = simulate_closed_loop(told, 0 * told, 0 * told, PERIOD, K0, K1)
-    np.testing.assert_allclose(q, told, atol=1e-13)
-    np.testing.assert_allclose(np.hstack([qd, qdd]), 0, atol=1e-10)
 
 
 # Estimation

@@ -384,12 +384,6 @@ def test_a_fit_has_not_seen_what_it_is_judged_on(
         } or not judges_it
 
 
-def test_nor_does_its_motion_matter(twice: list[Record], folds: dict[str, CurrentFit]) -> None:
-    turned = replace(twice[1], torque=-twice[1].torque)
-    fits = fit_without_each_path([twice[0], turned, *twice[2:]], smooth, prior(), ())
-    assert [equal(fit, folds[names[0]]) for names, fit in fits].count(True) == 1
-
-
 def test_one_path_has_no_fit_that_has_not_seen_it(twice: list[Record]) -> None:
     assert fit_without_each_path([twice[0], twice[3]], smooth, prior(), ()) == []
 
@@ -434,22 +428,22 @@ def test_a_fit_has_not_seen_the_day_that_it_is_judged_on(study: list[Record]) ->
     assert same == [True, False, False]
 
 
-def residuals_with_another(records: list[Record], index: int) -> tuple[Array, Array, Array]:
-    """The recording of each sample, and joint 2's left-out residuals before and after another
-    current in one of them.
+@pytest.mark.parametrize("dated_alike", [False, True], ids=["path", "day"])
+def test_a_left_out_residual_has_not_seen_its_path_nor_its_day(
+    study: list[Record], twice: list[Record], dated_alike: bool
+) -> None:
+    """Of joint 2, with another current in a further run: terms are chosen, and bands stated, on
+    other paths and days.
     """
+    records, index = (dated(study[:6], "aabbbc"), 1) if dated_alike else (twice, 3)
     mutated = [*records[:index], changed(records[index]), *records[index + 1 :]]
     before, after = (joint_samples(own, smooth, (), WAYS)[1] for own in (records, mutated))
     known = BASE, prior().of_joint(1)
-    return before.record, left_out_residuals(before, *known), left_out_residuals(after, *known)
-
-
-def test_a_left_out_residual_has_not_seen_its_day(study: list[Record]) -> None:
-    """Bands are stated, and terms chosen, on other days."""
-    records = dated(study[:6], "aabbbc")
-    place, before, after = residuals_with_another(records, 1)
-    np.testing.assert_array_equal(after[place == 0], before[place == 0])
-    assert not np.isclose(after[place > 1], before[place > 1]).all()
+    old, new = left_out_residuals(before, *known), left_out_residuals(after, *known)
+    own = before.record == 0
+    np.testing.assert_array_equal(new[own], old[own])
+    other = before.record > 1 if dated_alike else np.isin(before.record, [1, 2])
+    assert not np.isclose(new[other], old[other]).all()
 
 
 def test_the_fit_for_a_recording_is_the_one_that_has_not_seen_it(
@@ -465,14 +459,6 @@ def test_the_fit_for_a_recording_is_the_one_that_has_not_seen_it(
         assert not equal(friction.fit_for(record.name), whole)
     assert equal(friction.fit_for("another"), whole)
     assert equal(replace(friction, left_out=[]).fit_for(twice[0].name), whole)
-
-
-def test_a_left_out_residual_has_not_seen_its_path(twice: list[Record]) -> None:
-    """Nor the other run along it: a term is chosen, a band stated on paths, not on recordings."""
-    place, before, after = residuals_with_another(twice, 3)
-    np.testing.assert_array_equal(after[place == 0], before[place == 0])
-    other = np.isin(place, [1, 2])
-    assert not np.isclose(after[other], before[other]).all()
 
 
 def test_breakaway_is_the_friction_that_turns_with_direction(fitted: CurrentFit) -> None:

@@ -29,11 +29,6 @@ def test_spans_reach_on_and_end_at_off() -> None:
     assert spans(signal, on=9, off=1) == []
 
 
-def test_an_alarm_does_not_flicker() -> None:
-    odds = np.array([-5, 1, -1, 1, -5.0])
-    assert alarms(odds, 0.0) == [(1, 4)]
-
-
 def test_the_threshold_keeps_its_rate() -> None:
     """20 recordings of a minute: at most 2 alarms a minute, and one more just below."""
     recordings = []
@@ -46,10 +41,6 @@ def test_the_threshold_keeps_its_rate() -> None:
     assert count == 40
     lower = sum(len(alarms(odds, threshold - 0.5)) for odds in recordings)
     assert lower > 40
-
-
-def test_a_threshold_is_never_against_the_odds() -> None:
-    assert alarm_threshold([np.full(1000, -3.0)], [0.01], 1.0) == 0.0
 
 
 def test_each_recording_counts_for_as_long_as_it_lasts() -> None:
@@ -88,13 +79,6 @@ def test_without_contacts_there_is_no_recall() -> None:
 
 BOUNDS = st.lists(st.integers(0, 60), max_size=20, unique=True).map(sorted)
 SPANS = BOUNDS.map(lambda edges: [*zip(edges[::2], edges[1::2], strict=False)])
-
-
-@given(SPANS)
-def test_an_alarm_that_never_ends_finds_at_most_one_contact(contact: list) -> None:
-    detection = compare([(0, 100)], contact, 0.1)
-    assert detection.found == min(1, len(contact))
-    assert detection.false == (not contact)
 
 
 @given(SPANS, SPANS, st.randoms(use_true_random=False))
@@ -146,23 +130,6 @@ def test_the_receiver_curve_of_a_perfect_and_a_blind_detector() -> None:
     assert np.trapezoid(found, false) == pytest.approx(1)
     false, found = receiver_curve(RANDOM.random(4000), contact)
     assert np.trapezoid(found, false) == pytest.approx(0.5, abs=0.05)
-
-
-def test_pushes_follow_one_another() -> None:
-    profile, places = pushes(3000, 0.01)
-    assert len(places) == 9
-    assert profile.max() == pytest.approx(1)
-    inside = np.concatenate([np.arange(first, last) for first, last in places])
-    assert np.delete(profile, inside).max() == 0
-
-
-def test_the_smallest_force_of_a_known_detector() -> None:
-    """Found with probability 1 / (1 + (F / 8)^-6): 95 % at 8 * 19^(1/6) = 13.1 N."""
-    force = RANDOM.uniform(2, 40, 2000)
-    found = RANDOM.random(2000) < 1 / (1 + (force / 8) ** -6)
-    smallest = smallest_force(force, found)
-    assert smallest.force == pytest.approx(8 * 19 ** (1 / 6), abs=4 * smallest.std)
-    assert smallest.std < 1.0
 
 
 def test_the_smallest_force_of_extreme_detectors() -> None:

@@ -88,17 +88,6 @@ def test_a_joint_that_stops_settles_then_rests_while_others_move(period: float) 
     assert not is_still(states).any()
 
 
-def test_a_joint_about_to_start_is_not_at_rest() -> None:
-    time = np.arange(0, 8, PERIOD)
-    qd = np.zeros((len(time), 6))
-    qd[:, 1] = 1.0
-    qd[time > 5, 0] = 1.0
-    states = states_of(qd)
-    assert (states[time < 3.95, 0] == RESTING).all()
-    assert (states[(time > 4.05) & (time < 5), 0] == SETTLING).all()
-    assert (states[time > 5.3, 0] == MOVING).all()
-
-
 def test_an_arm_is_still_once_all_joints_rest() -> None:
     time = np.arange(0, 8, PERIOD)
     qd = np.zeros((len(time), 6))

@@ -105,13 +105,6 @@ def test_any_chunking_gives_every_frame(capture: Path, cuts: list[int], seed: in
     assert frame["received"].tolist() == ends
 
 
-def test_byte_by_byte(capture: Path) -> None:
-    sent = messages(4)
-    frame, _ = read_stream(write(capture, chunked(b"".join(sent), range(1, 4 * SIZE))))
-    assert received_of(frame, sent) == [0, 1, 2, 3]
-    assert frame["received"].tolist() == [SIZE * k - 0.5 for k in (1, 2, 3, 4)]
-
-
 @settings(derandomize=True, deadline=None, max_examples=250)
 @given(
     at=st.integers(0, FRAMES * SIZE - 1),
@@ -206,22 +199,6 @@ def test_number_of_channels_by_layout(capture: Path) -> None:
     """time, received, and what is named: nothing internal, no bits, no raw counts."""
     counts = [read_stream(write(capture, messages(2, size=size)))[0].shape[1] for size in SIZES]
     assert counts == [74, 78, 84, 114, 114, 120, 121, 121, 131]
-
-
-def test_figure_4_4(capture: Path) -> None:
-    """At rest a packet a frame; once moving, every third comes with the next, split 694 + 62."""
-    sent = messages(4 + 4 * 25)
-    packets = [(0.008 * k, m) for k, m in enumerate(sent[:4])]
-    for k in range(4, len(sent), 4):
-        first, second, late, split = sent[k : k + 4]
-        packets += [(0.008 * k, first), (0.008 * (k + 1), second)]
-        packets += [(0.008 * (k + 3), late + split[:694]), (0.008 * (k + 3) + 0.001, split[694:])]
-    lines = "".join(f"{at:.3f},{data.hex()}\n" for at, data in packets)
-    capture.write_text("received_s,payload_hex\n" + lines)
-    frame, findings = read_stream(capture)
-    assert received_of(frame, sent) == list(range(len(sent)))
-    assert frame["received"].tolist()[-2:] == [0.824, 0.825]
-    assert not findings
 
 
 def test_every_frame_split_in_other_blocks(capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,5 @@
 """Sessions of the recorder with emulated devices, which know when they took each sample."""
 
-import json
 import multiprocessing
 import os
 import signal
@@ -215,12 +214,6 @@ def test_a_recording_goes_on_though_nobody_asks_for_its_progress(tmp_path: Path)
     assert status.seconds > 4.0
 
 
-def test_a_device_that_is_not_there_is_said_before_anything_is_recorded(tmp_path: Path) -> None:
-    absent = {"imu": XsensDevice(port=str(tmp_path / "nowhere"))}
-    with pytest.raises(InputError, match="nowhere"), Session(absent, tmp_path / "run"):
-        pass
-
-
 def test_of_several_devices_that_are_not_there_one_is_said(tmp_path: Path) -> None:
     absent = {name: XsensDevice(port=str(tmp_path / name)) for name in ("imu", "other")}
     with pytest.raises(InputError, match="imu"), Session(absent, tmp_path / "run"):
@@ -277,8 +270,3 @@ def test_a_killed_recorder_leaves_whole_files(tmp_path: Path) -> None:
         rows = file.read_text().splitlines()
         assert {row.count(",") for row in rows} == {rows[0].count(",")}
         assert len(rows) > 100
-
-
-def test_the_manifest_is_plain(recorded: tuple[Lab, Path, EmulatedController]) -> None:
-    text = (recorded[1] / "manifest.json").read_text()
-    assert json.loads(text)["devices"]["imu"]["sha256"]

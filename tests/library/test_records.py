@@ -109,13 +109,6 @@ def test_a_record_comes_back(
 
 
 @pytest.mark.parametrize("record", RECORDS)
-def test_no_two_channels_share_a_column(record: type[Table], tmp_path: Path) -> None:
-    made = whole(record)
-    made.write(tmp_path / "whole.parquet")
-    same(record.read(tmp_path / "whole.parquet"), made)
-
-
-@pytest.mark.parametrize("record", RECORDS)
 def test_every_column_has_its_unit(record: type[Table], tmp_path: Path) -> None:
     made = whole(record)
     made.write(tmp_path / "whole.parquet")

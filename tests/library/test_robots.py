@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 import pinocchio
 import pytest
@@ -165,17 +164,6 @@ def test_a_new_arm_is_a_file_and_nothing_else(tmp_path: Path) -> None:
     theirs = [pinocchio.rnea(engine, engine.createData(), *row) for row in zip(*given, strict=True)]
     ours = inverse_dynamics(build_arm(robot, "only"), *map(torch.from_numpy, given))
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-11)
-
-
-@pytest.mark.parametrize("name", robot_names())
-def test_export_is_loaded_by_other_engines(name: str, tmp_path: Path) -> None:
-    path = tmp_path / "arm.urdf"
-    for model in load_robot(robot_path(name)).models:
-        command = ["export", "--robot", name, "--model", model, "--to", "urdf"]
-        done = CliRunner().invoke(app, command, catch_exceptions=False)
-        path.write_text(done.stdout)
-        assert pinocchio.buildModelFromUrdf(str(path)).nv == 6
-        assert mujoco.MjModel.from_xml_path(str(path)).nv == 6
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from tests.library.made_up_torques import MODEL, Free, between, free_run
 from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
-from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
@@ -414,22 +413,6 @@ def test_few_paths_that_hardly_rest_ask_for_rest(
     resting = free_run(ur5, 2, seconds=seconds, moving=False, period=PERIOD)
     found = fit_residuals(tmp_path, friction, 2, free_run(ur5, 1, period=PERIOD), resting)
     assert len(found.remarks) == remarks
-
-
-def test_recordings_of_several_rates_leave_the_same(
-    ur5: Robot, friction: Friction, tmp_path: Path
-) -> None:
-    """One recording at 250 Hz, and one of four of its samples; then both together."""
-    often = free_run(ur5, 3, seconds=40, period=0.004)
-    seldom = Free(*(values[::4] for values in vars(often).values()))
-    spreads = [
-        torque_model(fit_residuals(tmp_path, friction, 5, *runs))
-        for runs in ([often], [seldom], [often, seldom], [seldom, often])
-    ]
-    for other in spreads[1:]:
-        for name in ("spread", "change"):
-            own, reference = (getattr(model, name)[MOVING] for model in (other, spreads[0]))
-            np.testing.assert_allclose(own, reference, rtol=0.03)
 
 
 def test_of_a_joint_that_never_moves_other_arms_tell(
