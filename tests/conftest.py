@@ -55,6 +55,11 @@ def ur5() -> Robot:
     return load_robot(robot_path("ur5"))
 
 
+@pytest.fixture(scope="session")
+def ur5e() -> Robot:
+    return load_robot(robot_path("ur5e"))
+
+
 @pytest.fixture
 def run_ur5(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Command:
     return Command(monkeypatch, capsys)

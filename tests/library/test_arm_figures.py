@@ -13,14 +13,9 @@ from ur5lib.report.arm_figures import (
     mass_panels,
     placed,
 )
-from ur5lib.robots.description import Cylinder, Robot, load_robot, robot_path
+from ur5lib.robots.description import Cylinder, Robot
 
 HEIGHT = 1.04  # m, of the UR5 in position 2 of Figure 4.1
-
-
-@pytest.fixture(scope="module")
-def ur5() -> Robot:
-    return load_robot(robot_path("ur5"))
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ RANDOM, CELLS, SEEDS = 10, 6, 300
 
 
 @functools.cache
-def task(robot: str = "ur5e", question: str = "model", seconds: float = 20.0) -> Task:
+def task(robot: str = "ur5e", question: str = "model", seconds: float = 10.0) -> Task:
     options = ExciteOptions(robot, seconds, question, None, TABLE, None, 0)
     return task_of(options, *earlier(options))
 
@@ -65,14 +65,14 @@ def test_the_gradient_is_that_of_finite_differences(question: str, weight: float
 
 def test_a_path_becomes_variables_and_back() -> None:
     objective = Objective(task())
-    path = objective.path(np.random.default_rng(0).normal(size=6 + 6 * 21))
+    path = objective.path(np.random.default_rng(0).normal(size=6 + 6 * 9))
     again = objective.path(objective.variables(path))
     np.testing.assert_allclose(again.coefficients, path.coefficients, atol=1e-12)
     np.testing.assert_array_equal(again.posture, path.posture)
 
 
 def test_the_trajectory_begins_and_ends_at_rest() -> None:
-    states = designed().path.at(np.array([0.0, 20.0]))
+    states = designed().path.at(np.array([0.0, 10.0]))
     np.testing.assert_allclose(states.q, designed().path.posture + np.zeros((2, 6)), atol=1e-9)
     assert np.abs(states.qd).max() < 1e-9
     assert np.abs(states.qdd).max() < 1e-9
@@ -188,7 +188,7 @@ def test_a_box_around_the_arm_leaves_no_room() -> None:
 
 
 def test_a_posture_that_breaks_a_limit_is_told() -> None:
-    folded = Path(np.zeros(6), np.full((24, 6), 1e-3), 20.0)
+    folded = Path(np.zeros(6), np.full((24, 6), 1e-3), 10.0)
     with pytest.raises(
         InputError, match=r"no motion about the posture keeps the limits .*singular"
     ):

@@ -20,7 +20,7 @@ from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.formats import read_rtde_csv
 from ur5lib.robots.collisions import Capsules, Surroundings
-from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.stand.trajectories import REST
@@ -28,11 +28,6 @@ from ur5lib.study.reading import read_study
 from ur5lib.tables import channel, read_json
 
 SECONDS = 6.0
-
-
-@pytest.fixture(scope="module")
-def ur5e() -> Robot:
-    return load_robot(robot_path("ur5e"))
 
 
 @pytest.fixture(scope="module")

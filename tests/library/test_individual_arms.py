@@ -27,11 +27,6 @@ from ur5lib.timeseries.arrays import Array
 ROS_LINKS = ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"]
 
 
-@pytest.fixture(scope="module")
-def ur5e() -> Robot:
-    return load_robot(robot_path("ur5e"))
-
-
 # Overrides
 
 

@@ -29,7 +29,7 @@ from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_m
 from ur5lib.recorder.device import Identity
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.collisions import collisions
-from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.reading import read_study
@@ -50,11 +50,6 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "lab.yaml").write_text(STUDY)
     return Path("lab.yaml")
-
-
-@pytest.fixture(scope="module")
-def ur5e() -> Robot:
-    return load_robot(robot_path("ur5e"))
 
 
 def at(q: np.ndarray) -> SimulatedRecording:
