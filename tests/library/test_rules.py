@@ -29,6 +29,8 @@ recordings:
 NOT_BY_NAME = {
     ("align_signals", "input"): ["force", "imu"],  # by the names that a table of clocks has
     ("write_paper", "input"): ["columns"],  # the document names figures by their place
+    ("simulate_recording", "input"): ["way_points"],  # its plan names the file
+    ("simulate_recording", "output"): ["summary"],  # lies beside the truth
 }
 LIST_RULES = """\
 import json, sys
@@ -70,11 +72,14 @@ def read_names(text: str, kind: str) -> set[str]:
 
 
 def unread(text: str, kind: str, declared: set[str]) -> list[str]:
-    """Declared names that neither the script nor a module of the library that it imports spells."""
-    modules = (PROJECT / name.replace(".", "/") for name in re.findall(r"from (ur5lib\S+)", text))
-    files = [path.with_suffix(".py") for path in modules]
+    """Declared names that a script does not spell, nor, where it computes the names that it reads,
+    a module of the library that it imports.
+    """
     spelt = {*re.findall(r"\w+", text)}
-    spelt |= {w for f in files if f.is_file() for w in re.findall(r'"(\w+)"', f.read_text())}
+    if re.search(rf'\b{kind}(?:\[|\.get\()(?!")|attr\({kind}, (?!")', text):
+        modules = (PROJECT / name.replace(".", "/") for name in re.findall(r"from (ur5\S+)", text))
+        files = filter(Path.is_file, (path.with_suffix(".py") for path in modules))
+        spelt |= {word for file in files for word in re.findall(r'"(\w+)"', file.read_text())}
     of_figures = "_data" if kind == "output" else ""  # their numbers beside them
     return sorted(name for name in declared if name.removesuffix(of_figures) not in spelt)
 
