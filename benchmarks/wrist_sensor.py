@@ -50,7 +50,7 @@ def main() -> None:
     seeds, quick = asked(__doc__, SEEDS)
     seconds = 15.0 if quick else SECONDS
     with tempfile.TemporaryDirectory() as folder:
-        rows = audited(Path(folder), study(seeds, seconds))
+        rows = audited(Path(folder), study(seeds, seconds, fits=1 if quick else 2))
     print(f"{seeds} seeds of {seconds:g} s")
     for quantity, part in rows.groupby("quantity", sort=False):
         inside = (part["low"] <= part["truth"]) & (part["truth"] <= part["high"])
@@ -61,9 +61,9 @@ def main() -> None:
         )
 
 
-def study(seeds: int, seconds: float) -> dict[str, Any]:
-    """Return the study: two recordings to fit, and a pushed one for each seed."""
-    fitted = [planned(f"fit_{draw}", "fit", draw, seconds) for draw in (101, 102)]
+def study(seeds: int, seconds: float, fits: int) -> dict[str, Any]:
+    """Return the study: so many recordings to fit, and a pushed one for each seed."""
+    fitted = [planned(f"fit_{draw}", "fit", draw, seconds) for draw in range(101, 101 + fits)]
     pushed = [
         planned(f"seed_{seed}", "contact", seed, seconds, contacts=pushes(seed, seconds))
         for seed in range(seeds)
