@@ -22,7 +22,7 @@ from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.realtime_arm import RealtimeArm
 from ur5lib.recorder.rtde_arm import RtdeArm
 from ur5lib.robots.rtde_variables import columns
-from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Spring, Standstill
+from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Standstill
 from ur5lib.timeseries.arrays import Array
 
 for module in ("rtde_receive", "rtde_control", "dashboard_client"):
@@ -288,12 +288,6 @@ end
 # Motion of the recorder
 
 
-def test_the_arm_moves_through_way_points(motion: ArmMotion) -> None:
-    motion.move_through(np.array([AWAY, POSTURE, AWAY]), 1.5, 3.0)
-    np.testing.assert_allclose(read_state(HERE).q, AWAY, atol=2e-3)
-    motion.move_through(np.array([POSTURE]), 1.5, 3.0)
-
-
 def test_the_arm_follows_a_streamed_trajectory(ur5e: EmulatedController, motion: ArmMotion) -> None:
     motion.move_through(np.array([POSTURE]), 1.5, 3.0)
     time_s = np.arange(0, 2, 0.002)
@@ -342,20 +336,6 @@ with ArmMotion("{HERE}") as motion:
     assert read_state(HERE).q[0] < 1.2
 
 
-def test_the_arm_is_led_by_hand(ur5e: EmulatedController, motion: ArmMotion) -> None:
-    """While a hand pulls at it; without freedrive, it resists."""
-    motion.move_through(np.array([POSTURE]), 1.5, 3.0)
-    start = ur5e.ask("time") + 0.2
-    pull = {"kind": "spring", "displacement": (0.0, 0.1, 0.0), "start_s": start, "seconds": 3.0}
-    ur5e.ask("touch", Spring.model_validate(pull))
-    assert motion.lead_by_hand(lambda: ur5e.ask("time") > start + 1.5)
-    led = read_state(HERE).q
-    assert np.abs(led - POSTURE).max() > 0.05
-    wait_for(lambda: ur5e.ask("time") > start + 3.2)
-    np.testing.assert_allclose(read_state(HERE).q, led, atol=0.01)
-    assert motion.move_through(np.array([POSTURE]), 1.5, 3.0)
-
-
 def test_its_control_interface_knows_freedrive(ur5e: EmulatedController) -> None:
     import rtde_control
 
@@ -387,16 +367,6 @@ def test_a_protective_stop_is_seen(ur5e: EmulatedController, motion: ArmMotion) 
     dashboard.disconnect()
     wait_for(lambda: read_state(HERE).ready)
     motion.move_through(np.array([POSTURE]), 1.0, 2.0)
-
-
-def test_the_arm_stops_where_its_limits_end(ur5e: EmulatedController, motion: ArmMotion) -> None:
-    beyond = np.array([7.0, *POSTURE[1:]])
-    with pytest.raises(MotionError, match="protective stop"):
-        motion.move_through(np.array([beyond]), 3.0, 10.0)
-    assert read_state(HERE).q[0] < 6.6
-    wait_for(lambda: bool(ur5e.ask("unlock")))
-    wait_for(lambda: read_state(HERE).ready)
-    motion.move_through(np.array([POSTURE]), 3.0, 10.0)
 
 
 def test_a_push_is_in_the_truth(ur5e: EmulatedController) -> None:

@@ -12,8 +12,6 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.kinematics import acceleration, velocity
 from ur5lib.dynamics.rigid_body import (
     inverse_dynamics,
-    kinetic_energy,
-    potential_energy,
     wrench_torque,
 )
 from ur5lib.errors import InputError
@@ -137,18 +135,6 @@ def test_a_wrench_on_the_tool_is_told_at_frame_6() -> None:
     assert np.abs(motion["wrench"][:, 3:]).max() > 1
 
 
-def test_work_goes_into_energy() -> None:
-    """Motors, friction and contacts: within what steps of 1 ms miss."""
-    contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10]}]
-    motion = (done := experiment(friction=True, contacts=contacts)).motion
-    given = motion["motor_torque"] - motion["friction_torque"] + motion["contact_torque"]
-    work = np.concatenate([[0], np.cumsum((given[:-1] * motion["qd"][1:]).sum(axis=1) * STEP)])
-    arm, (q, qd, _) = build_arm(done.rig.robot, done.rig.model), states(done)
-    energy = (kinetic_energy(arm, q, qd) + potential_energy(arm, q)).numpy()
-    assert np.ptp(energy) > 5
-    assert np.abs(work - (energy - energy[0])).max() < 2e-3 * np.ptp(energy)
-
-
 def test_a_motion_is_its_own_derivative() -> None:
     motion = experiment(friction=True).motion
     np.testing.assert_allclose(np.diff(motion["q"], axis=0), STEP * motion["qd"][1:], atol=1e-12)
@@ -184,19 +170,6 @@ def test_imu_feels_what_kinematics_say(
         first_order = inside + np.cross(inside, np.deg2rad(turn))
         assert np.abs(felt - first_order).max() < 1e-4 * np.abs(true).max()
         assert np.abs(felt - inside).max() > 1e-3 * np.abs(true).max()  # the mounting shows
-
-
-def test_imu_agrees_with_where_the_flange_goes(ur5: Robot) -> None:
-    """Its specific force is the second difference of its place, within the integration's error."""
-    motion = experiment(imu={"mounting_deg": [0, 0, 0]}).motion
-    assert ur5.mounting is not None
-    rotation = motion["rotation"].reshape(-1, 3, 3)
-    place = motion["origin"] + rotation @ np.array(ur5.mounting.imu)
-    force = np.einsum("nij,nj->ni", rotation, motion["imu"][:, :3]) + ur5.gravity
-    assert np.abs(force[1:-1] - np.diff(place, 2, axis=0) / STEP**2).max() < 0.01
-    turned = np.einsum("nji,njk->nik", rotation[:-1], rotation[1:])
-    rate = np.stack([turned[:, 2, 1], turned[:, 0, 2], turned[:, 1, 0]], axis=1) / STEP
-    assert np.abs(motion["imu"][1:, 3:] - rate).max() < 0.003
 
 
 def test_force_sensor_reads_the_force_of_the_hand_on_the_arm(ur5: Robot) -> None:
