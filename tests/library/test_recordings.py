@@ -1,6 +1,5 @@
 """Reading recordings: nothing invented, nothing silently dropped."""
 
-import hashlib
 import tracemalloc
 from pathlib import Path
 
@@ -28,7 +27,7 @@ from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import SPLIT
 from ur5lib.stand.files import MESSAGE, messages
 from ur5lib.study.model import Recording
-from ur5lib.tables import checksum, named
+from ur5lib.tables import named
 
 LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX]
 
@@ -89,20 +88,6 @@ def test_a_part_begins_at_its_start_and_ends_before_its_end(
 
 
 # Long recordings
-
-
-def test_a_checksum_takes_no_memory(tmp_path: Path) -> None:
-    """An hour's file is more than a gigabyte."""
-    content = bytes(range(256)) * (1 << 13)
-    (tmp_path / "long.csv").write_bytes(content)
-    tracemalloc.start()
-    try:
-        found = checksum(tmp_path / "long.csv")
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    assert found == hashlib.sha256(content).hexdigest()
-    assert peak < len(content) / 4
 
 
 def test_a_long_recording_is_in_memory_about_once(

@@ -182,81 +182,70 @@ def six(name: str) -> list[str]:
     return [f"{name}_{joint}" for joint in range(6)]
 
 
-def exchanged(*pairs: tuple[str, str]) -> Spoil:
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        for one, other in pairs:
-            both = six(one) + six(other)
-            table[both] = table[six(other) + six(one)].to_numpy()
-        return table
-
-    return spoil
+def spoiling(change: Callable[..., pd.DataFrame]) -> Callable[..., Spoil]:
+    """So called, a change of a table waits for the table and its arm."""
+    return lambda *own: lambda table, arm: change(table, arm, *own)
 
 
-def scaled(factor: float, *names: str) -> Spoil:
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        columns = [column for name in names for column in six(name) if column in table]
-        table[columns] *= factor
-        return table
+@spoiling
+def exchanged(table: pd.DataFrame, _: Robot, *pairs: tuple[str, str]) -> pd.DataFrame:
+    for one, other in pairs:
+        both = six(one) + six(other)
+        table[both] = table[six(other) + six(one)].to_numpy()
+    return table
 
-    return spoil
+
+@spoiling
+def scaled(table: pd.DataFrame, _: Robot, factor: float, *names: str) -> pd.DataFrame:
+    columns = [column for name in names for column in six(name) if column in table]
+    table[columns] *= factor
+    return table
 
 
-def loaded(*reported: str) -> Spoil:
+@spoiling
+def loaded(table: pd.DataFrame, arm: Robot, *reported: str) -> pd.DataFrame:
     """3 kg on the flange; reported: channels of the controller that know of it."""
-
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        torque = load_torque(arm, channel(table, "actual_q")) @ (3.0 * np.array([1, 0, 0, 0.05]))
-        for name in ("actual_current", *reported):
-            constant = 1.0 if name == "target_moment" else TORQUE_CONSTANTS
-            table[six(name)] += torque / constant
-        return table
-
-    return spoil
+    torque = load_torque(arm, channel(table, "actual_q")) @ (3.0 * np.array([1, 0, 0, 0.05]))
+    for name in ("actual_current", *reported):
+        constant = 1.0 if name == "target_moment" else TORQUE_CONSTANTS
+        table[six(name)] += torque / constant
+    return table
 
 
-def without(*names: str) -> Spoil:
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        return table.drop(columns=[c for name in names for c in six(name)], errors="ignore")
-
-    return spoil
+@spoiling
+def without(table: pd.DataFrame, _: Robot, *names: str) -> pd.DataFrame:
+    return table.drop(columns=[c for name in names for c in six(name)], errors="ignore")
 
 
-def joints_exchanged(one: int, other: int, *names: str) -> Spoil:
+@spoiling
+def joints_exchanged(
+    table: pd.DataFrame, _: Robot, one: int, other: int, *names: str
+) -> pd.DataFrame:
     """Exchange the columns of two joints, 1 to 6; of every channel where none is named."""
-
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        for name in names or ("actual_q", "actual_qd", "actual_current"):
-            both = [f"{name}_{one - 1}", f"{name}_{other - 1}"]
-            table[both] = table[both[::-1]].to_numpy()
-        return table
-
-    return spoil
+    for name in names or ("actual_q", "actual_qd", "actual_current"):
+        both = [f"{name}_{one - 1}", f"{name}_{other - 1}"]
+        table[both] = table[both[::-1]].to_numpy()
+    return table
 
 
-def one_scaled(factor: float, joint: int) -> Spoil:
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        table[f"actual_current_{joint - 1}"] *= factor
-        return table
-
-    return spoil
+@spoiling
+def one_scaled(table: pd.DataFrame, _: Robot, factor: float, joint: int) -> pd.DataFrame:
+    table[f"actual_current_{joint - 1}"] *= factor
+    return table
 
 
-def late(seconds: float) -> Spoil:
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        rows = round(seconds / float(np.median(np.diff(table["time"]))))
-        table[six("actual_current")] = table[six("actual_current")].shift(rows)
-        return table.iloc[rows:].reset_index(drop=True)
-
-    return spoil
+@spoiling
+def late(table: pd.DataFrame, _: Robot, seconds: float) -> pd.DataFrame:
+    rows = round(seconds / float(np.median(np.diff(table["time"]))))
+    table[six("actual_current")] = table[six("actual_current")].shift(rows)
+    return table.iloc[rows:].reset_index(drop=True)
 
 
-def each(*spoils: Spoil) -> Spoil:
-    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-        for one in spoils:
-            table = one(table, arm)
-        return table
-
-    return spoil
+@spoiling
+def each(table: pd.DataFrame, arm: Robot, *spoils: Spoil) -> pd.DataFrame:
+    for one in spoils:
+        table = one(table, arm)
+    return table
 
 
 UNKNOWN = ("target_moment", "target_current", "actual_TCP_pose")  # not in a ROS JointState

@@ -127,17 +127,6 @@ def test_jobs_of_a_killed_run_keep_a_second_one_waiting(
     assert [name for name in made if after[name] != before[name]] == []
 
 
-def test_nothing_of_slurm_is_left_after_a_failure(slurm: dict[str, str]) -> None:
-    with contextlib.suppress(ZeroDivisionError), one_node_slurm() as other:
-        folder = Path(other["SLURM_CONF"]).parent
-        ask(other, "sbatch", f"--chdir={folder}", "--output=/dev/null", "--wrap=sleep 1000")
-        assert wait_until(lambda: processes_in(folder, "sleep"), 10)
-        raise ZeroDivisionError
-    assert not folder.exists()
-    assert not processes_in(folder)
-    assert ask(slurm, "sinfo", "--noheader", "--format=%T") == "idle"  # the first goes on
-
-
 # The profiles, where no cluster is at hand
 
 

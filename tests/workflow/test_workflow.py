@@ -166,10 +166,6 @@ def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
     assert workflow.plan("paper").keys() == expected.keys() - {"draw_filters_for_paper"}
 
 
-def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
-    assert not [*(built_workflow.folder / "results").rglob("*.part")]
-
-
 # What reruns, and what does not
 
 
@@ -444,13 +440,6 @@ def test_recordings_that_cannot_be_read(workflow: Workflow) -> None:
     )
     [*_, end] = fails_with(workflow, *sentences).split("2 failed:\n")
     assert all(sentence in end for sentence in sentences)
-
-
-def test_a_study_that_is_no_study(built_workflow: Workflow) -> None:
-    (built_workflow.folder / "letter.yaml").write_text("Dear reader,\nthis is a letter.\n")
-    done = built_workflow.run("--configfile", "letter.yaml")
-    assert done.returncode == 1
-    assert "Config file must be given as JSON or YAML with keys at top level" in done.stdout
 
 
 def test_recordings_and_results_are_those_of_the_working_folder(
