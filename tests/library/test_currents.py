@@ -65,7 +65,6 @@ from ur5lib.identification.selection import (
 from ur5lib.identification.validation import (
     baseline_current,
     coefficients_of_constants,
-    fitted_on_tested_on,
     least_squares_coefficients,
     score,
 )
@@ -616,13 +615,6 @@ def test_a_band_of_few_recordings_is_wider() -> None:
         widths.append(band_of_recordings(errors, record, MOVING, coulomb))
     assert widths == sorted(widths, reverse=True)
     assert widths[-1] == pytest.approx(NORMAL95 * MOVING.error * coulomb, rel=0.05)
-
-
-def test_fitted_on_tested_on_has_its_own_recording_on_the_diagonal(study: list[Record]) -> None:
-    table = fitted_on_tested_on(study[:3], smooth, prior(), [BASE] * 6, WAYS)
-    assert table.shape == (3, 3, 6)
-    diagonal = np.stack([table[k, k] for k in range(3)])
-    assert (diagonal.mean(axis=0) < table.mean(axis=(0, 1))).all()
 
 
 def test_hubers_regression_with_a_prior_is_ridge_regression_without_outliers() -> None:

@@ -95,16 +95,6 @@ def test_velocity_product_acceleration_is_the_change_of_the_jacobian(
     torch.testing.assert_close(acceleration(arm, q, qd, qdd, link, POINT), moved)
 
 
-def test_acceleration_is_the_change_of_the_velocity(arm: Arm) -> None:
-    q, qd, qdd = states(1000)
-
-    def moving(time: float) -> Tensor:
-        return velocity(arm, q + qd * time + qdd * time**2 / 2, qd + qdd * time)
-
-    expected = slope(moving, 5e-4)
-    assert (acceleration(arm, q, qd, qdd) - expected).abs().max() < 1e-9 * expected.abs().max()
-
-
 # Orientation
 
 
