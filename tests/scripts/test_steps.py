@@ -103,7 +103,11 @@ def test_jobs_run_at_the_same_time(folder: Path) -> None:
         ("advises", "advises: mend this", "advises: mend this\n"),
         ("breaks", "breaks: KeyError: 'x' (traceback in logs/breaks.log)", "Traceback"),
         ("garbled", "garbled: SyntaxError: '(' was never closed", "Traceback"),
-        ("dies", "dies: its process ended early, perhaps for lack of memory; see logs/dies.log", ""),
+        (
+            "dies",
+            "dies: its process ended early, perhaps for lack of memory; see logs/dies.log",
+            "",
+        ),
     ],
 )
 def test_a_failed_step_says_why(folder: Path, step: str, sentence: str, logged: str) -> None:
