@@ -181,12 +181,24 @@ def named(values: Array, name: str) -> dict[str, Array]:
 
 def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
     """Write a table of results: an empty cell where no value applies, numbers to some digits."""
-    write_aside(path, lambda aside: csv_text(table, digits, aside))
+    of_numbers = table.shape[1] > 1 and bool((table.dtypes == np.float64).all())
+    write = _write_numbers if of_numbers else csv_text
+    write_aside(path, lambda aside: write(table, digits, aside))
 
 
 def csv_text(table: pd.DataFrame, digits: int = 9, path: Path | None = None) -> str | None:
     """Return a table of results as it is written; None if it is written to a path."""
     return table.to_csv(path, index=False, float_format=f"%.{digits}g")
+
+
+def _write_numbers(table: pd.DataFrame, digits: int, path: Path) -> None:
+    """Write a table that holds float numbers alone, which pandas takes four times as long for."""
+    line = ",".join([f"%.{digits}g"] * table.shape[1]) + "\n"
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table.iloc[:0].to_csv(file, index=False)
+        for start in range(0, len(table), ROWS):
+            rows = table.iloc[start : start + ROWS].to_numpy().tolist()
+            file.writelines((line % tuple(row)).replace("nan", "") for row in rows)
 
 
 def write_rows(kind: type, rows: Sequence[object], path: str | Path) -> None:

@@ -123,6 +123,14 @@ def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
         write_text("text", tmp_path / "results" / "report.html")
 
 
+def test_numbers_are_written_as_pandas_writes_them(tmp_path: Path) -> None:
+    numbers = np.random.default_rng(3).standard_normal((40, 3)) * [1e-9, 1.0, 1e9]
+    numbers[5, 1], numbers[6, 0], numbers[7, 2] = np.nan, np.inf, -np.inf
+    table = pd.DataFrame(numbers, columns=["time [s]", 'a, "b"', "nan"])
+    write_csv(table, tmp_path / "table.csv")
+    assert (tmp_path / "table.csv").read_text() == table.to_csv(index=False, float_format="%.9g")
+
+
 @pytest.mark.parametrize("write", [write_table, write_csv, write_json, write_text])
 def test_a_full_disk_leaves_the_old_file_and_no_half_one(
     tmp_path: Path, write: Callable[[object, Path], None]
