@@ -530,8 +530,9 @@ def broken_system(ur5: Robot, measured: tuple[np.ndarray, np.ndarray]) -> System
 
 def test_chunks_make_no_difference(broken_system: System, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = smoothed(broken_system, 600)
-    for size in (7, 100, 599):
+    for size, lane in ((7, 7), (100, 25), (599, 256)):
         monkeypatch.setattr(kalman, "CHUNK", size * ALL**2)
+        monkeypatch.setattr(kalman, "LANE", lane)
         for part, expected in zip(smoothed(broken_system, 600), whole, strict=True):
             np.testing.assert_array_equal(part, expected)
 
@@ -540,6 +541,7 @@ def test_memory_of_the_smoother_does_not_grow(
     broken_system: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(kalman, "CHUNK", 100 * ALL**2)
+    monkeypatch.setattr(kalman, "LANE", 50)
     peaks = [peak_memory(partial(deque, smooth(broken_system, n), 0)) for n in (300, 1200)]
     assert peaks[1] < 1.1 * peaks[0]
 

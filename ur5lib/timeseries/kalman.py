@@ -2,6 +2,7 @@
 innovations.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -53,7 +54,8 @@ def rts_pass(cross: Array, prior: Gaussians, posterior: Gaussians, end: Gaussian
     return Gaussians(mean, covariance)
 
 
-CHUNK = 1 << 20  # numbers in the matrices F of a chunk: 4,854 samples of six joints
+CHUNK = 1 << 20  # numbers in the matrices F of a chunk: 4,608 samples of six joints
+LANE = 256  # samples of the lanes of a chunk, which are filtered side by side
 
 
 @dataclass(frozen=True)
@@ -81,38 +83,71 @@ class Smoothed(NamedTuple):
 
 System = Callable[[slice], LinearSystem]
 """Returns the system of some samples."""
+Later = tuple[Array, Gaussians, Gaussians]
+"""F of the next sample, its state before its measurement, and given all measurements."""
 
 
 def smooth(system: System, count: int) -> Iterator[Smoothed]:
     """Yield the smoothed states of `count` samples, chunk by chunk, from the last to the first.
 
-    On the way forward, only the state before each chunk is kept; on the way back, each chunk is
-    filtered again, which saves memory. Raises numpy.linalg.LinAlgError if a state has no
-    uncertainty.
+    On the way forward, only the state before each lane of a chunk is kept; on the way back, each
+    chunk is filtered again, its lanes side by side, which saves memory. Raises
+    numpy.linalg.LinAlgError if a state has no uncertainty.
     """
-    parts = chunks(count, max(1, CHUNK // system(slice(1)).F.size))
-    before: list[Gaussians | None] = [None]
-    for rows in parts[:-1]:
-        before.append(_filter(system(rows), before[-1])[1].at(-1).copy())
-    after: tuple[Array, Gaussians, Gaussians] | None = None  # F, prior, result of the next sample
-    for rows, begin in zip(reversed(parts), reversed(before), strict=True):
+    shape = system(slice(1)).F.shape
+    *others, last = chunks(count, max(1, CHUNK // math.prod(shape) // LANE) * LANE)
+    begin, lanes = Gaussians(np.zeros(shape[:-1]), np.zeros(shape)), []
+    for rows in others:
+        ends = _filter(system(rows), begin)[1].at(slice(LANE - 1, None, LANE))
+        states = Gaussians(*map(np.concatenate, zip(begin, ends, strict=True)))
+        lanes.append((rows, states.at(slice(-1))))
+        begin = states.at(slice(-1, None))
+    after: Later | None = None
+    for rows, before in [(last, begin), *reversed(lanes)]:
         part = system(rows)
-        F, (prior, posterior) = part.F[1:], _filter(part, begin)
-        later, earlier, end = prior.at(slice(1, None)), posterior.at(slice(-1)), posterior.at(-1)
-        if after is not None:
-            F, later = np.concatenate([F, after[0][None]]), later.followed_by(after[1])
-            earlier, end = posterior, after[2]
-        # cov(x_k+1, x_k) = F_k+1 P_k
-        states = rts_pass(F @ earlier.covariance, later, earlier, end).at(slice(len(part.z)))
+        prior, states = _smooth(part, before, after)
+        after = part.F[0].copy(), prior.at(0).copy(), states.at(0).copy()
         yield Smoothed(rows, states, _innovations(part, prior))
-        after = part.F[0], prior.at(0), states.at(0)
 
 
-def _filter(system: LinearSystem, before: Gaussians | None) -> tuple[Gaussians, Gaussians]:
-    """Return the states before and after each measurement.
+def _smooth(
+    part: LinearSystem, before: Gaussians, after: Later | None
+) -> tuple[Gaussians, Gaussians]:
+    """Return the states before the measurements of some samples, and given all measurements."""
+    F, (prior, posterior) = part.F[1:], _filter(part, before)
+    later, earlier, end = prior.at(slice(1, None)), posterior.at(slice(-1)), posterior.at(-1)
+    if after is not None:
+        F, later = np.concatenate([F, after[0][None]]), later.followed_by(after[1])
+        earlier, end = posterior, after[2]
+    # cov(x_k+1, x_k) = F_k+1 P_k
+    states = rts_pass(F @ earlier.covariance, later, earlier, end)
+    return prior, states.at(slice(len(part.z)))
 
-    before: the state at the sample before the first; None at the beginning.
+
+def _filter(system: LinearSystem, before: Gaussians) -> tuple[Gaussians, Gaussians]:
+    """Return the states before and after each measurement, (N, B, X) each.
+
+    before: (K, B, X), those before each of K lanes of N / K samples.
     """
+    lanes, systems = before.mean.shape[:2]
+    count = len(system.z) // lanes
+
+    def beside(values: Array) -> Array:  # (N, B, ...) as (N / K, K B, ...)
+        split = values.reshape(lanes, count, *values.shape[1:]).swapaxes(0, 1)
+        return split.reshape(count, -1, *values.shape[2:])
+
+    def in_turn(values: Array) -> Array:
+        split = values.reshape(count, lanes, systems, *values.shape[2:]).swapaxes(0, 1)
+        return split.reshape(-1, *split.shape[2:])
+
+    x, P = (values.reshape(-1, *values.shape[2:]) for values in before)
+    states = _filter_each(LinearSystem(*map(beside, vars(system).values())), x, P)
+    prior, posterior = (Gaussians(*map(in_turn, state)) for state in states)
+    return prior, posterior
+
+
+def _filter_each(system: LinearSystem, x: Array, P: Array) -> tuple[Gaussians, Gaussians]:
+    """Return the states before and after each measurement from those before the first, x and P."""
     seen = np.isfinite(system.z)
     H, z = np.where(seen[..., None], system.H, 0.0), np.where(seen, system.z, 0.0)
     R = system.R[..., None] * np.eye(z.shape[-1])
@@ -120,7 +155,6 @@ def _filter(system: LinearSystem, before: Gaussians | None) -> tuple[Gaussians, 
     prior, posterior = (
         Gaussians(np.empty(system.F.shape[:-1]), np.empty(system.F.shape)) for _ in range(2)
     )
-    x, P = before or (np.zeros(system.F.shape[1:-1]), np.zeros(system.F.shape[1:]))
     for k, F in enumerate(system.F):
         # prediction: x = F x, P = F P Fᵀ + Q
         x, P = np.matvec(F, x), F @ P @ F.mT + system.Q[k]
