@@ -17,9 +17,7 @@ def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
     arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
 
     def side_by_side(q: Array) -> Array:
-        positions = torch.from_numpy(q)
-        rotation, origin = (part[:, -1] for part in kinematics.link_frames(arm, positions))
-        parts = rotation, origin, kinematics.jacobian(arm, positions)
+        parts = kinematics.pose_and_jacobian(arm, torch.from_numpy(q))
         return torch.cat([part.flatten(1) for part in parts], dim=1).numpy()
 
     rotation, origin, jacobian = np.split(in_chunks(side_by_side, q), [9, 12], axis=1)
