@@ -4,7 +4,7 @@ A payload adds a torque that is linear in its mass and first moments. Friction g
 torque, too, so both are estimated alternately. The run-to-run error is that of unloaded runs.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.special import ndtri, stdtrit
 
 from ur5lib.identification.currents import CurrentFit, motions, predicted, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
-from ur5lib.identification.samples import STEP, Record, Smooth, blocks, smoothed_moving
+from ur5lib.identification.samples import STEP, Record, Smooth, blocks, columns_of, smoothed_moving
 from ur5lib.robots.friction import GEARS, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
 
@@ -166,10 +166,8 @@ def estimate_payload(
     along = columns @ told
     unloaded = [*motions(fit, record)]
 
-    def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
-        loaded = _under(unloaded, record.torque + regressor @ start)
-        unexplained = smooth(record.current - predicted(drawn, loaded), record)[::every]
-        torque = (unexplained * torque_constants(drawn) / scale)[rows] + columns @ start
+    def solve(drawn: CurrentFit, left: Array, start: Array, count: Labels, known: Array) -> Array:
+        torque = (left * torque_constants(drawn) / scale)[rows] + columns @ start
         return np.asarray(axes.T @ _solution(along, torque, block, count, axes @ known))
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
@@ -177,22 +175,22 @@ def estimate_payload(
     # alternate payload and friction
     solution = nothing
     for _ in range(ROUNDS):
-        solution = solve(fit, solution, once, nothing)
+        loaded = _under(unloaded, record.torque + regressor @ solution)
+        left = smooth(record.current - predicted(fit, loaded), record)[::every]
+        solution = solve(fit, left, solution, once, nothing)
+    # from here on, friction is that under this load: replicates only weight its columns anew
+    loaded = _under(unloaded, record.torque + regressor @ solution)
+    sources = _low_passed(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
-    generator = np.random.default_rng(seed)
-    draws = [
-        solve(
-            _drawn(fit, generator),
-            solution,
-            generator.multinomial(len(once), once / len(once)),
-            generator.normal(nothing, WIDE),
-        )
-        for _ in range(DRAWS)
-    ]
-    parts = [
-        solve(fit, solution, np.where(np.isin(np.arange(len(once)), part), once, 0), nothing)[0]
-        for part in np.array_split(np.unique(block), PARTS)
-    ]
+    generator, draws = np.random.default_rng(seed), []
+    for _ in range(DRAWS):
+        drawn = _drawn(fit, generator)
+        count = generator.multinomial(len(once), once / len(once))
+        known = generator.normal(nothing, WIDE)
+        draws.append(solve(drawn, _unexplained(drawn, sources), solution, count, known))
+    left, chosen = _unexplained(fit, sources), np.array_split(np.unique(block), PARTS)
+    counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in chosen]
+    parts = [solve(fit, left, solution, count, nothing)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 
@@ -200,6 +198,29 @@ def _under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion
     """Yield the joints' motions under another torque (N, n) [Nm]."""
     for motion, own in zip(joints, torque.T, strict=True):
         yield replace(motion, torque=own)
+
+
+def _low_passed(
+    fit: CurrentFit, joints: Iterable[JointMotion], record: Record, smooth: Smooth
+) -> list[Array]:
+    """Return columns, held and current (n, P + 2) of each joint, low-passed and thinned.
+
+    They are NaN, and break the low-pass, where those of any joint are.
+    """
+    every, moved = max(1, round(STEP / record.period)), [*joints]
+    known = np.isfinite(record.current - predicted(fit, moved)).all(axis=1)
+    sources = []
+    for motion, model, current in zip(moved, fit.joints, record.current.T, strict=True):
+        own = np.column_stack([*columns_of(motion, model.terms), current])
+        own[~known] = np.nan
+        sources.append(smooth(own, record)[::every].copy())
+    return sources
+
+
+def _unexplained(fit: CurrentFit, sources: Sequence[Array]) -> Array:
+    """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed`."""
+    weights = [[*-model.estimate.coefficients, -model.held, 1.0] for model in fit.joints]
+    return np.stack([own @ each for own, each in zip(sources, weights, strict=True)], axis=1)
 
 
 def _axes(columns: Array) -> tuple[Array, Array]:
