@@ -11,7 +11,7 @@ from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
 from ur5lib.lab.places import CITATION, PACKAGE, SCRIPTS, SNAKEFILE
-from ur5lib.report.document import MOST_SHOWN
+from ur5lib.report.document import MOST_SHOWN, Picture, contents
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import JOINT_SIZES, robot_path
 from ur5lib.robots.population import population_files
@@ -444,14 +444,22 @@ def parts_of_tables():
     return parts
 
 
-def drawings(folder, names):
-    """Return the figures of a folder, each with its numbers as CSV."""
+def drawn_by(rule, of=""):
+    """Return the figures that the report's contents name as drawn by a rule, each with its numbers
+    as CSV.
+
+    of: the wildcard of the recordings or arms that each is drawn for, none for the whole study.
+    """
+    blocks = (block for part in contents().parts() for block in part.flat())
+    own = (block for block in blocks if isinstance(block, Picture) and block.rule == rule)
+    names = dict.fromkeys(block.figure for block in own)
+    folder = f"{RESULTS}/figures/{of}" if of else f"{RESULTS}/figures"
     figures = {
         name: report(
             f"{folder}/{name}.svg",
             caption="../captions/figures.rst",
             category="Figures",
-            subcategory=Path(folder).name.replace("figures", "study"),
+            subcategory=of or "study",
             labels={"figure": name.replace("_", " ")},
         )
         for name in names

@@ -212,7 +212,7 @@ rule draw_observability:
     input:
         observability=parameter("observability.csv"),
     output:
-        **drawings(f"{RESULTS}/figures/{{robot}}", ["observability"]),
+        **drawn_by("draw_observability", "{robot}"),
     log:
         **traces("draw_observability", "{robot}"),
     group:

@@ -208,7 +208,7 @@ rule draw_health:
         health=parameter("health.csv"),
         changes=parameter("health_changes.csv"),
     output:
-        **drawings(f"{RESULTS}/figures/{{robot}}", ["health"]),
+        **drawn_by("draw_health", "{robot}"),
     log:
         **traces("draw_health", "{robot}"),
     group:

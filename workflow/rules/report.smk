@@ -1,5 +1,3 @@
-from ur5lib.report.document import Picture, contents
-
 COMPARED = [
     "quality",
     "parameters",
@@ -16,17 +14,6 @@ PARTS = parts_of_tables()  # of the steps above
 CONTENTS = REPORT / "contents.yaml", REPORT / "sentences.yaml"
 TEMPLATES = REPORT / "templates"
 PAGE = *CONTENTS, *(TEMPLATES / name for name in ("report.html.jinja", "lines.js", "zoom.js"))
-
-
-def drawn_by(rule, of=""):
-    """Return the figures that the report's contents name as drawn by a rule.
-
-    of: the wildcard of the recordings or arms that each is drawn for, none for the whole study.
-    """
-    blocks = (block for part in contents().parts() for block in part.flat())
-    own = (block for block in blocks if isinstance(block, Picture) and block.rule == rule)
-    folder = f"{RESULTS}/figures/{of}" if of else f"{RESULTS}/figures"
-    return drawings(folder, dict.fromkeys(block.figure for block in own))
 
 
 rule draw_figures:
