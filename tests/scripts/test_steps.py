@@ -84,7 +84,8 @@ def test_each_job_is_said_to_take_its_own_memory(folder: Path) -> None:
         run(step, sum="sum.txt")
         memory.append(float((folder / "benchmarks" / f"{step}.tsv").read_text().split()[5]))
     before, largest, after = memory
-    assert max(before, after) < 286 < largest  # MiB
+    assert largest > before + 250  # MiB
+    assert after < before + 50
 
 
 def test_jobs_run_at_the_same_time(folder: Path) -> None:

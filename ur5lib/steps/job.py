@@ -3,6 +3,7 @@
 import gc
 import importlib.util
 import os
+import re
 import resource
 import sys
 import time
@@ -79,7 +80,7 @@ class Job:
             print(error)
         sys.stdout.flush()
         took, used = time.perf_counter() - began, time.process_time() - before
-        largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        largest = largest_memory()
         Path(self.benchmark).parent.mkdir(parents=True, exist_ok=True)
         Path(self.benchmark).write_text(BENCHMARK.format(took, largest, loaded - before, used))
         return error
@@ -100,6 +101,15 @@ def forget_largest_memory() -> None:
     """Let the system measure the largest memory of this process anew, where it can (Linux)."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
+
+
+def largest_memory() -> float:
+    """Return the largest memory of this process [MB]; on Linux, since it was last forgotten."""
+    status = Path("/proc/self/status")  # what `getrusage` returns may be that of the parent
+    if not status.exists():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    (kilobytes,) = re.findall(r"VmHWM:\s*(\d+)", status.read_text())
+    return int(kilobytes) / 1024
 
 
 @cache
