@@ -32,14 +32,20 @@ class Worker:
         )
         other.close()
 
-    def run(self, job: Job | Chains) -> str | dict[str, End]:
-        """Run a job; return its error as one sentence, empty on success.
+    def run(self, job: Job | Chains) -> tuple[str | dict[str, End], bool]:
+        """Run a job; return its error as one sentence, empty on success, and whether this process
+        takes another one.
 
         Of chains, how they ended, or why their process did.
         """
         self.connection.send(job)
-        answer: str | dict[str, End] = self.connection.recv()
+        answer: tuple[str | dict[str, End], bool] = self.connection.recv()
         return answer
+
+    def end(self) -> None:
+        """End the process, so that its processor time is added to that of this one."""
+        self.process.terminate()
+        self.process.wait()
 
 
 FOR_PAPER = "_for_paper"  # suffix of a rule that runs another rule's script, with other outputs
@@ -99,14 +105,17 @@ def run_job(job: Job) -> None:
 
 
 def in_warm_process(job: Job | Chains) -> str | dict[str, End]:
-    """Return the answer of a warm process to a job, see `Worker.run`."""
+    """Return the error of a job, or how chains ended, in a warm process, see `Worker.run`."""
     try:
         worker = IDLE.get_nowait()
     except queue.Empty:
         worker = Worker()
     try:
-        answer = worker.run(job)
-        IDLE.put(worker)
+        answer, goes_on = worker.run(job)
+        if goes_on:
+            IDLE.put(worker)
+        else:
+            worker.end()
     except (EOFError, OSError):
         last = job.next()
         answer = f"{last.step}: its process ended early, perhaps for lack of memory; see {last.log}"
@@ -160,11 +169,9 @@ def run_chains(jobs: dict[str, list[Job]]) -> dict[str, End]:
 
 @atexit.register
 def end_idle() -> None:
-    """End idle processes, so that their processor time is added to that of this one."""
+    """End idle processes."""
     while not IDLE.empty():
-        worker = IDLE.get()
-        worker.process.terminate()
-        worker.process.wait()
+        IDLE.get().end()
 
 
 def names(values: Mapping[str, Setting]) -> Names:
