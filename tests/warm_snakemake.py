@@ -54,18 +54,14 @@ def snakemake(
 
 def fork_worker() -> None:
     """Fork a worker, which a run finds idle."""
-    import psutil
-
     from ur5lib.steps.worker import serve
     from ur5lib.steps.workers import IDLE, Worker
 
     worker = Worker.__new__(Worker)
     worker.connection, other = multiprocessing.Pipe()
-    pid = os.fork()
-    if pid == 0:
+    if os.fork() == 0:
         worker.connection.close()
         serve(other)
         os._exit(0)
     other.close()
-    worker.process = psutil.Process(pid)  # type: ignore[assignment]
     IDLE.put(worker)

@@ -9,25 +9,17 @@ from multiprocessing.connection import Connection
 from threading import Thread
 
 from ur5lib.steps.chains import Chains
-from ur5lib.steps.job import Job, largest_memory
-
-MOST_USED = 1000.0  # MB: who needs more for a job leaves later ones too little
+from ur5lib.steps.job import Job
 
 
 def serve(connection: Connection) -> None:
-    """Run jobs until the other side closes, or one needed much memory.
-
-    Answer each with its error, empty if it succeeded, and whether this process takes another one.
-    """
+    """Run jobs until the other side closes; answer each with its error, empty if it succeeded."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     Thread(target=end_with, args=[connection], daemon=True).start()
-    goes_on = True
     with contextlib.suppress(EOFError, OSError):
-        while goes_on:
+        while True:
             job: Job | Chains = connection.recv()
-            error = job.run()
-            goes_on = largest_memory() < MOST_USED
-            connection.send((error, goes_on))
+            connection.send(job.run())
 
 
 def end_with(connection: Connection) -> None:

@@ -32,14 +32,13 @@ class Worker:
         )
         other.close()
 
-    def run(self, job: Job | Chains) -> tuple[str | dict[str, End], bool]:
-        """Run a job; return its error as one sentence, empty on success, and whether this process
-        takes another one.
+    def run(self, job: Job | Chains) -> str | dict[str, End]:
+        """Run a job; return its error as one sentence, empty on success.
 
         Of chains, how they ended, or why their process did.
         """
         self.connection.send(job)
-        answer: tuple[str | dict[str, End], bool] = self.connection.recv()
+        answer: str | dict[str, End] = self.connection.recv()
         return answer
 
     def end(self) -> None:
@@ -49,6 +48,7 @@ class Worker:
 
 
 FOR_PAPER = "_for_paper"  # suffix of a rule that runs another rule's script, with other outputs
+MUCH_READ = 500e6  # B: half an hour of an arm at 500 Hz
 FAILED: list[str] = []  # the errors of this run's steps, a sentence each
 IDLE: queue.LifoQueue[Worker] = queue.LifoQueue()
 
@@ -105,21 +105,31 @@ def run_job(job: Job) -> None:
 
 
 def in_warm_process(job: Job | Chains) -> str | dict[str, End]:
-    """Return the error of a job, or how chains ended, in a warm process, see `Worker.run`."""
+    """Return the answer of a warm process to a job, see `Worker.run`.
+
+    A large job has one of its own: what earlier jobs have left in memory would be added to its own.
+    """
+    alone = is_large(job)
     try:
-        worker = IDLE.get_nowait()
+        worker = Worker() if alone else IDLE.get_nowait()
     except queue.Empty:
         worker = Worker()
     try:
-        answer, goes_on = worker.run(job)
-        if goes_on:
-            IDLE.put(worker)
-        else:
+        answer = worker.run(job)
+        if alone:
             worker.end()
+        else:
+            IDLE.put(worker)
     except (EOFError, OSError):
         last = job.next()
         answer = f"{last.step}: its process ended early, perhaps for lack of memory; see {last.log}"
     return answer
+
+
+def is_large(job: Job | Chains) -> bool:
+    """Return whether a job reads much at once."""
+    read = paths(job.input) if isinstance(job, Job) else []
+    return sum(os.path.getsize(path) for path in read if os.path.exists(path)) > MUCH_READ
 
 
 def run_batch(
