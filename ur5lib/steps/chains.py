@@ -32,9 +32,8 @@ class Chains:
 
     def next(self) -> Job:
         """Return the job that has to run next; the last one if none has to."""
-        *_, last = chain.from_iterable(self.jobs.values())
-        pending = (job for job in chain.from_iterable(self.jobs.values()) if known(job) is None)
-        return next(pending, last)
+        jobs = [*chain.from_iterable(self.jobs.values())]
+        return next((job for job in jobs if known(job) is None), jobs[-1])
 
     def run(self) -> dict[str, End]:
         """Run the steps in this process; return how those of each recording ended."""
