@@ -1,5 +1,6 @@
 """The noise of encoders, estimated from a Kalman filter's innovations."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -13,6 +14,7 @@ from scipy.optimize import minimize
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 from ur5lib.timeseries.steady_filter import SteadyFilter, steady_filter
+from ur5lib.timeseries.together import Cost, minimise_together
 
 JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
 VIBRATIONS = np.array([0.03, 0.2, 1.0, 4.0])  # intensities, relative to that of the whole recording
@@ -63,8 +65,17 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
     logarithms, weighted by the likelihood of each filter in the window around the sample.
     """
     period = float(np.median(np.diff(time)))
-    joints = [_joint_noise(time, segment, *joint, period) for joint in zip(q.T, qd.T, strict=True)]
-    return EncoderNoise(*(np.stack(each, axis=-1) for each in zip(*joints, strict=True)))
+    joints = [*zip(q.T, qd.T, strict=True)]
+    busiest = [_busiest(qd, round(LONGEST / period)) for _, qd in joints]
+    parts = [
+        _Record(time[rows], segment[rows], q[rows], qd[rows], period)
+        for rows, (q, qd) in zip(busiest, joints, strict=True)
+    ]
+    found = [
+        _joint_noise(ratios, part, _Record(time, segment, *joint, period), quantum(joint[0]))
+        for ratios, part, joint in zip(_most_likely(parts, period), parts, joints, strict=True)
+    ]
+    return EncoderNoise(*(np.stack(each, axis=-1) for each in zip(*found, strict=True)))
 
 
 def quantum(q: Array) -> float:
@@ -81,38 +92,48 @@ def quantum(q: Array) -> float:
     return float(sizes[counts >= RARE * counts.max()][0])
 
 
-def _joint_noise(
-    time: Array, segment: Labels, q: Array, qd: Array, period: float
-) -> tuple[Array | float, ...]:
-    """Estimate the noise of one joint, in the order of EncoderNoise."""
-    busiest = _busiest(qd, round(LONGEST / period))
-    part = _Record(time[busiest], segment[busiest], q[busiest], qd[busiest], period)
+def _most_likely(parts: list["_Record"], period: float) -> Iterator["_Ratios"]:
+    """Yield the parameters that maximise the likelihood of each joint's innovations in its part."""
     highest = min(FASTEST, NYQUIST_SHARE / (2 * period))
-    swings = 2 * np.pi * period * np.array([min(SLOWEST, highest / 2), highest])
-    limits = [*BOUNDS, tuple(np.log(swings).tolist())]
-    start = np.array([*START, sum(limits[-1]) / 2])
+    swings = np.log(2 * np.pi * period * np.array([min(SLOWEST, highest / 2), highest]))
+    start = np.array([*START, swings.mean()])
 
-    def cost(parameters: Array) -> float:
+    def costs(joints: Sequence[int], parameters: Array) -> Array:
         # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
-        white, logdet = _whitened(_Ratios.from_parameters(parameters))
-        return float(logdet + 2 * np.log(part.squares(white)[part.valid].mean() + NOTHING))
+        filters, logdets = _whitened(_Ratios.from_parameters(parameters))
+        variances = [
+            parts[joint].variance(white)
+            for joint, white in zip(joints, filters.each(), strict=True)
+        ]
+        return logdets + 2 * np.log(np.array(variances) + NOTHING)
 
-    best = minimize(
-        cost,
-        start,
-        method="Nelder-Mead",
-        bounds=limits,
-        options={
-            "initial_simplex": np.vstack([start, start + np.diag([*STEPS, 0.3])]),
-            "xatol": 0.1,
-            "fatol": 1e-3,
-        },
-    ).x
-    ratios = _Ratios.from_parameters(best)
-    square = part.squares(_whitened(ratios)[0])
-    finest = max(quantum(q) / np.sqrt(12), RESOLUTION)
-    position = max(float(np.sqrt(square[part.valid].mean() / 2)), finest)
-    record = _Record(time, segment, q, qd, period)
+    def minimise_one(cost: Cost) -> Array:
+        best: Array = minimize(
+            cost,
+            start,
+            method="Nelder-Mead",
+            bounds=[*BOUNDS, tuple(swings)],
+            options={
+                "initial_simplex": np.vstack([start, start + np.diag([*STEPS, 0.3])]),
+                "xatol": 0.1,
+                "fatol": 1e-3,
+            },
+        ).x
+        return best
+
+    return map(_Ratios.from_parameters, minimise_together(minimise_one, costs, len(parts)))
+
+
+def _joint_noise(
+    ratios: "_Ratios", part: "_Record", record: "_Record", step: float
+) -> tuple[Array | float, ...]:
+    """Return the noise of one joint, in the order of EncoderNoise.
+
+    part: from which the ratios are; record: the whole recording; step: of its positions [rad].
+    """
+    period = record.period
+    finest = max(step / np.sqrt(12), RESOLUTION)
+    position = max(float(np.sqrt(part.variance(_whitened(ratios)[0]))), finest)
     jerk, vibration, scale = record.local(ratios, position)
     return (
         jerk,
@@ -136,26 +157,25 @@ def _busiest(qd: Array, count: int) -> slice:
 
 
 class _Ratios(NamedTuple):
-    """Parameters of the filter, with time in cycles and noise relative to that of the positions.
+    """Parameters of one filter, or as arrays those of a stack.
 
-    jerk, vibration: what drives motion and vibration, of one filter or, as arrays, of several;
-    precision: of velocities; lag: of velocities, in cycles; damping and frequency (radians a cycle)
-    of the vibration.
+    Time is in cycles, and noise relative to that of the positions. jerk, vibration: what drives
+    motion and vibration; precision: of velocities; lag: of velocities, in cycles; damping and
+    frequency (radians a cycle) of the vibration.
     """
 
     jerk: float | Array
-    precision: float
-    lag: float
+    precision: float | Array
+    lag: float | Array
     vibration: float | Array
-    damping: float
-    frequency: float
+    damping: float | Array
+    frequency: float | Array
 
     @classmethod
     def from_parameters(cls, parameters: Array) -> "_Ratios":
-        """Return the ratios from the optimiser's parameters (6,)."""
-        jerk, precision, lag, vibration, damping, frequency = parameters.tolist()
-        powers = np.exp([jerk, precision, vibration, damping, frequency]).tolist()
-        return cls(powers[0], powers[1], lag, *powers[2:])
+        """Return the ratios from the optimiser's parameters (..., 6)."""
+        jerk, precision, _, vibration, damping, frequency = np.moveaxis(np.exp(parameters), -1, 0)
+        return cls(jerk, precision, parameters[..., 2], vibration, damping, frequency)
 
 
 class _Record:
@@ -187,6 +207,10 @@ class _Record:
         for rows in self.parts:
             square[rows] = np.sum(white.innovations(self.values[rows]) ** 2, axis=1)
         return square
+
+    def variance(self, white: SteadyFilter) -> float:
+        """Return the mean of e² / S over the valid innovations e of positions and velocities."""
+        return float(self.squares(white)[self.valid].mean() / 2)
 
     def local(self, ratios: _Ratios, position: float) -> tuple[Array, Array, Array]:
         """Return the intensities of jerk and vibration, and the noise relative to that of the whole
@@ -231,44 +255,54 @@ def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
     """Return steady filters, from q and q̇ T to innovations scaled to covariance one, and log |S|.
 
     S is the covariance of the innovations before they are scaled. One filter is returned, or a
-    stack where jerk and vibration are arrays.
+    stack if parameters are arrays.
     """
     # x⁺ = F x + w, z = H x + v, x = [θ, θ̇ T, θ̈ T², δ, δ̇ T, δ̈ T²]
     F, driven = motion_step(1.0, ratios.frequency, ratios.damping)
     driven = driven * np.stack([ratios.jerk, ratios.vibration], axis=-1)[..., None, :]
-    scale = np.array([1, ratios.precision])
-    steady = steady_filter(F, driven @ driven.mT, scale[:, None] * measures(ratios.lag), np.eye(2))
+    scale = np.stack([np.ones_like(ratios.precision), ratios.precision], axis=-1)
+    H = scale[..., None] * measures(ratios.lag)
+    steady = steady_filter(F, driven @ driven.mT, H, np.eye(2))
     # S = H P Hᵀ + 1: no variance is below one, whatever rounding makes of it
     variances, axes = np.linalg.eigh(steady.S)
     variances = np.maximum(variances, 1.0)
     root = axes.mT / np.sqrt(variances)[..., None]
-    zeros = np.einsum("...ij,...jkx,k->...ikx", root, steady.zeros, scale)
+    zeros = np.einsum("...ij,...jkx,...k->...ikx", root, steady.zeros, scale)
     logdet = np.log(variances).sum(axis=-1) - 2 * np.log(ratios.precision)
     return steady._replace(zeros=zeros), logdet
 
 
-def motion_step(step: float, frequency: float, damping: float) -> tuple[Array, Array]:
+def motion_step(
+    step: float, frequency: float | Array, damping: float | Array
+) -> tuple[Array, Array]:
     """Return F of a joint's state within a step, and what two white jerks of intensity one add.
 
     The joint is at θ + δ: a motion, θ⃛ = jerk, and a vibration of its link,
     (d/dt + ω) (d²/dt² + 2 ζ ω d/dt + ω²) δ = jerk. Both jerks are constant within the step, so that
     velocities change by exactly the integral of accelerations.
 
-    step: [s], or 1 in cycles; frequency: ω [rad/s, or a cycle]; damping: ζ. Returns F and (6, 2).
+    step: [s], or 1 in cycles; frequency: ω (...,) [rad/s, or a cycle]; damping: ζ (...,). Returns F
+    (..., 6, 6) and (..., 6, 2).
     """
     # d/dt [θ, θ̇, θ̈, δ, δ̇, δ̈, jerk, jerk of the vibration]
-    A = np.zeros((8, 8))
-    A[0, 1] = A[1, 2] = A[3, 4] = A[4, 5] = A[2, 6] = A[5, 7] = 1
-    A[5, 3:6] = -frequency * np.array(
-        [frequency**2, frequency * (1 + 2 * damping), 1 + 2 * damping]
-    )
+    A = np.zeros((*np.shape(frequency), 8, 8))
+    A[..., [0, 1, 3, 4, 2, 5], [1, 2, 4, 5, 6, 7]] = 1
+    A[..., 5, 3] = -(frequency**3)
+    A[..., 5, 4] = -(frequency**2) * (1 + 2 * damping)
+    A[..., 5, 5] = -frequency * (1 + 2 * damping)
     moved = expm(A * step)
-    return moved[:6, :6], moved[:6, 6:] / np.sqrt(step)
+    return moved[..., :6, :6], moved[..., :6, 6:] / np.sqrt(step)
 
 
-def measures(lag: float) -> Array:
-    """Return H (2, 6): encoders see the link, θ + δ; velocities the motor, θ̇ − lag θ̈."""
-    return np.array([[1, 0, 0, 1, 0, 0], [0, 1, -lag, 0, 0, 0]])
+def measures(lag: float | Array) -> Array:
+    """Return H (..., 2, 6) of lags (...,).
+
+    Encoders see the link, θ + δ; velocities the motor, θ̇ − lag θ̈.
+    """
+    H = np.zeros((*np.shape(lag), 2, 6))
+    H[..., [0, 0, 1], [0, 3, 1]] = 1
+    H[..., 1, 2] = -np.asarray(lag)
+    return H
 
 
 def moving_mean(values: Array, segment: Labels, count: int) -> Array:

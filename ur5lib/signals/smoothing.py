@@ -142,7 +142,7 @@ def encoder_system(
     step, fresh, count = np.diff(time, prepend=time[0]), starts(segment), len(time)
     steps, which = np.unique(np.round(step, TICK_DECIMALS), return_inverse=True)
     F_of, driven_of = (np.stack(each) for each in zip(*_each_step(steps, noise), strict=True))
-    H_joint = np.stack([measures(lag) for lag in noise.lag])
+    H_joint = measures(noise.lag)
 
     def part(rows: slice) -> LinearSystem:
         # x⁺ = F x + w, cov w = Q: what both jerks of each joint add
@@ -167,9 +167,7 @@ def encoder_system(
 def _each_step(steps: Array, noise: EncoderNoise) -> Iterator[tuple[Array, Array]]:
     """Yield F (n, 6, 6) and what two jerks add (n, 6, 2) of all joints, for each length of step."""
     for step in steps:
-        joints = zip(noise.frequency, noise.damping, strict=True)
-        both = [motion_step(max(step, TICK), *joint) for joint in joints]
-        yield np.stack([F for F, _ in both]), np.stack([driven for _, driven in both])
+        yield motion_step(max(step, TICK), noise.frequency, noise.damping)
 
 
 def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
