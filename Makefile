@@ -31,7 +31,7 @@ test: lint ## run every check, as .ci/run does: style, types, all tests
 	test ! -e .pytest_cache/late || $(REAL_TIME) --last-failed --reruns 2 --reruns-delay 5
 
 test-others:
-	MAKEFLAGS= OMP_NUM_THREADS=1 nice -n 19 pytest -m "not real_time"  # its processes share the work already
+	MAKEFLAGS= OMP_NUM_THREADS=1 nice -n 19 pytest -m "not real_time"  # two processes share the work already
 
 test-real-time:
 	$(REAL_TIME) || touch .pytest_cache/late

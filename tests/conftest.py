@@ -45,13 +45,9 @@ BUILD_FOR_OTHERS = ["test_thesis.py", "test_lab.py", "test_e_series.py", "test_l
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with studies that others look at, then with files of slow tests.
-
-    So nobody waits for a study, or builds it again, and no process ends long before the others.
-    """
+    """Begin with studies that others look at, who would wait, or build them again."""
     order = {name: place for place, name in enumerate(BUILD_FOR_OTHERS)}
-    slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: (order.get(item.path.name, len(order)), item.path not in slow))
+    items.sort(key=lambda item: order.get(item.path.name, len(order)))
 
 
 @pytest.fixture(scope="session")

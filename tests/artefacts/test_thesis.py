@@ -500,7 +500,10 @@ def test_the_controllers_model_is_recovered(torque: pd.DataFrame, thesis_results
     assert (parameters["determined"] == "yes").all()
 
 
-@pytest.mark.parametrize(("estimate", "within"), [("Fu", 0.01), ("F", 0.03), ("F*", 0.13)])
+@pytest.mark.parametrize(
+    ("estimate", "within"),
+    [("Fu", 0.01), ("F", 0.03), ("F*", 0.13)],
+)
 def test_printed_force_errors_are_met(force: pd.DataFrame, estimate: str, within: float) -> None:
     """Table 6.1."""
     rows = force.query("kind == 'printed' and estimate == @estimate and during == 'all'")

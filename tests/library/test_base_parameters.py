@@ -26,7 +26,13 @@ from ur5lib.identification.base_parameters import (
     total,
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
-from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path, robot_yaml
+from ur5lib.robots.description import (
+    Robot,
+    load_robot,
+    robot_names,
+    robot_path,
+    robot_yaml,
+)
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array

@@ -73,7 +73,11 @@ def test_an_empty_flange_is_no_payload(mass: float) -> None:
         (TOLD, None, None),
         (TOLD, TOLD, None),
         (TOLD.model_copy(update={"mass": 1.53}), TOLD, None),
-        (DECLARED, TOLD, ["0.46 kg at (0, 0, 0.02) m", "1.5 kg at (0.01, 0.02, 0.03) m"]),
+        (
+            DECLARED,
+            TOLD,
+            ["0.46 kg at (0, 0, 0.02) m", "1.5 kg at (0.01, 0.02, 0.03) m"],
+        ),
         (TOLD.model_copy(update={"center_of_mass": (0.0, 0.0, 0.2)}), TOLD, ["at (0, 0, 0.2) m"]),
         (DECLARED, NOTHING, ["no payload"]),
     ],

@@ -10,7 +10,12 @@ from scipy import signal
 
 from ur5lib.errors import remark
 from ur5lib.signals.clock import WANDER, Clock, clock_from_stamps
-from ur5lib.signals.device_clock import LATENCY, clock_from_rotation, even_samples, interpolate
+from ur5lib.signals.device_clock import (
+    LATENCY,
+    clock_from_rotation,
+    even_samples,
+    interpolate,
+)
 from ur5lib.signals.resampling import resample
 
 OFFSET, DRIFT = -0.08, -3300e-6

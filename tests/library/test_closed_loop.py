@@ -71,7 +71,9 @@ def estimated_gains(seed: int, memory: float = 0.0) -> list[JointGains]:
     return estimate_gains(tracking(0.5, seed, memory))
 
 
-def test_of_a_long_recording_the_part_that_moves_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_a_long_recording_the_part_that_moves_is_enough(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Here 6.4 s that leap, after 12.8 s and before 3.2 s in which the target hardly moves."""
     moving = tracking(leap=0.3, seed=3)
     count, arrays = (
@@ -184,7 +186,10 @@ def test_noise_counts_as_many_times_as_it_lasts() -> None:
     np.testing.assert_allclose(joints[0].velocity.grid, 2 * frequency)
     noise = np.array([joint.noise for joint in joints])
     np.testing.assert_allclose(noise.mean(axis=0) / [1e-4, 3e-3], np.sqrt(lasting), rtol=0.1)
-    pairs = ((recording.actual_q, recording.target_q), (recording.actual_qd, recording.target_qd))
+    pairs = (
+        (recording.actual_q, recording.target_q),
+        (recording.actual_qd, recording.target_qd),
+    )
     late = np.stack([actual - target for actual, target in pairs], axis=2)
     stiff = np.sum((late / noise) ** 2, axis=(0, 2))
     np.testing.assert_allclose([joint.stiff for joint in joints], stiff)

@@ -7,7 +7,15 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.compose import MENTION, SENTENCE_END, _drafts, _filled, body_of, compose, view
+from ur5lib.report.compose import (
+    MENTION,
+    SENTENCE_END,
+    _drafts,
+    _filled,
+    body_of,
+    compose,
+    view,
+)
 from ur5lib.report.document import (
     Block,
     Cell,

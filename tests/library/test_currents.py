@@ -40,7 +40,12 @@ from ur5lib.identification.currents import (
     predict,
     unseen_difference,
 )
-from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
+from ur5lib.identification.estimation import (
+    Estimate,
+    beside_fuller,
+    estimate_together,
+    physical,
+)
 from ur5lib.identification.regression import Normal, draw_blocks, draw_units, half_width, regress
 from ur5lib.identification.samples import (
     STEP,

@@ -23,7 +23,11 @@ from ur5lib.timeseries.arrays import Array
 
 UR10E_FITTED = ["ur-20_02_12-50sec_12harm", "ur-20_02_19_14harm50sec"]
 UR10E_LEFT_OUT = "ur-20_02_12-40sec_12harm"
-UR10E_LOADED = ["ur-20_01_31-load", "ur-20_02_19_14harm50secLoad", "ur-20_02_19_15harm50secLoad"]
+UR10E_LOADED = [
+    "ur-20_01_31-load",
+    "ur-20_02_19_14harm50secLoad",
+    "ur-20_02_19_15harm50secLoad",
+]
 UR10E_SHOWN = [*UR10E_FITTED, "ur-20_01_17-p3", "ur-20_01_17-p4"]
 WEIGHED = 2.805  # kg; what the authors of these logs state in estimate_drive_gains.m
 

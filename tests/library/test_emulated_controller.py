@@ -34,7 +34,11 @@ STILL = Standstill(kind="standstill")
 SILENT = SimulatedRecording(trajectory=STILL, noise=False, payload={"mass": 1.5})  # type: ignore[arg-type]
 AWAY = np.add(POSTURE, [0.2, -0.1, 0.1, 0.2, 0.0, 0.3])
 
-pytestmark = [pytest.mark.slow, pytest.mark.real_time, pytest.mark.usefixtures("controller_ports")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.real_time,
+    pytest.mark.usefixtures("controller_ports"),
+]
 
 
 @pytest.fixture(scope="module")

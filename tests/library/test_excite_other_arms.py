@@ -134,7 +134,9 @@ def test_the_table_is_level_and_what_stands_on_it_does_not_touch_it(tmp_path: Pa
     assert up.pairs == []
 
 
-def test_sensors_are_known_better_than_currents_and_no_population_is_theirs(tmp_path: Path) -> None:
+def test_sensors_are_known_better_than_currents_and_no_population_is_theirs(
+    tmp_path: Path,
+) -> None:
     own, motors = (task(arm(7, tmp_path, currents)).problem for currents in (False, True))
     gains, constants = (one.standard_errors(one.prior)[one.of_currents] for one in (own, motors))
     assert (gains[::5] < 0.05).all()

@@ -94,7 +94,10 @@ def test_columns_are_joined_to_channels() -> None:
 
 @pytest.mark.parametrize(
     ("names", "to", "message"),
-    [(["pushd"], "mat", "pushed"), ([], "xls", "available: mat, csv, mcap")],
+    [
+        (["pushd"], "mat", "pushed"),
+        ([], "xls", "available: mat, csv, mcap"),
+    ],
 )
 def test_what_is_not_there_is_reported(
     results: Path, names: list[str], to: str, message: str

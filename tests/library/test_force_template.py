@@ -7,7 +7,12 @@ import pytest
 
 from ur5lib.force.external_torque import RESTING, STATES, STILL, joint_states
 from ur5lib.force.force_input import ForceInput, extent, may_repeat
-from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.force.residual_model import (
+    ResidualModel,
+    Stretch,
+    few_paths,
+    fit_residual_model,
+)
 from ur5lib.force.template import learn_repeats, repeat_aware, same_trajectory, template
 from ur5lib.timeseries.segments import unbroken
 

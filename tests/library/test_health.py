@@ -228,7 +228,10 @@ def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) 
     unchanged = results.tables | {"health_changes": results.tables["health_changes"][:0]}
     calm = judge_drift(replace(results, tables=unchanged))
     assert calm is not None
-    assert (calm.state, calm.sentence) == ("good", "No joint changed by more than chance explains.")
+    assert (calm.state, calm.sentence) == (
+        "good",
+        "No joint changed by more than chance explains.",
+    )
 
 
 def test_the_section_states_dates_and_lost_frames(results: Results) -> None:

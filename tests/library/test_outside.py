@@ -139,7 +139,10 @@ def late(run: Run, samples: int) -> Array:
 )
 @pytest.mark.filterwarnings("ignore:divide by zero")
 def test_estimates_that_break_the_protocol_are_refused(
-    learn: Callable[..., Any], changed: dict[str, Any], fault: str, monkeypatch: pytest.MonkeyPatch
+    learn: Callable[..., Any],
+    changed: dict[str, Any],
+    fault: str,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     here(monkeypatch, learn, **changed)
     with pytest.raises(SystemExit, match=fault) as refused:

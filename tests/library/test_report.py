@@ -532,7 +532,10 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
     results = Results(study, tables, Path())
     assert [
         [cell.text for cell in row[2:]] for row in shown_table("closed_loop.gains", results).rows
-    ] == [["9 (8–12)", "< 30"], ["> 20", "2–29"]]
+    ] == [
+        ["9 (8–12)", "< 30"],
+        ["> 20", "2–29"],
+    ]
     assert [*contradictions(results)] == [
         "No single position gain fits all recordings of ur5 on joint 1: there, the controller "
         "is not this closed loop."

@@ -32,8 +32,19 @@ from ur5lib.signals.imu_fusion import (
     linearise_imu,
     smooth_with_imu,
 )
-from ur5lib.signals.noise import EncoderNoise, encoder_noise, motion_step, moving_mean, quantum
-from ur5lib.signals.smoothing import SmoothedJoints, SmoothedMotion, encoder_system, smooth_encoders
+from ur5lib.signals.noise import (
+    EncoderNoise,
+    encoder_noise,
+    motion_step,
+    moving_mean,
+    quantum,
+)
+from ur5lib.signals.smoothing import (
+    SmoothedJoints,
+    SmoothedMotion,
+    encoder_system,
+    smooth_encoders,
+)
 from ur5lib.timeseries import kalman
 from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
 
@@ -126,7 +137,10 @@ def by_encoders(measured: tuple[np.ndarray, np.ndarray]) -> SmoothedJoints:
 
 @pytest.fixture(scope="module")
 def by_both(
-    ur5: Robot, truth: Motion, measured: tuple[np.ndarray, np.ndarray], by_encoders: SmoothedJoints
+    ur5: Robot,
+    truth: Motion,
+    measured: tuple[np.ndarray, np.ndarray],
+    by_encoders: SmoothedJoints,
 ) -> SmoothedMotion:
     noise = np.random.default_rng(3).normal(size=(SAMPLES, 6))
     readings = true_readings(ur5, truth) + IMU_BIAS + IMU_NOISE * noise

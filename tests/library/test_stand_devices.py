@@ -228,7 +228,9 @@ def test_the_controller_s_force_is_that_of_the_arm(record: Recorder) -> None:
     np.testing.assert_allclose(told[peak].mean(axis=0), -true[peak].mean(axis=0), atol=1.5)
 
 
-def test_an_e_series_controller_states_the_force_on_the_arm_from_currents(record: Recorder) -> None:
+def test_an_e_series_controller_states_the_force_on_the_arm_from_currents(
+    record: Recorder,
+) -> None:
     """The environment on the arm at frame 6, axes of the base, whatever its wrist sensor reads."""
     spring = {"kind": "spring", "start_s": 1, "seconds": 4, "displacement": [0.06, -0.04, 0.02]}
     still = {"trajectory": {"kind": "standstill"}, "friction": False, "contacts": [spring]}
@@ -458,7 +460,10 @@ def test_stamps_jitter_as_real_ones(
 ) -> None:
     """Mean step within 0.5 %, its standard deviation within a quarter."""
     folder = thesis_data / "Movement_No10_Standstill_ForceSensor_All"
-    real = {"imu": real_no8.sensors["imu"], "force": real_force(folder)}
+    real = {
+        "imu": real_no8.sensors["imu"],
+        "force": real_force(folder),
+    }
     for device, table in real.items():
         steps, own = (np.diff(t["time"]) for t in (table, like_no8.repaired().sensors[device]))
         assert own.mean() == pytest.approx(steps.mean(), rel=0.005)

@@ -294,7 +294,10 @@ CORRUPTIONS: dict[str, tuple[Spoil, str]] = {
         "actual_current is a torque in Nm",
     ),
     "current against gravity": (scaled(-1.0, "actual_current"), "Nm per A of actual_current"),
-    "3 kg that the controller knows": (loaded("target_moment", "target_current"), "kg would fit"),
+    "3 kg that the controller knows": (
+        loaded("target_moment", "target_current"),
+        "kg would fit",
+    ),
     "joint 2's current x 0.6": (one_scaled(0.6, 2), "the current of joint 2 is 0."),
     "joint 6's current reversed": (one_scaled(-1.0, 6), "the sign of the current of joint 6"),
     "current 50 ms late": (late(0.05), "s later than the motion"),
@@ -403,7 +406,10 @@ def test_jumps_of_all_channels_exchange_no_currents(study: str, name: str) -> No
 
 
 # Small arms bear little beside their friction: 12 s do not show these faults on them.
-UNSEEN = [("joint 2's current x 0.6", "ur3e"), ("current 50 ms late", "ur3e")]
+UNSEEN = [
+    ("joint 2's current x 0.6", "ur3e"),
+    ("current 50 ms late", "ur3e"),
+]
 
 
 def corrupted_arms() -> Iterator[object]:

@@ -7,7 +7,11 @@ import pytest
 
 from tests.library.current_study import PRESLIDING, make_record, prior, smooth
 from ur5lib.identification.samples import Record
-from ur5lib.identification.validation import fitted_on_tested_on, least_squares_coefficients, score
+from ur5lib.identification.validation import (
+    fitted_on_tested_on,
+    least_squares_coefficients,
+    score,
+)
 from ur5lib.robots.friction import BASE
 from ur5lib.timeseries.arrays import Array
 
@@ -48,7 +52,9 @@ def test_a_fit_is_tested_where_both_recordings_move() -> None:
     """Of an exact map without noise nothing is left; a joint that rests has no score."""
     records = [make_record(seed) for seed in range(2)]
     resting = replace(
-        records[1], q=records[1].q * [1, 1, 1, 1, 0, 1], qd=records[1].qd * [1, 1, 1, 1, 0, 1]
+        records[1],
+        q=records[1].q * [1, 1, 1, 1, 0, 1],
+        qd=records[1].qd * [1, 1, 1, 1, 0, 1],
     )
     table = fitted_on_tested_on(
         [records[0], resting], smooth, prior(), [BASE] * 6, [PRESLIDING] * 6

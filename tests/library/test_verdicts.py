@@ -16,7 +16,12 @@ from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
 from ur5lib.report.views.currents import judge_constants, judge_currents, next_recordings
-from ur5lib.report.views.first_screen import drawn, findings, left_out, next_steps
+from ur5lib.report.views.first_screen import (
+    drawn,
+    findings,
+    left_out,
+    next_steps,
+)
 from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
@@ -432,7 +437,11 @@ def test_the_first_figure_shows_what_the_study_is_about() -> None:
 
 def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     load = {"recording": "seen", "mass": 2.0, "std_error": 0.1, "configured": 0.5, "taken": "yes"}
-    remark = {"robot": "ur5", "step": "friction", "code": "one path"}
+    remark = {
+        "robot": "ur5",
+        "step": "friction",
+        "code": "one path",
+    }
     results = study(
         quality=[finding("warning", count=500)],
         force_mae=touched(1.0, "fitted"),
