@@ -273,7 +273,7 @@ def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
 
 
 def motion_step(
-    step: float, frequency: float | Array, damping: float | Array
+    step: float | Array, frequency: float | Array, damping: float | Array
 ) -> tuple[Array, Array]:
     """Return F of a joint's state within a step, and what two white jerks of intensity one add.
 
@@ -281,8 +281,8 @@ def motion_step(
     (d/dt + ω) (d²/dt² + 2 ζ ω d/dt + ω²) δ = jerk. Both jerks are constant within the step, so that
     velocities change by exactly the integral of accelerations.
 
-    step: [s], or 1 in cycles; frequency: ω (...,) [rad/s, or a cycle]; damping: ζ (...,). Returns F
-    (..., 6, 6) and (..., 6, 2).
+    step: (...,) [s], or 1 in cycles; frequency: ω (...,) [rad/s, or a cycle]; damping: ζ (...,).
+    Returns F (..., 6, 6) and (..., 6, 2).
     """
     # d/dt [θ, θ̇, θ̈, δ, δ̇, δ̈, jerk, jerk of the vibration]
     A = np.zeros((*np.shape(frequency), 8, 8))
@@ -290,6 +290,7 @@ def motion_step(
     A[..., 5, 3] = -(frequency**3)
     A[..., 5, 4] = -(frequency**2) * (1 + 2 * damping)
     A[..., 5, 5] = -frequency * (1 + 2 * damping)
+    step = np.asarray(step)[..., None, None]
     moved = expm(A * step)
     return moved[..., :6, :6], moved[..., :6, 6:] / np.sqrt(step)
 

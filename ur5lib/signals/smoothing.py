@@ -1,6 +1,5 @@
 """Joint motion by a Kalman filter and a Rauch-Tung-Striebel smoother."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -141,7 +140,8 @@ def encoder_system(
     """
     step, fresh, count = np.diff(time, prepend=time[0]), starts(segment), len(time)
     steps, which = np.unique(np.round(step, TICK_DECIMALS), return_inverse=True)
-    F_of, driven_of = (np.stack(each) for each in zip(*_each_step(steps, noise), strict=True))
+    steps = np.maximum(steps, TICK)[:, None]
+    F_of, driven_of = motion_step(steps, noise.frequency, noise.damping)  # of each step and joint
     H_joint = measures(noise.lag)
 
     def part(rows: slice) -> LinearSystem:
@@ -162,12 +162,6 @@ def encoder_system(
         return LinearSystem(F, Q, np.broadcast_to(H_joint, (*z.shape, STATES)), z, R)
 
     return part
-
-
-def _each_step(steps: Array, noise: EncoderNoise) -> Iterator[tuple[Array, Array]]:
-    """Yield F (n, 6, 6) and what two jerks add (n, 6, 2) of all joints, for each length of step."""
-    for step in steps:
-        yield motion_step(max(step, TICK), noise.frequency, noise.damping)
 
 
 def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
