@@ -205,7 +205,7 @@ class _Record:
         """Return eᵀ S⁻¹ e (N,) of the innovations e of a steady filter that is `_whitened`."""
         square = np.empty(len(self.values))
         for rows in self.parts:
-            square[rows] = np.sum(white.innovations(self.values[rows]) ** 2, axis=1)
+            square[rows] = sum(own**2 for own in white.innovations(self.values[rows]).T)
         return square
 
     def variance(self, white: SteadyFilter) -> float:
@@ -235,8 +235,9 @@ class _Record:
             top = np.maximum(best, likelihood)
             forget, trust = np.exp(best - top), np.exp(likelihood - top)
             weight, best = forget * weight + trust, top
-            total *= forget
-            total += trust * np.stack(np.broadcast_arrays(*logs, square / 2))
+            for own, log in zip(total, (*logs, square / 2), strict=True):
+                own *= forget
+                own += trust * log
         mean = total / weight
         # all that drives the joint is relative to the noise, too
         mean[2] -= np.log(FAITH + 2 * known) / 2

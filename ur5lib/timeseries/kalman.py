@@ -72,6 +72,15 @@ class LinearSystem:
     z: Array
     R: Array
 
+    def side_by_side(self, lanes: int) -> "LinearSystem":
+        """Return K lanes of successive samples as systems of their own, (N / K, K, B, ...)."""
+        return LinearSystem(
+            *(
+                values.reshape(lanes, -1, *values.shape[1:]).swapaxes(0, 1)
+                for values in vars(self).values()
+            )
+        )
+
 
 class Smoothed(NamedTuple):
     """The states of some samples, given all measurements, and normalised innovations (N, B, M)."""
@@ -90,24 +99,29 @@ Later = tuple[Array, Gaussians, Gaussians]
 def smooth(system: System, count: int) -> Iterator[Smoothed]:
     """Yield the smoothed states of `count` samples, chunk by chunk, from the last to the first.
 
-    On the way forward, only the state before each lane of a chunk is kept; on the way back, each
-    chunk is filtered again, its lanes side by side, which saves memory. Raises
+    On the way forward, only the state before each lane of a chunk is computed; on the way back,
+    each chunk is filtered, its lanes side by side, which saves time and memory. Raises
     numpy.linalg.LinAlgError if a state has no uncertainty.
     """
     shape = system(slice(1)).F.shape
-    *others, last = chunks(count, max(1, CHUNK // math.prod(shape) // LANE) * LANE)
-    begin, lanes = Gaussians(np.zeros(shape[:-1]), np.zeros(shape)), []
-    for rows in others:
-        ends = _filter(system(rows), begin)[1].at(slice(LANE - 1, None, LANE))
-        states = Gaussians(*map(np.concatenate, zip(begin, ends, strict=True)))
-        lanes.append((rows, states.at(slice(-1))))
-        begin = states.at(slice(-1, None))
+    state, before = Gaussians(np.zeros((1, *shape[1:-1])), np.zeros(shape)), []
+    for rows in _chunks(count, math.prod(shape)):
+        starts = [state, *_lane_ends(system(rows), state)]
+        state = starts.pop()
+        before.append((rows, Gaussians(*map(np.concatenate, zip(*starts, strict=True)))))
     after: Later | None = None
-    for rows, before in [(last, begin), *reversed(lanes)]:
+    for rows, starts in reversed(before):
         part = system(rows)
-        prior, states = _smooth(part, before, after)
+        prior, states = _smooth(part, starts, after)
         after = part.F[0].copy(), prior.at(0).copy(), states.at(0).copy()
         yield Smoothed(rows, states, _innovations(part, prior))
+
+
+def _chunks(count: int, numbers: int) -> list[slice]:
+    """Return slices of whole lanes, and of what remains; numbers: of F at one sample."""
+    whole = count - count % LANE
+    full = chunks(whole, max(1, CHUNK // numbers // LANE) * LANE)
+    return full if whole == count else [*full, slice(whole, count)]
 
 
 def _smooth(
@@ -129,44 +143,82 @@ def _filter(system: LinearSystem, before: Gaussians) -> tuple[Gaussians, Gaussia
 
     before: (K, B, X), those before each of K lanes of N / K samples.
     """
-    lanes, systems = before.mean.shape[:2]
-    count = len(system.z) // lanes
-
-    def beside(values: Array) -> Array:  # (N, B, ...) as (N / K, K B, ...)
-        split = values.reshape(lanes, count, *values.shape[1:]).swapaxes(0, 1)
-        return split.reshape(count, -1, *values.shape[2:])
-
-    def in_turn(values: Array) -> Array:
-        split = values.reshape(count, lanes, systems, *values.shape[2:]).swapaxes(0, 1)
-        return split.reshape(-1, *split.shape[2:])
-
-    x, P = (values.reshape(-1, *values.shape[2:]) for values in before)
-    states = _filter_each(LinearSystem(*map(beside, vars(system).values())), x, P)
-    prior, posterior = (Gaussians(*map(in_turn, state)) for state in states)
+    lanes = len(before.mean)
+    results = np.empty((2, *system.F.shape[:-1])), np.empty((2, *system.F.shape))
+    means, covariances = (
+        values.reshape(2, lanes, -1, *values.shape[2:]).swapaxes(1, 2) for values in results
+    )
+    steps = _filter_steps(system.side_by_side(lanes), before.mean[..., None], before.covariance)
+    for k, step in enumerate(steps):
+        for which, state in enumerate((step.prior, step.posterior)):
+            means[which, k], covariances[which, k] = state.mean[..., 0], state.covariance
+    prior, posterior = map(Gaussians, *results)
     return prior, posterior
 
 
-def _filter_each(system: LinearSystem, x: Array, P: Array) -> tuple[Gaussians, Gaussians]:
-    """Return the states before and after each measurement from those before the first, x and P."""
+class Step(NamedTuple):
+    """A step of a Kalman filter: the states before and after its measurement, what this differs by
+    from the expected, (..., M, D), and its information, (H P Hᵀ + R)⁻¹, (..., M, M).
+    """
+
+    prior: Gaussians
+    posterior: Gaussians
+    innovation: Array
+    information: Array
+
+
+def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[Step]:
+    """Yield the steps of a filter that starts from x (..., X, D), P (..., X, X).
+
+    The first of D columns of x is the state. The others are its derivatives by something, which
+    nothing measures: what the steps make of them does not depend on z.
+    """
     seen = np.isfinite(system.z)
-    H, z = np.where(seen[..., None], system.H, 0.0), np.where(seen, system.z, 0.0)
-    R = system.R[..., None] * np.eye(z.shape[-1])
-    eye = np.eye(system.F.shape[-1])
-    prior, posterior = (
-        Gaussians(np.empty(system.F.shape[:-1]), np.empty(system.F.shape)) for _ in range(2)
-    )
+    H = np.where(seen[..., None], system.H, 0.0)
+    z = np.zeros((*system.z.shape, x.shape[-1]))
+    z[..., 0] = np.where(seen, system.z, 0.0)
+    R = system.R[..., None] * np.eye(H.shape[-2])
+    eye = np.eye(H.shape[-1])
     for k, F in enumerate(system.F):
         # prediction: x = F x, P = F P Fᵀ + Q
-        x, P = np.matvec(F, x), F @ P @ F.mT + system.Q[k]
-        prior.mean[k], prior.covariance[k] = x, P
-        # correction: K = P Hᵀ (H P Hᵀ + R)⁻¹, x += K (z - H x), P = (I - K H) P (I - K H)ᵀ + K R Kᵀ
+        x, P = F @ x, F @ P @ F.mT + system.Q[k]
+        prior = Gaussians(x, P)
+        # correction: K = P Hᵀ S⁻¹, x += K (z - H x), P = (I - K H) P (I - K H)ᵀ + K R Kᵀ
         seen_by = H[k] @ P
-        K = np.linalg.solve(seen_by @ H[k].mT + R[k], seen_by).mT
-        x = x + np.matvec(K, z[k] - np.matvec(H[k], x))
+        innovation, information = z[k] - H[k] @ x, np.linalg.inv(seen_by @ H[k].mT + R[k])
+        K = seen_by.mT @ information
+        x = x + K @ innovation
         left = eye - K @ H[k]
         P = left @ P @ left.mT + K @ R[k] @ K.mT
-        posterior.mean[k], posterior.covariance[k] = x, P
-    return prior, posterior
+        yield Step(prior, Gaussians(x, P), innovation, information)
+
+
+def _lane_ends(system: LinearSystem, before: Gaussians) -> Iterator[Gaussians]:
+    """Yield the state after each lane, (1, B, X); before: that before the first.
+
+    All lanes are filtered side by side from the state 0, exactly known. With the derivative A of a
+    lane's last state by its first, x, and what its measurements say of x, -½ xᵀ J x + ηᵀ x, follows
+    the state after it from the one before (Särkkä and García-Fernández, IEEE Trans. Automatic
+    Control 66, 2021).
+    """
+    lanes = max(1, len(system.z) // LANE)
+    parts = system.side_by_side(lanes)
+    unit = np.broadcast_to(np.eye(system.F.shape[-1]), parts.F.shape[1:])
+    known = np.concatenate([np.zeros((*unit.shape[:-1], 1)), unit], axis=-1)  # x and dx / dx
+    likelihood = np.zeros((*unit.shape[:-2], unit.shape[-1] + 1, unit.shape[-1] + 1))
+    for step in _filter_steps(parts, known, np.zeros_like(unit)):
+        # the innovation is that of 0, first column, plus the others times x
+        likelihood = likelihood + step.innovation.mT @ step.information @ step.innovation
+    (last, A), C = np.split(step.posterior.mean, [1], axis=-1), step.posterior.covariance
+    eta, J = -likelihood[..., 1:, :1], likelihood[..., 1:, 1:]
+    x, P = before.mean[0][..., None], before.covariance[0]
+    for lane in range(lanes):
+        # given the lane's measurements: P' = (P⁻¹ + J)⁻¹ = (I + P J)⁻¹ P, x' = x + P' (η - J x)
+        P = np.linalg.solve(unit[lane] + P @ J[lane], P)
+        x = x + P @ (eta[lane] - J[lane] @ x)
+        # after it: A x' + its own, A P' Aᵀ + C
+        x, P = A[lane] @ x + last[lane], A[lane] @ P @ A[lane].mT + C[lane]
+        yield Gaussians(x[None, ..., 0], P[None])
 
 
 def _innovations(system: LinearSystem, prior: Gaussians) -> Array:
