@@ -127,17 +127,15 @@ def pose_and_jacobian(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     return pose[:, :3, :3], pose[:, :3, 3], columns
 
 
-def analytical_jacobian(
-    arm: Arm, q: Tensor, link: int = LAST, point: Tensor | None = None
-) -> Tensor:
-    """Return J_a of a point: rows 1 to 3 of J_g, then the rates of φ, ϑ, ψ of R_k (Equation 2.34).
+def analytical_jacobian(arm: Arm, q: Tensor) -> Tensor:
+    """Return J_a of frame n: rows 1 to 3 of J_g, then the rates of φ, ϑ, ψ of R_n (Equation 2.34).
 
     q: (N, n) [rad]. Returns (N, 6, n). The last rows grow without bound towards sin ϑ = 0 and
     are infinite or not a number there: a singularity of the angles, not of the arm.
     """
     rotation, _ = link_frames(arm, q)
-    rates = zyz_rates_to_angular_velocity(zyz_angles(rotation[:, link]))
-    linear, angular = jacobian(arm, q, link, point).split(3, dim=1)
+    rates = zyz_rates_to_angular_velocity(zyz_angles(rotation[:, LAST]))
+    linear, angular = jacobian(arm, q).split(3, dim=1)
     return torch.cat([linear, torch.linalg.solve_ex(rates, angular).result], dim=1)
 
 

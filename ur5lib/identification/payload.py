@@ -8,19 +8,19 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.special import ndtri, stdtrit
+from scipy.special import stdtrit
 
 from ur5lib.identification.currents import CurrentFit, motions, predicted, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
 from ur5lib.identification.samples import STEP, Record, Smooth, blocks, columns_of, smoothed_moving
 from ur5lib.robots.friction import GEARS, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.metrics import NORMAL95
 
 ROUNDS = 5
 DRAWS = 50
 JOINTS = 0.3  # relative error of a joint's torque under a load: before its scale was estimated
 LEFT = 0.1  # and after
-HALF = float(ndtri(0.975))  # of a 95 % interval, in standard deviations
 PARTS = 3  # of a run, each of which must show the load
 DEPENDENT = 1e-9  # of the longest: what is shorter is rounding
 WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
@@ -77,7 +77,7 @@ def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
     their trajectories. For few paths it is multiplied by Student's t.
     """
     beyond = np.mean(parameters**2, axis=0) - np.mean(std_error**2, axis=0)
-    factor = stdtrit(max(1, paths - 1), 0.975) / HALF
+    factor = stdtrit(max(1, paths - 1), 0.975) / NORMAL95
     return np.asarray(factor * np.sqrt(np.maximum(beyond, 0.0)))
 
 
@@ -85,7 +85,7 @@ def judge(payload: PayloadEstimate, spread: float) -> Load:
     """Return the load with its total error; spread: of the mass from run to run [kg]."""
     mass = float(payload.parameters[0])
     error = float(np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEARS * mass) ** 2))
-    half = error * HALF
+    half = error * NORMAL95
     lasting = bool((payload.parts > mass / 2).all())
     return Load(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
 

@@ -22,11 +22,11 @@ from ur5lib.pipeline.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.pipeline.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 
 ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
 PAYLOAD = 0.15  # error of the scale beyond which the declared payload is wrong, not the sensor
 FEW = 5.0  # s without contact, below which nothing is said
-HALF = float(stats.norm.ppf(0.975))
 # Errors that matter: a quarter of the maker's accuracy of 4 N and 0.3 Nm, and what 0.05 kg weigh.
 FORCES = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
 DEGREES, SCALES, KILOGRAMS, METRES = 2.0, 0.05, 0.1, 0.01
@@ -130,7 +130,7 @@ def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
     shifts = shifts_after_contacts(reading, time)
     if len(shifts) > 1:
         error = shifts.std(axis=0, ddof=1) / np.sqrt(len(shifts))
-        student = stats.t.ppf(0.975, len(shifts) - 1) / HALF
+        student = stats.t.ppf(0.975, len(shifts) - 1) / NORMAL95
         yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, FORCES)
 
 
@@ -180,7 +180,7 @@ def row(
     limit: the error that matters. unknown: the interval is wider than that; wrong: the value is
     further from what is expected than its interval and the limit allow; right otherwise.
     """
-    half, verdict = HALF * std, ""
+    half, verdict = NORMAL95 * std, ""
     if expected is not None and limit is not None:
         off = abs(value - expected)
         verdict = "wrong" if off > max(half, limit) else "right"

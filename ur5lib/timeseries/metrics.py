@@ -58,19 +58,18 @@ def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95
     return inside.sum(axis=0) / both.sum(axis=0)
 
 
-def interval_score(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
-    """Return the mean Winkler score of each column's band: width + 2 / (1 - stated) times misses.
+def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
+    """Return the mean Winkler score of each column's 95 % band: width + 2 / 0.05 times misses.
 
     Lower is better; a band that is too wide or too narrow scores worse (Gneiting and
     Raftery 2007, Equation 43).
     """
-    half = ndtri(0.5 + stated / 2) * std
+    half = NORMAL95 * std
     missed = np.maximum(np.abs(reference - estimate) - half, 0.0)
-    return np.nanmean(2 * half + 2 / (1 - stated) * missed, axis=0)
+    return np.nanmean(2 * half + 2 / 0.05 * missed, axis=0)
 
 
-def zero_interval_score(reference: Array, stated: float = 0.95) -> Array:
-    """Return the score of the band around zero that contains a share `stated` of the references."""
-    half = np.nanquantile(np.abs(reference), stated, axis=0)
-    scale = ndtri(0.5 + stated / 2)
-    return interval_score(np.zeros_like(reference), half / scale, reference, stated)
+def zero_interval_score(reference: Array) -> Array:
+    """Return the score of the band around zero that contains 95 % of the references."""
+    half = np.nanquantile(np.abs(reference), 0.95, axis=0)
+    return interval_score(np.zeros_like(reference), half / NORMAL95, reference)
