@@ -2,6 +2,7 @@
 
 import contextlib
 import re
+import shlex
 import shutil
 import subprocess
 import time
@@ -92,6 +93,32 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
     assert killed == running[:1], ended
     assert len(ended) == 7, "two to read, one of each other group, one again"
     assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
+
+
+def test_a_study_as_one_job_is_started_again_to_the_same_results(
+    workflow: Workflow, slurm: dict[str, str]
+) -> None:
+    """By the command in the documents; the second start meets the first, which is still ending."""
+    before = results(workflow)
+    folder = workflow.folder / "results" / "small"
+    shutil.rmtree(folder)
+    environment = workflow.environment | slurm
+    documents = (PROJECT / "docs" / "clusters.md").read_text()
+    _, *options = shlex.split(re.search("sbatch --wait .*", documents)[0].replace("--wait ", ""))
+    job = ask(environment, "sbatch", "--parsable", f"--chdir={workflow.folder}", *options)
+    try:
+        assert wait_until(lambda: [*folder.rglob("robot.parquet")], 200)
+        ask(environment, "scontrol", "requeue", job)
+        assert wait_until(lambda: "JobState=COMPLETED" in known_of(job, environment), 300)
+    finally:
+        ask(environment, "scancel", job)
+    assert "Restarts=1 " in known_of(job, environment)
+    assert results(workflow) == before
+    assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
+
+
+def known_of(job: str, environment: dict[str, str]) -> str:
+    return ask(environment, "scontrol", "show", "job", job)
 
 
 @needs_plugin
