@@ -157,8 +157,8 @@ def _filter(system: LinearSystem, before: Gaussians) -> tuple[Gaussians, Gaussia
 
 
 class Step(NamedTuple):
-    """A step of a Kalman filter: the states before and after its measurement, what this differs by
-    from the expected, (..., M, D), and its information, (H P Hᵀ + R)⁻¹, (..., M, M).
+    """A step of a Kalman filter: the states before and after its measurement, the innovation
+    z - H x, (..., M, D), and its information S⁻¹ = (H P Hᵀ + R)⁻¹, (..., M, M).
     """
 
     prior: Gaussians
@@ -196,28 +196,27 @@ def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[Step]:
 def _lane_ends(system: LinearSystem, before: Gaussians) -> Iterator[Gaussians]:
     """Yield the state after each lane, (1, B, X); before: that before the first.
 
-    All lanes are filtered side by side from the state 0, exactly known. With the derivative A of a
-    lane's last state by its first, x, and what its measurements say of x, -½ xᵀ J x + ηᵀ x, follows
-    the state after it from the one before (Särkkä and García-Fernández, IEEE Trans. Automatic
-    Control 66, 2021).
+    All lanes are filtered side by side, each from a state of 0, exactly known. From any other state
+    x, a lane ends at A x + b with the same covariance C, and its measurements have a log-likelihood
+    of ηᵀ x - ½ xᵀ J x (Särkkä and García-Fernández, IEEE Trans. Automatic Control 66, 2021).
     """
     lanes = max(1, len(system.z) // LANE)
     parts = system.side_by_side(lanes)
     unit = np.broadcast_to(np.eye(system.F.shape[-1]), parts.F.shape[1:])
-    known = np.concatenate([np.zeros((*unit.shape[:-1], 1)), unit], axis=-1)  # x and dx / dx
-    likelihood = np.zeros((*unit.shape[:-2], unit.shape[-1] + 1, unit.shape[-1] + 1))
-    for step in _filter_steps(parts, known, np.zeros_like(unit)):
-        # the innovation is that of 0, first column, plus the others times x
-        likelihood = likelihood + step.innovation.mT @ step.information @ step.innovation
-    (last, A), C = np.split(step.posterior.mean, [1], axis=-1), step.posterior.covariance
-    eta, J = -likelihood[..., 1:, :1], likelihood[..., 1:, 1:]
+    start = np.concatenate([np.zeros((*unit.shape[:-1], 1)), unit], axis=-1)  # [0, dx / dx]
+    products = np.zeros((*unit.shape[:-2], start.shape[-1], start.shape[-1]))
+    for step in _filter_steps(parts, start, np.zeros_like(unit)):
+        # innovations [e, de / dx]: Σ [e, de / dx]ᵀ S⁻¹ [e, de / dx]
+        products = products + step.innovation.mT @ step.information @ step.innovation
+    eta, J = -products[..., 1:, :1], products[..., 1:, 1:]
+    (b, A), C = np.split(step.posterior.mean, [1], axis=-1), step.posterior.covariance
     x, P = before.mean[0][..., None], before.covariance[0]
     for lane in range(lanes):
-        # given the lane's measurements: P' = (P⁻¹ + J)⁻¹ = (I + P J)⁻¹ P, x' = x + P' (η - J x)
+        # given the lane's measurements: P = (P⁻¹ + J)⁻¹ = (I + P J)⁻¹ P, x += P (η - J x)
         P = np.linalg.solve(unit[lane] + P @ J[lane], P)
         x = x + P @ (eta[lane] - J[lane] @ x)
-        # after it: A x' + its own, A P' Aᵀ + C
-        x, P = A[lane] @ x + last[lane], A[lane] @ P @ A[lane].mT + C[lane]
+        # after the lane: x = A x + b, P = A P Aᵀ + C
+        x, P = A[lane] @ x + b[lane], A[lane] @ P @ A[lane].mT + C[lane]
         yield Gaussians(x[None, ..., 0], P[None])
 
 
