@@ -12,6 +12,7 @@ from ur5lib.force.contact_figures import (
     resampled_figures,
 )
 from ur5lib.force.detection import contacts, is_free
+from ur5lib.timeseries.metrics import NORMAL95
 
 PERIOD = 0.01
 RANDOM = np.random.default_rng(0)
@@ -215,7 +216,7 @@ def test_figures_of_a_known_error() -> None:
         "coverage50": 1.0,
         "coverage80": 1.0,
         "coverage95": 1.0,
-        "interval_score95": 2 * 1.959964,  # the width of the band, which holds all
+        "interval_score95": 2 * NORMAL95,  # the width of the band, which holds all
     }.items():
         assert figures[name][0] == pytest.approx(value), name
     narrow = figures_by_contact(reference + 0.5, 0.5 * std, reference, force, PERIOD)["all"]
