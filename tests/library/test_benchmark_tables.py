@@ -228,6 +228,20 @@ def test_errors_of_few_recordings_are_relative_to_ours_of_all() -> None:
     assert one[6] == "0.95, joint 0.90"
 
 
+def test_a_share_inside_the_band_has_its_interval_over_recordings() -> None:
+    rows = errors_by_few({curve.OURS: 0.1})
+    assert curve.share_inside(rows) == pytest.approx((0.95, 0.95, 0.95))
+    one = rows["recording"] == "a"
+    share, low, high = curve.share_inside(rows.assign(inside=rows["inside"] - 40 * one))
+    assert (share, low, high) == pytest.approx((0.75, 0.55, 0.95))
+
+
+def test_right_bands_hold_95_of_100_samples_of_all_arms_and_not_of_each() -> None:
+    share = curve.inside_right_bands()
+    assert share.mean() == pytest.approx(0.95, abs=0.003)
+    assert share.std() > 0.03
+
+
 def test_days_left_out_are_told_one_by_one_and_together() -> None:
     rows = errors_by_few({curve.OURS: 0.1})
     rows["day"] = rows["fitted"]
