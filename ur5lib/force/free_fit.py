@@ -162,11 +162,10 @@ def fit(record: Record, free: Mask, weight: Array) -> tuple[Array, Array]:
     return parameters, record.reading - record.terms @ parameters
 
 
-def covariance(terms: Array, residual: Array, noise: Array, known: Array | float = 0.0) -> Array:
-    """Return the covariance (P, P) of the parameters: (Xᵀ X (1 - ρ) / (1 + ρ) + K)⁻¹.
+def covariance(terms: Array, residual: Array, noise: Array) -> Array:
+    """Return the covariance (P, P) of the parameters: (Xᵀ X)⁻¹ (1 + ρ) / (1 - ρ).
 
-    ρ is the correlation of neighbouring residuals, taken as a first-order autoregression; known: K,
-    the inverse variances (P,) of a prior.
+    ρ is the correlation of neighbouring residuals, taken as a first-order autoregression.
     """
     scale = np.maximum(noise, 1e-12)
     whitened = (terms / scale[:, None]).reshape(-1, terms.shape[2])
@@ -174,5 +173,4 @@ def covariance(terms: Array, residual: Array, noise: Array, known: Array | float
     if len(residual) > 1:
         correlation = (residual[1:] * residual[:-1]).mean() / (residual**2).mean()
     inflated = (1 + correlation) / max(1 - correlation, 1e-9)
-    prior = inflated * known * np.eye(whitened.shape[1])
-    return np.asarray(np.linalg.pinv(whitened.T @ whitened + prior) * inflated, np.float64)
+    return np.asarray(np.linalg.pinv(whitened.T @ whitened) * inflated, np.float64)
