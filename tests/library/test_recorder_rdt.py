@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
-from ur5lib.recorder import rdt
+from ur5lib.recorder import net_ft
 from ur5lib.recorder.device import Counter
 
 RATE = 1000.0
@@ -24,25 +24,25 @@ RECORD = bytes.fromhex(
 @pytest.mark.parametrize(
     ("command", "sent"),
     [
-        (rdt.STREAM, "1234000200000000"),
-        (rdt.STOP, "1234000000000000"),
-        (rdt.SET_BIAS, "1234004200000000"),
+        (net_ft.STREAM, "1234000200000000"),
+        (net_ft.STOP, "1234000000000000"),
+        (net_ft.SET_BIAS, "1234004200000000"),
     ],
 )
 def test_requests_are_those_of_the_manual(command: int, sent: str) -> None:
-    assert rdt.request(command).hex() == sent
+    assert net_ft.request(command).hex() == sent
 
 
 def test_a_record_is_that_of_the_manual() -> None:
-    sequence, internal, status, *counts = rdt.decode(RECORD) or ()
+    sequence, internal, status, *counts = net_ft.decode(RECORD) or ()
     assert (sequence, internal) == (1, 7)
-    assert status == rdt.ERROR | rdt.SATURATED
+    assert status == net_ft.ERROR | net_ft.SATURATED
     assert counts == [1_000_000, -1_000_000, 0, 2**31 - 1, -(2**31), 2]
 
 
 @pytest.mark.parametrize("length", [0, 1, 35, 37, 72])
 def test_a_datagram_of_another_size_is_no_record(length: int) -> None:
-    assert rdt.decode((2 * RECORD)[:length]) is None
+    assert net_ft.decode((2 * RECORD)[:length]) is None
 
 
 UNSIGNED, SIGNED = st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1)
@@ -50,7 +50,7 @@ UNSIGNED, SIGNED = st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1)
 
 @given(st.tuples(*[UNSIGNED] * 3, *[SIGNED] * 6))
 def test_what_is_decoded_is_what_was_encoded(numbers: tuple[int, ...]) -> None:
-    assert rdt.decode(struct.pack(">IIIiiiiii", *numbers)) == numbers
+    assert net_ft.decode(struct.pack(">IIIiiiiii", *numbers)) == numbers
 
 
 @pytest.mark.parametrize(
@@ -96,9 +96,9 @@ def test_damaged_streams_give_records_in_order_or_nothing(draw: random.Random) -
         for k in range(8)
     ]
     arrived = spoilt(sent.copy(), draw)
-    counter, accepted, missing = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE), [], 0
+    counter, accepted, missing = Counter(net_ft.SEQUENCE_BITS, net_ft.HIGHEST_RATE), [], 0
     for datagram in arrived:
-        record = rdt.decode(datagram)
+        record = net_ft.decode(datagram)
         before = counter.lost_before(record[0]) if record else None
         if record and before is not None:
             accepted.append((record, datagram))
@@ -107,7 +107,7 @@ def test_damaged_streams_give_records_in_order_or_nothing(draw: random.Random) -
         (int.from_bytes(after[1][:4], "big") - int.from_bytes(before[1][:4], "big")) % 2**32
         for before, after in pairwise(accepted)
     ]
-    assert all(0 < step <= 10 * rdt.HIGHEST_RATE for step in steps)
+    assert all(0 < step <= 10 * net_ft.HIGHEST_RATE for step in steps)
     assert missing == sum(step - 1 for step in steps)
     for record, datagram in accepted:
         assert len(datagram) == 36

@@ -19,9 +19,8 @@ from ur5lib.doubles.emulated import Clock, Emulated, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice
 from ur5lib.errors import InputError
-from ur5lib.recorder import rdt
 from ur5lib.recorder.device import DeviceLost, Identity
-from ur5lib.recorder.net_ft import NetFT
+from ur5lib.recorder.net_ft import SATURATED, NetFT
 from ur5lib.recorder.xsens import Xsens
 from ur5lib.timeseries.arrays import Array
 
@@ -197,7 +196,7 @@ def test_saturation_is_in_the_status() -> None:
     with net_ft(saturation=25.0) as (_, sensor, _):
         _, values, _ = record(sensor, 0.1)
     assert (values[:, 5] == 25).all()
-    assert (values[:, 2].astype(int) & rdt.SATURATED != 0).all()
+    assert (values[:, 2].astype(int) & SATURATED != 0).all()
 
 
 def test_a_box_that_is_not_there() -> None:

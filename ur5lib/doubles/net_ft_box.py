@@ -13,12 +13,12 @@ from typing import Self
 import numpy as np
 
 from ur5lib.doubles.emulated import Clock, Emulated, Faults, Reading
-from ur5lib.recorder import rdt
+from ur5lib.recorder import net_ft
 from ur5lib.timeseries.arrays import Array
 
 HOST = "127.0.0.1"
 INTERNAL_RATE = 7000  # Hz, at which ft_sequence counts
-GAUGES_SATURATED = rdt.ERROR | rdt.SATURATED
+GAUGES_SATURATED = net_ft.ERROR | net_ft.SATURATED
 LARGEST = 2**31 - 1  # count
 
 PAGE = """<?xml version="1.0"?>
@@ -82,16 +82,16 @@ class NetFTBox(Emulated):
     def answer(self) -> None:
         """Obey a request: begin or end a stream, or set the bias."""
         data, sender = self._socket.recvfrom(64)
-        if len(data) != rdt.REQUEST.size or not self.is_powered():
+        if len(data) != net_ft.REQUEST.size or not self.is_powered():
             return
-        header, command, _ = rdt.REQUEST.unpack(data)
-        if header != rdt.HEADER:
+        header, command, _ = net_ft.REQUEST.unpack(data)
+        if header != net_ft.HEADER:
             return
-        if command == rdt.STOP:
+        if command == net_ft.STOP:
             self._client = None
-        elif command == rdt.STREAM:
+        elif command == net_ft.STREAM:
             self._client, self._sequence = sender, 0
-        elif command == rdt.SET_BIAS:
+        elif command == net_ft.SET_BIAS:
             self._zero = None
 
     def packet(self, sample: int) -> bytes | None:

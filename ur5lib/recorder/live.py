@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from rich.table import Table
 
-from ur5lib.recorder import rdt
 from ur5lib.recorder.arm_state import SAFE
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.device import Identity
+from ur5lib.recorder.net_ft import SATURATED
 from ur5lib.robots.rtde_variables import SafetyMode
 
 FEW = 0.001  # share of samples that may be lost
@@ -49,7 +49,7 @@ def warnings(statuses: Mapping[str, Status], identities: Mapping[str, Identity])
         nominal = identities[name].rate_hz
         if nominal and status.seconds > SETTLED and status.rate() < SLOW * nominal:
             yield f"{name} sends fewer than its {nominal:g} samples a second: check its cable"
-        if int(status.latest.get("status", 0)) & rdt.SATURATED:
+        if int(status.latest.get("status", 0)) & SATURATED:
             yield f"{name} is saturated: its force is beyond its range"
         if int(status.latest.get("safety_mode", SafetyMode.NORMAL)) not in SAFE:
             yield "the arm is in a safety stop: look at its pendant"

@@ -1,9 +1,16 @@
-"""ATI Net F/T: a force and torque sensor with a box in the network, as a device to record."""
+"""ATI Net F/T: a force and torque sensor with a box in the network, as a device to record.
+
+The box sends its records by Raw Data Transfer (RDT) over UDP, one a datagram, and without a
+checksum besides UDP's. Source: ATI Industrial Automation, Net F/T manual 9620-05-NET FT, "UDP
+Interface Using RDT" and "System Status Code". All numbers are big-endian.
+"""
 
 import contextlib
 import math
 import socket
+import struct
 import time
+from typing import Final
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,8 +18,17 @@ import requests
 
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
-from ur5lib.recorder import rdt
 from ur5lib.recorder.device import Counter, DeviceLost, Identity, NewSamples, Silence
+
+PORT = 49152
+HIGHEST_RATE = 8000.0  # Hz; Net F/T boxes send up to 7000 records a second, Axia sensors 7812
+SEQUENCE_BITS = 32
+HEADER = 0x1234
+STOP, STREAM, SET_BIAS = 0x0000, 0x0002, 0x0042  # commands; STREAM: one record per datagram
+SATURATED, ERROR = 1 << 17, 1 << 31  # bits of the status: gauges saturated; any error
+FIELDS: Final = ("rdt_sequence", "ft_sequence", "status")  # before the six counts
+REQUEST = struct.Struct(">HHI")
+RECORD = struct.Struct(">3I6i")
 
 UNITS = {"ft_f": "N", "ft_t": "Nm"}
 CHANNELS = {channel: unit for name, unit in UNITS.items() for channel in columns(name)}
@@ -40,21 +56,34 @@ GATHER = 0.05  # s, for which one call collects samples
 BUFFER = 1 << 22  # bytes of datagrams that the socket may queue; Linux may allow fewer
 
 
+def request(command: int) -> bytes:
+    """Return a request; STREAM: of records until STOP, whose count is zero."""
+    return REQUEST.pack(HEADER, command, 0)
+
+
+def decode(datagram: bytes) -> tuple[int, ...] | None:
+    """Return the nine numbers of a record, FIELDS first; None for a datagram of another size.
+
+    The last six are counts of Fx, Fy, Fz, Tx, Ty, Tz.
+    """
+    return RECORD.unpack(datagram) if len(datagram) == RECORD.size else None
+
+
 class NetFT:
     """The force sensor at an address, streamed by RDT.
 
     Its samples: rdt_sequence (the number of the record in the stream), ft_sequence (of the box's
-    own measurement, at 7000 Hz), status (see rdt.SATURATED, rdt.ERROR), force [N] and torque [Nm]
+    own measurement, at 7000 Hz), status (see SATURATED, ERROR), force [N] and torque [Nm]
     on the sensor's tool side, in the axes that the box is set to.
 
     bias: whether to zero the sensor at the start, by the box's software bias.
     """
 
     name = "force_sensor"
-    columns = (*rdt.FIELDS, *CHANNELS)
+    columns = (*FIELDS, *CHANNELS)
 
     def __init__(
-        self, address: str, bias: bool = False, port: int = rdt.PORT, http_port: int = 80
+        self, address: str, bias: bool = False, port: int = PORT, http_port: int = 80
     ) -> None:
         """Set up; port: of RDT, http_port: of the box's web page."""
         self._address, self._bias = address, bias
@@ -71,7 +100,7 @@ class NetFT:
         force, torque = _units(settings, self._address)
         self._scale = np.repeat([1.0, force / counts[0], torque / counts[1]], 3)
         self._connect()
-        self._records = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE)
+        self._records = Counter(SEQUENCE_BITS, HIGHEST_RATE)
         self._silence = Silence(f"the Net F/T box at {self._address}")
         return Identity(
             model=settings.get("prodname", "ATI Net F/T"),
@@ -93,7 +122,7 @@ class NetFT:
         received, records, lost = [], [], 0
         until = time.monotonic() + GATHER
         while datagram := self._receive(until):
-            record = rdt.decode(datagram)
+            record = decode(datagram)
             before = self._records.lost_before(record[0]) if record else None
             if before is not None:
                 received.append(time.monotonic())
@@ -108,7 +137,7 @@ class NetFT:
         if self._socket is None:
             return
         with contextlib.suppress(OSError):  # the box may have gone
-            self._socket.send(rdt.request(rdt.STOP))
+            self._socket.send(request(STOP))
         self._socket.close()
         self._socket = None
 
@@ -145,8 +174,8 @@ class NetFT:
             try:
                 self._socket.connect((self._address, self._port))  # ignores other senders
                 if self._bias:
-                    self._socket.send(rdt.request(rdt.SET_BIAS))
-                self._socket.send(rdt.request(rdt.STREAM))
+                    self._socket.send(request(SET_BIAS))
+                self._socket.send(request(STREAM))
                 self._socket.recv(1, socket.MSG_PEEK)
                 return
             except OSError:
@@ -166,7 +195,7 @@ class NetFT:
             return None
         self._socket.settimeout(remaining)
         try:
-            return self._socket.recv(2 * rdt.RECORD.size)
+            return self._socket.recv(2 * RECORD.size)
         except TimeoutError:
             return None
         except OSError as error:
