@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
 from ur5lib.doubles.xsens_device import encode_vector
-from ur5lib.recorder.mtdata import decode_mtdata, decode_mtdata2
-from ur5lib.recorder.xbus import Decoder, Message, encode
+from ur5lib.recorder.xbus import Decoder, Message, decode_mtdata, decode_mtdata2, encode
 
 STREAMS = 1000
 

@@ -11,21 +11,21 @@ import struct
 import tty
 
 from ur5lib.doubles.emulated import Clock, Emulated, Faults, Reading
-from ur5lib.recorder import mtdata, xbus, xsens
+from ur5lib.recorder import xbus, xsens
 from ur5lib.timeseries.arrays import Array
 
 WAKE_UP = 0x3E
 # Index of the first number in a reading (9,).
-QUANTITIES = {vector: 3 * k for k, vector in enumerate(mtdata.VECTORS)}
+QUANTITIES = {vector: 3 * k for k, vector in enumerate(xbus.VECTORS)}
 ANSWERS = {  # to requests for the device's identity
     xsens.REQUEST_DEVICE_ID: bytes.fromhex("07700ABC"),
     xsens.REQUEST_FIRMWARE: bytes([1, 8, 2]),
     xsens.REQUEST_PRODUCT_CODE: b"MTi-30-2A5G4        ",
 }
 FACTORY = {
-    mtdata.PACKET_COUNTER: xsens.WITH_EACH_SAMPLE,
-    mtdata.SAMPLE_TIME_FINE: xsens.WITH_EACH_SAMPLE,
-    **dict.fromkeys(mtdata.VECTORS, 100),
+    xbus.PACKET_COUNTER: xsens.WITH_EACH_SAMPLE,
+    xbus.SAMPLE_TIME_FINE: xsens.WITH_EACH_SAMPLE,
+    **dict.fromkeys(xbus.VECTORS, 100),
 }
 LEGACY_SETTINGS = {
     xsens.SET_SKIP_FACTOR: b"\x00\x00",
@@ -86,15 +86,15 @@ class XsensDevice(Emulated):
         # The counter starts where the clock does: with the clock's offset.
         count = round(self.shown(sample) * self.rate_hz) % 2**16
         if self._is_legacy:
-            return xbus.encode(mtdata.MTDATA, struct.pack(">9fH", *true, count))
+            return xbus.encode(xbus.MTDATA, struct.pack(">9fH", *true, count))
         ticks = math.floor(self.shown(sample) * 10_000) % 2**32
         stamps = {
-            mtdata.PACKET_COUNTER: count.to_bytes(2, "big"),
-            mtdata.SAMPLE_TIME_FINE: ticks.to_bytes(4, "big"),
+            xbus.PACKET_COUNTER: count.to_bytes(2, "big"),
+            xbus.SAMPLE_TIME_FINE: ticks.to_bytes(4, "big"),
         }
         items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
         parts = (name.to_bytes(2, "big") + bytes([len(data)]) + data for name, data in items)
-        return xbus.encode(mtdata.MTDATA2, b"".join(parts))
+        return xbus.encode(xbus.MTDATA2, b"".join(parts))
 
     def send(self, part: bytes) -> None:
         """Write bytes; unread ones are lost, as on a serial line."""
@@ -142,13 +142,13 @@ class XsensDevice(Emulated):
     def _set_outputs(self, data: bytes) -> None:
         """Configure the requested items at the device's rate, and confirm them."""
         wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
-        if any(name not in FACTORY and name & mtdata.GROUP not in QUANTITIES for name in wanted):
+        if any(name not in FACTORY and name & xbus.GROUP not in QUANTITIES for name in wanted):
             self.send(xbus.encode(xbus.ERROR, INVALID_PARAMETER))
             return
         rate = round(self.rate_hz)
         rates = dict.fromkeys(QUANTITIES, rate)
         self._outputs = {
-            name: rates.get(name & mtdata.GROUP, xsens.WITH_EACH_SAMPLE) for name in wanted
+            name: rates.get(name & xbus.GROUP, xsens.WITH_EACH_SAMPLE) for name in wanted
         }
         accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
         self.send(xbus.encode(xsens.SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
@@ -156,11 +156,11 @@ class XsensDevice(Emulated):
 
 def encode_vector(name: int, reading: Array) -> bytes:
     """Return three numbers in the precision given by the last bits of an item's name."""
-    first = QUANTITIES[name & mtdata.GROUP]
+    first = QUANTITIES[name & xbus.GROUP]
     numbers = [float(number) for number in reading[first : first + 3]]
-    if name & mtdata.PRECISION == 1:
+    if name & xbus.PRECISION == 1:
         return struct.pack(">3i", *(round(number * 2**20) for number in numbers))
-    if name & mtdata.PRECISION == 2:
+    if name & xbus.PRECISION == 2:
         fixed = [round(number * 2**32) % 2**48 for number in numbers]
         return b"".join(struct.pack(">IH", n % 2**32, n >> 32) for n in fixed)
-    return struct.pack(">3d" if name & mtdata.PRECISION == 3 else ">3f", *numbers)
+    return struct.pack(">3d" if name & xbus.PRECISION == 3 else ">3f", *numbers)

@@ -10,10 +10,9 @@ import numpy as np
 
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
-from ur5lib.recorder import mtdata
+from ur5lib.recorder import xbus
 from ur5lib.recorder.device import Counter, DeviceLost, Identity, NewSamples, Silence
-from ur5lib.recorder.mtdata import Measurement
-from ur5lib.recorder.xbus import Message, RefusedError, XbusPort
+from ur5lib.recorder.xbus import Measurement, Message, RefusedError, XbusPort
 
 GO_TO_CONFIG, GO_TO_MEASUREMENT = 0x30, 0x10
 REQUEST_DEVICE_ID, REQUEST_PRODUCT_CODE, REQUEST_FIRMWARE = 0x00, 0x1C, 0x12
@@ -22,7 +21,7 @@ SET_PERIOD, SET_SKIP_FACTOR = 0x04, 0xD4  # the older MTi
 SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0xD0, 0xD2
 WITH_EACH_SAMPLE = 0xFFFF  # rate of counter and time
 PERIOD_CLOCK = 115_200  # Hz, in whose ticks the older MTi's sampling period is given
-MODE, SETTINGS = mtdata.CALIBRATED, mtdata.SAMPLE_COUNTER
+MODE, SETTINGS = xbus.CALIBRATED, xbus.SAMPLE_COUNTER
 
 GATHER = 0.05  # s, for which one call collects samples
 UNITS = {"imu_a": "m/s²", "imu_g": "rad/s", "imu_m": "a.u."}
@@ -69,7 +68,7 @@ class Xsens:
                 f"the motion tracker at {self._path} does not accept {self._rate_hz:g} Hz; choose "
                 "a rate that it offers"
             ) from error
-        self._counter = Counter(mtdata.COUNTER_BITS, rate)
+        self._counter = Counter(xbus.COUNTER_BITS, rate)
         self._silence = Silence(f"the motion tracker at {self._path}")
         return identity
 
@@ -122,10 +121,10 @@ class Xsens:
         The first generation of the MTi, which refuses MTData2, is configured for MTData.
         """
         try:
-            self._identifier = mtdata.MTDATA2
+            self._identifier = xbus.MTDATA2
             return "MTData2", self._configure_mtdata2(port)
         except RefusedError:
-            self._identifier = mtdata.MTDATA
+            self._identifier = xbus.MTDATA
             period = min(round(PERIOD_CLOCK / self._rate_hz), 0xFFFF)
             port.ask(SET_PERIOD, struct.pack(">H", period))
             port.ask(SET_SKIP_FACTOR, struct.pack(">H", 0))
@@ -136,17 +135,17 @@ class Xsens:
     def _configure_mtdata2(self, port: XbusPort) -> float:
         """Configure MTData2; return the rate [Hz] that the device chose, its nearest one."""
         rate = round(self._rate_hz)
-        items = [(mtdata.PACKET_COUNTER, WITH_EACH_SAMPLE)]
-        items += [(mtdata.SAMPLE_TIME_FINE, WITH_EACH_SAMPLE)]
-        items += [(vector, rate) for vector in mtdata.VECTORS]
+        items = [(xbus.PACKET_COUNTER, WITH_EACH_SAMPLE)]
+        items += [(xbus.SAMPLE_TIME_FINE, WITH_EACH_SAMPLE)]
+        items += [(vector, rate) for vector in xbus.VECTORS]
         data = b"".join(struct.pack(">HH", *item) for item in items)
         accepted = port.ask(SET_OUTPUT_CONFIGURATION, data)
         rates = dict(struct.iter_unpack(">HH", accepted[: len(accepted) // 4 * 4]))
-        return float(rates.get(mtdata.ACCELERATION, rate))
+        return float(rates.get(xbus.ACCELERATION, rate))
 
     def _decode(self, message: Message) -> Measurement | None:
         if message.identifier != self._identifier:
             return None
-        if self._identifier == mtdata.MTDATA2:
-            return mtdata.decode_mtdata2(message.data)
-        return mtdata.decode_mtdata(message.data)
+        if self._identifier == xbus.MTDATA2:
+            return xbus.decode_mtdata2(message.data)
+        return xbus.decode_mtdata(message.data)
