@@ -10,11 +10,10 @@ import numpy as np
 
 from ur5lib.doubles.truth import STATE, Truth
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.stand.arm import build_arm
 from ur5lib.stand.controller import WINDOW
 from ur5lib.stand.friction import USUAL
 from ur5lib.stand.plan import Contact, Imu, SimulatedRecording
-from ur5lib.stand.rig import SETTLE, STEP, Target, as_rows, build_rig, step_times
+from ur5lib.stand.rig import SETTLE, STEP, Target, as_rows, build_arm, build_rig, step_times
 from ur5lib.stand.trajectories import leg, plan_targets
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration

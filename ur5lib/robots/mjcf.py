@@ -1,4 +1,4 @@
-"""Export of an arm as MJCF, the model format of MuJoCo."""
+"""Arms in MuJoCo: their bodies, and export as MJCF, its model format."""
 
 import mujoco
 import numpy as np
@@ -55,6 +55,11 @@ def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12)
         body.joints[0].armature = bodies.rotor_inertia[k]
         _set_inertia(body, bodies.mass[k], bodies.center_of_mass[k], bodies.inertia[k], share)
     return _add_tool(body, robot, model, share)
+
+
+def flange(model: mujoco.MjModel) -> int:
+    """Return the number of the last link, which carries the tool."""
+    return int(model.body(TOOL).parentid[0])
 
 
 def _add_link(parent: mujoco.MjsBody, name: str, pose: Pose) -> mujoco.MjsBody:

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from ur5lib.robots.mjcf import TOOL
-from ur5lib.stand.arm import flange
+from ur5lib.robots.mjcf import TOOL, flange
 from ur5lib.stand.plan import Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.timeseries.arrays import Array
 

@@ -8,7 +8,7 @@ import pandas as pd
 from scipy.signal import butter, lfilter
 
 from ur5lib.robots.description import Payload
-from ur5lib.stand.arm import flange
+from ur5lib.robots.mjcf import flange
 from ur5lib.stand.drive import Drive, current_noise, motion_share
 from ur5lib.stand.friction import along_chain
 from ur5lib.stand.rig import STEP, Experiment, Rig, States, step_times

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import Payload, Robot
-from ur5lib.stand.arm import build_arm, flange
+from ur5lib.robots.description import Mounting, Payload, Robot
+from ur5lib.robots.mjcf import add_arm, flange
 from ur5lib.stand.contacts import Contacts
 from ur5lib.stand.drive import Drive, drive_of, link_torques
 from ur5lib.stand.friction import USUAL, Friction, FrictionParameters, friction_of
@@ -20,6 +21,13 @@ STEP = 0.001  # s, of the integration
 SETTLE = 300  # steps simulated before anything is recorded
 START = 0.5  # largest initial dry friction, as a share of the breakaway torque
 WRENCH = float, 6
+SENSORS = {  # name: MuJoCo type, site where it is mounted
+    "force": (mujoco.mjtSensor.mjSENS_FORCE, "force_sensor"),
+    "torque": (mujoco.mjtSensor.mjSENS_TORQUE, "force_sensor"),
+    "accelerometer": (mujoco.mjtSensor.mjSENS_ACCELEROMETER, "imu"),
+    "gyroscope": (mujoco.mjtSensor.mjSENS_GYRO, "imu"),
+}
+AT_ORIGIN = Mounting(imu=(0.0, 0.0, 0.0), force_sensor=(0.0, 0.0, 0.0))
 
 States = NDArray[np.void]  # (N,) of `state_of` the arm's joints, every millisecond
 Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each (n,)
@@ -90,6 +98,27 @@ class Rig:
         mujoco.mj_fwdPosition(self.nominal, self.nominal_data)
         mujoco.mj_fwdVelocity(self.nominal, self.nominal_data)
         return self.drive.torques(self.nominal, self.nominal_data, target)
+
+
+def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.MjModel:
+    """Return the MuJoCo model of an arm with one of its link models.
+
+    imu_turn: rotation vector from the flange's axes to the IMU's [rad]; step: of the
+    integration [s]. Sensor data (12,): force, torque, accelerometer, gyroscope, each in its own
+    axes. Force and torque are those of the flange on the tool, at the sensor's origin.
+    """
+    spec = mujoco.MjSpec()
+    spec.option.gravity = robot.gravity
+    spec.option.timestep = step
+    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    tool = add_arm(spec, robot, model)
+    mounting = robot.mounting or AT_ORIGIN
+    turn = Rotation.from_rotvec(imu_turn).as_quat(scalar_first=True)
+    tool.parent.add_site(name="imu", pos=mounting.imu, quat=turn)
+    tool.add_site(name="force_sensor", pos=mounting.force_sensor)
+    for name, (kind, site) in SENSORS.items():
+        spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site)
+    return spec.compile()
 
 
 def build_rig(
