@@ -96,9 +96,9 @@ def learning_findings(table: pd.DataFrame) -> Iterator[str]:
             yield f"{arm}: one recording gives {(one / none).mean():.2f} times the error of none."
     right = inside_right_bands()
     yield (
-        f"With no recording, bands that hold {right.mean():.2f} of all arms' samples hold more than "
-        f"{AIM[1]:.2f} on {np.mean(right > AIM[1]):.0%} of the arms, and less than {AIM[0]:.2f} on "
-        f"{np.mean(right < AIM[0]):.0%}, because joints differ in their errors."
+        f"With no recording, bands that hold {right.mean():.2f} of all arms' samples hold "
+        f"more than {AIM[1]:.2f} on {np.mean(right > AIM[1]):.0%} of the arms, and less than "
+        f"{AIM[0]:.2f} on {np.mean(right < AIM[0]):.0%}, because joints differ in their errors."
     ).replace("%", " %")
 
 
