@@ -10,7 +10,7 @@ all limits at 1 kHz.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as File
 
 import numpy as np
@@ -20,9 +20,9 @@ from benchmarks.harness.timing import timed
 from ur5lib.commands.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import RATE, Effort, design, free_postures, random_path
-from ur5lib.excitation.objective import STEP, Task
+from ur5lib.excitation.objective import STEP, Task, Worth
 from ur5lib.excitation.problem import INDEPENDENT, Problem
-from ur5lib.excitation.trajectory import Cell, Path
+from ur5lib.excitation.trajectory import Cell
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
 from ur5lib.stand.plan import POSTURE, Movej
@@ -40,13 +40,7 @@ ROUNDS = 6  # of Gauss and Newton's
 CELL_SECONDS = 5.0
 
 
-@dataclass(frozen=True)
-class Motion:
-    """States of a recording every STEP, (N, 6) each [rad, rad/s, rad/s²]."""
-
-    q: Array
-    qd: Array
-    qdd: Array
+States = tuple[Array, Array]  # of a recording every STEP: Y (N, n, 11 n), q̇ (N, n)
 
 
 def main() -> None:
@@ -81,11 +75,11 @@ def free(task: Task) -> Task:
 def compared(robot: str, task: Task, effort: Effort, count: int, other: File | None) -> None:
     """Print what each trajectory is worth, and the errors after a fit to it."""
     took, found = timed(lambda: design(task, 0, effort))
-    ours = along(found.path)
+    ours = task.regressor(found.path)
     rivals = random_motions(task, count)
     motions = {"designed": ours, "way-points": one_joint_after_the_other(task)}
     if other is not None:
-        motions["another's"] = read_motion(other)
+        motions["another's"] = read_motion(task, other)
     print(f"\n{robot}, {SECONDS:g} s, designed in {took:.0f} s")
     print(f"{'':>24}{'log det':>9}{'cond. W':>9}{'cond. J':>10}")
     rows = {name: worth(task, motion) for name, motion in motions.items()}
@@ -101,60 +95,47 @@ def compared(robot: str, task: Task, effort: Effort, count: int, other: File | N
     print(f"designed: {lower[0]:.0%} lower in torque, {lower[1]:.0%} in current than way-points")
 
 
-def along(path: Path) -> Motion:
-    """Return the states of a designed path every STEP."""
-    return Motion(*path.sampled(1 / STEP)[1][:3])
-
-
-def random_motions(task: Task, count: int) -> Iterator[Motion]:
+def random_motions(task: Task, count: int) -> Iterator[States]:
     """Yield random motions that keep the limits, each joint as fast as it may be."""
     random = np.random.default_rng(1)
     postures = free_postures(task.cell, random)
     for _ in range(count):
-        yield along(random_path(task, random, postures))
+        yield task.regressor(random_path(task, random, postures))
 
 
-def one_joint_after_the_other(task: Task) -> Motion:
-    """Return a motion that moves each joint in turn from a posture and back, over and over."""
-    turns = [point for joint in range(6) for point in (POSTURE, np.add(POSTURE, _only(joint)))]
+def one_joint_after_the_other(task: Task) -> States:
+    """Return the states of a motion that moves each joint in turn and back, over and over."""
+    turned = [np.add(POSTURE, TURN * axis) for axis in np.eye(6)]
+    turns = [point for own in turned for point in (POSTURE, own)]
     plan = Movej(kind="movej", way_points=[tuple(map(float, point)) for point in turns])
     targets = plan_targets(plan, task.cell.robot, REST + np.arange(0, SECONDS, STEP))
-    return Motion(targets.q, targets.qd, targets.qdd)
+    return task.cell.model.regressor(targets.q, targets.qd, targets.qdd), targets.qd
 
 
-def _only(joint: int) -> Array:
-    return TURN * np.eye(6)[joint]
-
-
-def read_motion(path: File) -> Motion:
+def read_motion(task: Task, path: File) -> States:
     """Return the states of a trajectory in a CSV without a header: time [s], q1 .. q6 [rad]."""
     clock, *angles = np.loadtxt(path, delimiter=",").T
     at = np.arange(clock[0], clock[-1], STEP)
     q = interpolated(at, clock, np.array(angles).T)
     qd = np.gradient(q, STEP, axis=0)
-    return Motion(q, qd, np.gradient(qd, STEP, axis=0))
+    return task.cell.model.regressor(q, qd, np.gradient(qd, STEP, axis=0)), qd
 
 
-def worth(task: Task, motion: Motion) -> Array:
+def worth(task: Task, motion: States) -> Array:
     """Return log det M, and the condition numbers of the regressor and of the whole problem."""
-    problem, Y = task.problem, task.cell.model.regressor(motion.q, motion.qd, motion.qdd)
-    information = task.earlier + problem.information(Y, motion.qd, STEP)
-    J = problem.rows(problem.theta, Y, motion.qd).reshape(-1, len(problem.theta))
-    W = Y[..., problem.base.columns].reshape(-1, problem.count)
-    width = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
-    log_det = np.linalg.slogdet(information)[1]
-    return np.array([log_det, np.linalg.cond(W), np.linalg.cond(J * width)])
+    found = Worth.of_states(task, *motion)
+    return np.array([found.log_det, found.regressor_condition, found.condition])
 
 
-def unseen_error(task: Task, motion: Motion) -> Array:
+def unseen_error(task: Task, motion: States) -> Array:
     """Return RMS errors (2,) of torque [Nm] and current [noise] on motions that no fit has seen."""
     problem, random = task.problem, np.random.default_rng(2)
     spread = MISJUDGED * np.linalg.cholesky(np.linalg.inv(problem.prior))
-    unseen = [regressed(task, other) for other in random_motions(task, UNSEEN)]
+    unseen = [*random_motions(task, UNSEEN)]
     squares = []
     for _ in range(FITS):
         truth = problem.theta + spread @ random.normal(size=len(problem.theta))
-        Y, qd = thinned(*regressed(task, motion))
+        Y, qd = thinned(*motion)
         measured = problem.measured(truth, Y, qd) + random.normal(size=(len(Y), 12))
         fitted = fit(problem, Y, qd, measured)
         for states in unseen:
@@ -162,11 +143,6 @@ def unseen_error(task: Task, motion: Motion) -> Array:
             torque = error[:, :6] * problem.noise.torque
             squares.append([np.mean(torque**2), np.mean(error[:, 6:] ** 2)])
     return np.sqrt(np.mean(squares, axis=0))
-
-
-def regressed(task: Task, motion: Motion) -> tuple[Array, Array]:
-    """Return Y (N, 6, 66) and q̇ (N, 6) of a motion."""
-    return task.cell.model.regressor(motion.q, motion.qd, motion.qdd), motion.qd
 
 
 def thinned(Y: Array, qd: Array) -> tuple[Array, Array]:

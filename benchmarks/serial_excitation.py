@@ -100,7 +100,7 @@ def figures(task: Task, arm: Robot, motion: str, path: Path, seed: int) -> Itera
         rows = [any(word in name for word in words) for name in problem.names()]
         shares = {name: float(np.median((own / before)[rows])) for name, own in columns.items()}
         yield {"motion": motion, "what": group} | shares
-    unseen = [task.cell.model.regressor(m.q, m.qd, m.qdd) for m in random_motions(task, UNSEEN)]
+    unseen = [Y for Y, _ in random_motions(task, UNSEEN)]
     torque = float(np.mean([np.abs(fitted.torque(Y) - problem.torque(Y)) for Y in unseen]))
     yield {"motion": motion, "what": "torque of unseen motion [Nm]", "found": torque}
 

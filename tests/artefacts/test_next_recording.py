@@ -45,7 +45,7 @@ def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(
     assert found.margins.broken() == []
     alone, before, after = (
         dict(zip(task.problem.names(), task.problem.standard_errors(known), strict=True))
-        for known in (task.problem.prior, task.earlier, found.information)
+        for known in (task.problem.prior, task.earlier, task.information(found.path))
     )
     stated = read_csv(thesis_results / "tables" / "friction.csv")
     open_ones = stated[stated["determined"] == "no"]

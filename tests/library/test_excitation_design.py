@@ -8,12 +8,10 @@ import pytest
 
 from benchmarks.excitation import (
     STEP,
-    along,
     fit,
     keeps_limits,
     one_joint_after_the_other,
     random_motions,
-    regressed,
     thinned,
     unseen_error,
     worth,
@@ -116,7 +114,7 @@ def test_the_same_seed_gives_the_same_trajectory() -> None:
 
 
 def test_it_is_better_than_the_best_of_random_ones() -> None:
-    log_det, condition, _ = worth(task(), along(designed().path))
+    log_det, condition, _ = worth(task(), task().regressor(designed().path))
     random = np.array([worth(task(), motion) for motion in random_motions(task(), RANDOM)])
     assert log_det > random[:, 0].max() + 20
     assert condition < random[:, 1].min()
@@ -124,7 +122,7 @@ def test_it_is_better_than_the_best_of_random_ones() -> None:
 
 @pytest.mark.slow
 def test_unseen_motions_are_predicted_better_than_after_way_points() -> None:
-    ours = unseen_error(task(), along(designed().path))
+    ours = unseen_error(task(), task().regressor(designed().path))
     assert (ours < 0.7 * unseen_error(task(), one_joint_after_the_other(task()))).all()
 
 
@@ -135,7 +133,7 @@ def test_predicted_standard_errors_are_those_observed() -> None:
     What is expected before the recording is off by as much as the prior says, at random.
     """
     problem, random = task().problem, np.random.default_rng(3)
-    Y, qd = thinned(*regressed(task(), along(designed().path)))
+    Y, qd = thinned(*task().regressor(designed().path))
     true = problem.measured(problem.theta, Y, qd)
     spread = np.linalg.cholesky(np.linalg.inv(problem.prior))
 

@@ -14,15 +14,14 @@ from rich.progress import Progress
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.excitation.bands import Next, Outlook, feels_forces
+from ur5lib.excitation.bands import Bands, Outlook, feels_forces
 from ur5lib.excitation.design import USUAL, Design, Effort, design
-from ur5lib.excitation.files import summary_of, write_files
+from ur5lib.excitation.files import write_files
 from ur5lib.excitation.objective import STEP, Task, Worth
-from ur5lib.excitation.posterior import Earlier, Fitted, Recorded, problem_after
+from ur5lib.excitation.posterior import Earlier, Recorded, problem_after
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
-from ur5lib.excitation.trajectory import Path as Designed
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.records.friction import Friction
@@ -74,26 +73,20 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
     arm, known = earlier(options)
-    task = task_of(options, arm, known)
-    planned = _design(task, options.seed, effort)
-    worth = Worth.along(task, planned.path)
+    found = _design(task_of(options, arm, known), options.seed, effort)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
-    summary = summary_of(options.robot, options.question, options.seed, task, planned, worth)
-    drawing = excitation_figure(task.cell.robot, planned.path, planned.margins, task.problem, worth)
-    write_files(folder, options.robot, options.payload, task, planned.path, summary)
-    drawn = folder / "excitation.svg"
+    drawing, drawn = excitation_figure(found), folder / "excitation.svg"
+    write_files(folder, asked, options.payload, found)
     save(drawing, drawn)
-    ur = task.cell.robot.is_ur()
+    ur, sensed = arm.is_ur(), arm.senses_torque()
     command = f"{RECORD} {folder}/trajectory.csv --speed 1" if ur else ""
-    last = len(task.cell.middle)
-    before = [] if options.payload is None else [_mounting(options.payload, last)]
-    outlook = outlook_of(options.seconds, arm, known, task, planned.path)
+    before = [] if options.payload is None else [_mounting(options.payload, len(arm.joints))]
+    outlook = outlook_of(arm, known, found)
     steps = [*before, BEFORE, *([] if ur else [BY_DRIVER])]
-    page = excitation_page(asked, steps, command, planned, task.problem, worth, outlook, drawn)
-    sensed = task.problem.senses_torque
+    page = excitation_page(asked, steps, command, found, outlook, drawn)
     write_html(in_torques(page) if sensed else page, folder / "excitation.html")
-    yield from planned.margins.lines()
-    yield from _worth_lines(task.problem, worth)
+    yield from found.margins.lines()
+    yield from _worth_lines(found.task.problem, found.worth)
     yield from _band_lines(outlook, sensed)
     yield from before
     yield f"{folder} written; next: {command or BY_DRIVER}"
@@ -128,7 +121,10 @@ def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
     base = study.parameters(Identification, arm.name, "identification")
     known = study.configuration()
     return arm, Earlier(
-        fitted=Fitted(friction.fit, friction.parameters, base.noise, len(friction.from_)),
+        friction.fit,
+        friction.parameters,
+        base.noise,
+        fitted=len(friction.from_),
         recordings=[_recorded(arm, study, n) for n in sorted({*friction.from_, *base.from_})],
         population=population_of(population_files(known.settings.friction.population), known.study),
     )
@@ -148,22 +144,18 @@ def task_of(options: ExciteOptions, arm: Robot, known: Earlier | None) -> Task:
     return Task(cell, problem, question, information, options.seconds)
 
 
-def outlook_of(
-    seconds: float, arm: Robot, known: Earlier | None, task: Task, path: Designed
-) -> list[Next]:
-    """Return the bands as they are, and after the designed motion and others of some seconds.
+def outlook_of(arm: Robot, known: Earlier | None, found: Design) -> list[Bands]:
+    """Return the bands as they are, and after the designed motion and others of the same length.
 
     Empty without a fit to earlier recordings, from which the bands come, and for an arm that does
     not feel all forces.
     """
-    if known is None or not known.fitted.fit.joints or not feels_forces(arm):
+    if known is None or not known.fit.joints or not feels_forces(arm):
         return []
-    problem, information = problem_after(arm, known, has_payload=False)
-    outlook, (_, states) = Outlook(arm, problem, known.fitted), path.sampled(1 / STEP)
-    Y = task.cell.model.regressor(*states[:3])
-    told = problem.of_model(task.cell.model.parameters).information(Y, states.qd, STEP)
-    others = outlook.candidates(seconds)
-    return [*outlook.ranked(information, [("this motion", told), *others])]
+    outlook, task = Outlook(arm, known), found.task
+    problem = outlook.problem.of_model(task.cell.model.parameters)
+    told = problem.information(*task.regressor(found.path), STEP)
+    return outlook.ranked([("this motion", told), *outlook.candidates(task.seconds)])
 
 
 def known_load(mass: float, *center: float) -> Payload:
@@ -214,7 +206,7 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
         yield f"this motion would hardly lower the first of these errors: {LOAD}"
 
 
-def _band_lines(outlook: Sequence[Next], sensed: bool) -> Iterator[str]:
+def _band_lines(outlook: Sequence[Bands], sensed: bool) -> Iterator[str]:
     """Yield the bands before and after recordings; sensed: of torques in place of currents."""
     name, unit = ("torque", "Nm") if sensed else ("current", "A")
     if outlook:

@@ -5,8 +5,9 @@ not known of the parameters. A force at the flange has the covariance (J Σ⁻¹
 the torques. A load's mass is found along as much motion again, beside the parameters.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -14,8 +15,8 @@ from scipy.special import stdtrit
 
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.excitation.posterior import Fitted
-from ur5lib.excitation.problem import CORRELATED, LOAD_WIDTH, Problem, random_states
+from ur5lib.excitation.posterior import Earlier, problem_after
+from ur5lib.excitation.problem import CORRELATED, LOAD_WIDTH, random_states
 from ur5lib.excitation.questions import PREDICTED_ACCELERATION, PREDICTED_SPEED
 from ur5lib.identification.current_regression import MOVING
 from ur5lib.identification.currents import BETWEEN_DAYS
@@ -34,16 +35,10 @@ FELT = 1e-6  # m; a smaller lever is none
 
 @dataclass(frozen=True)
 class Bands:
-    """Half the 95 % bands of a force in contact [N], of a current [A] and of a load's mass [kg]."""
+    """Half the 95 % bands of a force in contact [N], of a current [A] and of a load's mass [kg].
 
-    force: float
-    current: float
-    mass: float
-
-
-@dataclass(frozen=True)
-class Next:
-    """Bands after a recording that may come next; after: its name, "now" without any."""
+    after: name of a recording that may come next, "now" without any.
+    """
 
     after: str
     force: float
@@ -58,49 +53,57 @@ def feels_forces(arm: Robot) -> bool:
 
 
 class Outlook:
-    """The bands of an arm by the information on its parameters; of one that `feels_forces`."""
+    """The bands of an arm after further recordings; of one that `feels_forces`."""
 
-    def __init__(self, arm: Robot, problem: Problem, fitted: Fitted) -> None:
-        """Evaluate the arm at random states; problem: without a payload among its parameters."""
+    def __init__(self, arm: Robot, known: Earlier) -> None:
+        """Evaluate the arm at random states; information: of what is known, (P, P)."""
+        problem, self.information = problem_after(arm, known, has_payload=False)
         q, qd, qdd = random_states(arm, PREDICTED_SPEED, PREDICTED_ACCELERATION)
         Y = LinkModel(arm, arm.fullest_model()).regressor(q, qd, qdd)
-        self._arm, self._problem, self._fitted = arm, problem, fitted
+        self.problem, self._arm, self._known = problem, arm, known
         self._rows = problem.rows(problem.theta, Y, qd)[:, problem.joints :]  # over the noise
         self._friction = problem.friction_current(Y, qd)
         self._with_load = problem.rows_with_load(Y, qd)
         self._jacobian = flange_kinematics(arm, q)[2][:, :3]
 
-    def bands(self, information: Array, further: int = 0, other_day: bool = False) -> Bands:
+    def bands(
+        self, information: Array, after: str = "now", further: int = 0, other_day: bool = False
+    ) -> Bands:
         """Return the bands by an information (P, P) on the parameters.
 
         further: recordings beyond those of the fit; other_day: whether on another day.
         """
-        rows = self._rows * self._problem.noise.current[:, None]
+        # of friction from day to day, as far as it is not seen
+        between = BETWEEN_SEEN if other_day else BETWEEN_DAYS
+        between = 0.0 if self._known.fit.days >= 2 else between
+        apart = self._within(further) ** 2 + (between * self._friction) ** 2
+        rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
-        apart = self._within(further) ** 2 + (self._between(other_day) * self._friction) ** 2
-        current = doubt + apart[..., None] * np.eye(self._problem.joints)
-        constant = 1 / self._problem.theta[self._problem.of_currents][::5]
+        current = doubt + apart[..., None] * np.eye(self.problem.joints)
+        constant = 1 / self.problem.theta[self.problem.of_currents][::5]
         torque = np.linalg.inv(current * np.outer(constant, constant))
         force = np.linalg.inv(self._jacobian @ torque @ self._jacobian.mT)
-        variance = {
-            "force": np.median(np.trace(force, axis1=1, axis2=2)) / 3,
-            "current": np.trace(current, axis1=1, axis2=2).mean() / self._problem.joints,
-            "mass": self._mass(information, apart),
-        }
-        return Bands(**{name: NORMAL95 * float(np.sqrt(own)) for name, own in variance.items()})
+        variances = (
+            np.median(np.trace(force, axis1=1, axis2=2)) / 3,
+            np.trace(current, axis1=1, axis2=2).mean() / self.problem.joints,
+            self._mass(information, apart),
+        )
+        return Bands(after, *(NORMAL95 * float(np.sqrt(own)) for own in variances))
 
-    def ranked(self, earlier: Array, candidates: Iterable[tuple[str, Array]]) -> Iterator[Next]:
-        """Yield the bands as they are, then those after each candidate, the least force first.
+    def ranked(self, candidates: Iterable[tuple[str, Array]]) -> list[Bands]:
+        """Return the bands as they are, then those after each candidate, the least force first.
 
-        candidates: names, and what they would tell beyond the information so far, (P, P).
+        candidates: names, and what they would tell beyond the information so far, (P, P). If the
+        fit has seen one day only, each is judged on another day, too.
         """
-        yield Next("now", **vars(self.bands(earlier)))
-        rows = [
-            Next(name, **vars(self.bands(earlier + own, 1, other_day)))
-            for candidate, own in candidates
-            for name, other_day in self._days(candidate)
-        ]
-        yield from sorted(rows, key=lambda row: row.force)
+        one_day = self._known.fitted and self._known.fit.days < 2
+        rows = list[Bands]()
+        for name, own in candidates:
+            rows.append(self.bands(self.information + own, name, 1))
+            if one_day:
+                other = f"{name}, on another day"
+                rows.append(self.bands(self.information + own, other, 1, other_day=True))
+        return [self.bands(self.information), *sorted(rows, key=attrgetter("force"))]
 
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
         """Yield what recordings of some length would tell, (P, P)."""
@@ -111,31 +114,20 @@ class Outlook:
         ):
             model = LinkModel(self._arm.carrying(load), self._arm.fullest_model())
             q, qd, qdd = random_states(self._arm, *motion)
-            problem = self._problem.of_model(model.parameters)
+            problem = self.problem.of_model(model.parameters)
             Y = model.regressor(q, qd, qdd)
             yield f"{seconds:g} s, {name}", problem.information(Y, qd, seconds / len(q))
-
-    def _days(self, name: str) -> Sequence[tuple[str, bool]]:
-        """Return a candidate on the same day, and on another, if the fit has seen one only."""
-        one_day = self._fitted.recordings and self._fitted.fit.days < 2
-        return [(name, False), (f"{name}, on another day", True)] if one_day else [(name, False)]
 
     def _within(self, further: int) -> Array:
         """Return the standard deviations (n,) [A] by which recordings differ.
 
         The quantile of Student's t falls with their number.
         """
-        count = MOVING.recordings + self._fitted.recordings
+        count = MOVING.recordings + self._known.fitted
         quantiles = stdtrit(np.array([count, count + further]), 0.975)
-        known = np.array([joint.band_moving for joint in self._fitted.fit.joints]) / NORMAL95
-        known = np.where(np.isfinite(known), known, self._problem.noise.current)
+        known = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
+        known = np.where(np.isfinite(known), known, self.problem.noise.current)
         return np.asarray(known * quantiles[1] / quantiles[0])
-
-    def _between(self, other_day: bool) -> float:
-        """Return the relative deviation of friction from day to day that is not seen."""
-        if self._fitted.fit.days >= 2:
-            return 0.0
-        return BETWEEN_SEEN if other_day else BETWEEN_DAYS
 
     def _mass(self, information: Array, apart: Array) -> float:
         """Return the variance [kg²] of a load's mass along WEIGHED seconds of the states.
@@ -144,7 +136,7 @@ class Outlook:
         """
         count = len(information)
         load = np.diag(LOAD_WIDTH**-2.0)
-        relative = self._problem.noise.current / np.sqrt(apart)  # (N, n)
+        relative = self.problem.noise.current / np.sqrt(apart)  # (N, n)
         J = (self._with_load * relative[..., None]).reshape(-1, count + 10)
         seconds = WEIGHED / CORRELATED / len(relative)
         whole = block_diag(information, load) + J.T @ J * seconds

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from operator import itemgetter
 
 import numpy as np
 from scipy.optimize import minimize
 
 from ur5lib.errors import InputError
-from ur5lib.excitation.objective import Objective, Task
+from ur5lib.excitation.objective import Objective, Task, Worth
 from ur5lib.excitation.trajectory import Cell, Margins, Path
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.profiles import resting_series
@@ -27,9 +28,9 @@ def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]
     limit.
     """
     # velocity, acceleration and jerk scale with the path
-    states, limits = path.sampled(COARSE)[1], cell.limits.of_states()
-    used = [np.abs(part).max(axis=0) / limit for part, limit in zip(states, limits, strict=True)]
-    path = path.shrunk(1 / np.maximum(np.max(used[1:], axis=0), 1))
+    rates = zip(path.sampled(COARSE)[1][1:], cell.limits.of_joints()[1:4], strict=True)
+    used = [np.abs(part).max(axis=0) / limit for part, limit in rates]
+    path = path.shrunk(1 / np.maximum(np.max(used, axis=0), 1))
     path = path.shrunk(_largest_share(cell, path))
     margins = cell.margins(path.sampled(rate if path.coefficients.any() else COARSE)[1])
     for _ in range(ATTEMPTS):
@@ -124,11 +125,16 @@ class Effort:
 
 @dataclass(frozen=True)
 class Design:
-    """A trajectory within all limits, its margins, and the information (P, P) once recorded."""
+    """A trajectory for a task, within all limits, and its margins."""
 
+    task: Task
     path: Path
     margins: Margins
-    information: Array
+
+    @cached_property
+    def worth(self) -> Worth:
+        """Return what its recording would add."""
+        return Worth.along(self.task, self.path)
 
 
 LINE_SEARCH_FAILED = 2  # SciPy's status of L-BFGS-B
@@ -155,8 +161,7 @@ def design(
     best = min(improved, key=lambda x: objective(x, weight)[0])
     for weight, iterations in effort.rounds:
         best = _improved(objective, best, weight, iterations, stepped)
-    path, margins = feasible(task.cell, objective.path(best))
-    return Design(path, margins, task.information(path))
+    return Design(task, *feasible(task.cell, objective.path(best)))
 
 
 def _improved(

@@ -1,15 +1,14 @@
 """The files of a designed trajectory: for `ur5 record`, for a UR's controller, for the stand."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path as File
+from typing import Any
 
 import numpy as np
 import yaml
 
 from ur5lib.excitation.design import Design
-from ur5lib.excitation.objective import Task, Worth
-from ur5lib.excitation.problem import Noise
-from ur5lib.excitation.trajectory import Cell, Margins, Path
+from ur5lib.excitation.trajectory import Cell, Path
 from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
@@ -23,81 +22,48 @@ SERVO = "t=0.008, lookahead_time=0.1, gain=300"
 STUDY = "excitation"
 
 
-@dataclass(frozen=True)
-class ParameterWorth:
-    """The standard error of a parameter by what was known of any arm, and before and after the
-    trajectory is recorded.
-    """
-
-    parameter: str
-    unit: str
-    std_error_prior: float
-    std_error_before: float
-    std_error_after: float
-
-
-@dataclass(frozen=True)
-class Summary:
-    """excitation.json: a trajectory, its margins and its worth, as `Worth` explains it."""
-
-    robot: str
-    question: str
-    seed: int
-    path: Path
-    margins: Margins
-    noise: Noise
-    log_det: float
-    log_det_gain: float
-    condition_number_of_regressor: float
-    condition_number: float
-    parameters: list[ParameterWorth]
-
-
 def write_files(
-    folder: File,
-    robot: str,
-    payload: Payload | None,
-    task: Task,
-    path: Path,
-    summary: Summary,
+    folder: File, asked: Mapping[str, object], payload: Payload | None, found: Design
 ) -> None:
     """Write all files of a trajectory that `ur5 excite` designed; see docs/excitation.md.
 
-    Raises InputError where they cannot be written.
+    asked: robot, question and seed. Raises InputError where they cannot be written.
     """
-    time, states = path.sampled(RATE)
+    time, states = found.path.sampled(RATE)
     texts = {
         "trajectory.csv": _csv(np.column_stack([time, states.q])),
-        "way_points.csv": _csv(way_points(task.cell, path)),
-        "stand.yaml": stand_study(robot, payload, path),
-        "excitation.json": json_text(summary),
+        "way_points.csv": _csv(way_points(found.task.cell, found.path)),
+        "stand.yaml": stand_study(str(asked["robot"]), payload, found.path),
+        "excitation.json": json_text({**asked, **summary(found)}),
     }
-    if task.cell.robot.is_ur():
+    if found.task.cell.robot.is_ur():
         texts["trajectory.script"] = script(states.q)
     for name, text in texts.items():  # all of them are made before the first is written
         write_text(text, folder / name)
 
 
-def summary_of(
-    robot: str, question: str, seed: int, task: Task, design: Design, worth: Worth
-) -> Summary:
-    """Return a trajectory with what was asked for, its margins and its worth."""
-    problem = task.problem
-    errors = worth.prior, worth.before, worth.after
-    rows = zip(problem.names(), problem.units(), *errors, strict=True)
-    return Summary(
-        robot=robot,
-        question=question,
-        seed=seed,
-        path=design.path,
-        margins=design.margins,
-        noise=problem.noise,
-        log_det=worth.log_det,
-        log_det_gain=worth.gain,
-        condition_number_of_regressor=worth.regressor_condition,
-        condition_number=worth.condition,
-        parameters=[ParameterWorth(*row) for row in rows],
-    )
+def summary(found: Design) -> dict[str, Any]:
+    """Return a trajectory, its margins and its worth, as `Worth` explains it."""
+    problem, worth = found.task.problem, found.worth
+    columns = {
+        "parameter": problem.names(),
+        "unit": problem.units(),
+        "std_error_prior": worth.prior,
+        "std_error_before": worth.before,
+        "std_error_after": worth.after,
+    }
+    return {
+        "path": found.path,
+        "margins": found.margins,
+        "noise": problem.noise,
+        "log_det": worth.log_det,
+        "log_det_gain": worth.gain,
+        "condition_number_of_regressor": worth.regressor_condition,
+        "condition_number": worth.condition,
+        "parameters": [
+            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
+        ],
+    }
 
 
 def way_points(cell: Cell, path: Path) -> Array:

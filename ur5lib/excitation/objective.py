@@ -37,11 +37,14 @@ class Task:
         """Return the number of harmonics, the highest at most FASTEST."""
         return int(np.clip(self.seconds * FASTEST, FEWEST, MOST))
 
+    def regressor(self, path: Path) -> tuple[Array, Array]:
+        """Return Y (N, n, 11 n) and q̇ (N, n) of a path, every STEP."""
+        q, qd, qdd, _ = path.sampled(1 / STEP)[1]
+        return self.cell.model.regressor(q, qd, qdd), qd
+
     def information(self, path: Path) -> Array:
         """Return the information (P, P) of earlier recordings and of a recording along a path."""
-        _, states = path.sampled(1 / STEP)
-        Y = self.cell.model.regressor(states.q, states.qd, states.qdd)
-        return self.earlier + self.problem.information(Y, states.qd, STEP)
+        return self.earlier + self.problem.information(*self.regressor(path), STEP)
 
 
 class Objective:
@@ -104,11 +107,11 @@ class Objective:
     def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:
         """Return the sum of squared excesses over the limits, its slopes by states and torque."""
         cell, total, slopes = self._task.cell, 0.0, []
-        limits = [*cell.limits.of_states(), cell.limits.torque]
-        for part, limit in zip([*cell.limited(states), torque], limits, strict=True):
-            value, slope = _beyond(part, INNER * limit)
-            total += value
-            slopes.append(slope)
+        parts = [*cell.limited(states), torque]
+        for part, limit in zip(parts, cell.limits.of_joints(), strict=True):
+            over = np.maximum(np.abs(part) / (INNER * limit) - 1, 0)  # (N, n)
+            total += float(np.sum(over**2))
+            slopes.append(2 * over * np.sign(part) / (INNER * limit))
         for value, slope in (self._nearness(states.q), self._singularity(states.q)):
             total += value
             slopes[0] += slope
@@ -128,12 +131,6 @@ class Objective:
         value, pull_back = self._task.cell.singular_value(q)
         missing = np.maximum(1 - value / least, 0)
         return float(missing @ missing), pull_back(-2 / least * missing)[0]
-
-
-def _beyond(values: Array, limit: Array) -> tuple[float, Array]:
-    """Return Σ (|v|/limit - 1)² of values (N, n) beyond a limit (n,), and its derivative."""
-    over = np.maximum(np.abs(values) / limit - 1, 0)
-    return float(np.sum(over**2)), 2 * over * np.sign(values) / limit
 
 
 HARDLY = 0.9  # share of a standard error above which a recording hardly lowers it
@@ -173,13 +170,17 @@ class Worth:
     @classmethod
     def along(cls, task: Task, path: Path) -> Self:
         """Return the worth of a path for a task."""
-        problem, (_, states) = task.problem, path.sampled(1 / STEP)
-        Y = task.cell.model.regressor(states.q, states.qd, states.qdd)
+        return cls.of_states(task, *task.regressor(path))
+
+    @classmethod
+    def of_states(cls, task: Task, Y: Array, qd: Array) -> Self:
+        """Return the worth of the states of a recording, every STEP; see `Task.regressor`."""
+        problem = task.problem
         W = Y[..., problem.base.columns].reshape(-1, problem.count)
-        J = problem.rows(problem.theta, Y, states.qd).reshape(-1, len(problem.theta))
+        J = problem.rows(problem.theta, Y, qd).reshape(-1, len(problem.theta))
         width = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
         told = np.isfinite(problem.noise.torque).all()
-        information = task.information(path)
+        information = task.earlier + problem.information(Y, qd, STEP)
         log_det, earlier = (np.linalg.slogdet(one)[1] for one in (information, task.earlier))
         return cls(
             log_det=float(log_det),

@@ -8,7 +8,7 @@ import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.problem import Maps, Noise, Problem, build_problem, nominal_maps
-from ur5lib.identification.currents import CurrentFit, JointFit, Parameter
+from ur5lib.identification.currents import CurrentFit, Parameter
 from ur5lib.identification.population import Population
 from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.robots.description import Robot
@@ -42,40 +42,40 @@ class Recorded(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Fitted:
-    """A study's fit of currents, its parameters, and the noise (n,) [Nm] of its target torques.
+class Earlier:
+    """What is known of an arm from a study's recordings, and from other arms.
 
-    recordings: how many it was fitted to, 0 where it is what other arms have.
+    fit, parameters: of the currents; noise: (n,) [Nm], of the target torques; fitted: to how many
+    recordings, 0 where the fit is what other arms have.
     """
 
     fit: CurrentFit
     parameters: Sequence[Parameter]
     noise: Array | None
-    recordings: int
+    fitted: int
+    recordings: Sequence[Recorded]
+    population: Population | None
 
     def maps(self, arm: Robot) -> Maps:
         """Return the maps from torques and motion to currents, with noise; else nominal ones."""
         nominal = nominal_maps(arm)
         torque = nominal.noise.torque if self.noise is None else self.noise
-        if not self.recordings:
+        if not self.fitted:
             return Maps(nominal.coefficients, Noise(torque, nominal.noise.current))
         bands = np.array([joint.band_moving for joint in self.fit.joints]) / NORMAL95
         current = np.where(np.isfinite(bands), bands, nominal.noise.current)
-        return Maps(np.array([_kept(joint) for joint in self.fit.joints]), Noise(torque, current))
+        terms = [
+            dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
+            for joint in self.fit.joints
+        ]  # zero for a term that the fit does not have
+        kept = [[own.get(name, 0.0) for name in KEPT] for own in terms]
+        return Maps(np.array(kept), Noise(torque, current))
 
     def observed(self) -> Array:
         """Return the standard errors (n, 5) of KEPT, NaN for a missing term."""
         errors = {(row.joint, row.name): row.std_error for row in self.parameters}
         joints = range(1, len(self.fit.joints) + 1)
         return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in joints])
-
-
-class Earlier(NamedTuple):
-    """What is known of an arm from a study's recordings, and from other arms."""
-
-    fitted: Fitted
-    recordings: Sequence[Recorded]
-    population: Population | None
 
 
 def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Problem, Array]:
@@ -86,16 +86,10 @@ def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Proble
     between recordings.
     """
     model = LinkModel(arm, arm.fullest_model())
-    problem = build_problem(arm, model, known.fitted.maps(arm), has_payload, known.population)
-    if known.fitted.recordings:
-        problem = _as_observed(problem, known.recordings, known.fitted.observed())
+    problem = build_problem(arm, model, known.maps(arm), has_payload, known.population)
+    if known.fitted:
+        problem = _as_observed(problem, known.recordings, known.observed())
     return problem, _information(problem, known.recordings)
-
-
-def _kept(joint: JointFit) -> list[float]:
-    """Return a joint's coefficients of KEPT; zero for a term that the fit does not have."""
-    fitted = dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
-    return [fitted.get(name, 0.0) for name in KEPT]
 
 
 def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Array) -> Problem:

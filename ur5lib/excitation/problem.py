@@ -41,9 +41,13 @@ BEHIND = 0.05  # share of a joint's friction and offset that its torque sensor s
 SENSOR_NOISE = 0.003  # relative to the largest torque: what two real arms' sensors leave of a fit
 GAIN_WIDTH = 0.03  # standard deviation of calibrated torque sensors' gains
 PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
-UNITS = ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm")
-SENSED, SENSED_UNITS = ("gain", "bias", *PER_JOINT[2:]), ("Nm/Nm", *UNITS[1:])
-LINK_UNITS = {"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"}  # by a name's start
+SENSED = ("gain", "bias", *PER_JOINT[2:])  # of arms with torque sensors
+UNITS = {  # by a name's start
+    **{"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"},
+    **dict(zip(PER_JOINT, ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm"), strict=True)),
+    **{"gain": "Nm/Nm", "bias": "Nm"},
+}
+PAYLOAD = "payload: "
 LOAD_WIDTH = prior_width(OF_JOINT)[: len(LINK)]  # standard deviations of a load's ten parameters
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that determine base parameters
 
@@ -116,24 +120,16 @@ class Problem:
 
     def names(self) -> list[str]:
         """Return the parameters' names, in physical terms."""
+        links = [self.base.parameters[column] for column in self.base.columns]
         own = SENSED if self.senses_torque else PER_JOINT
         joints = [f"{name} of joint {k + 1}" for k in range(self.joints) for name in own]
-        return [*self._links(), *joints, *(f"payload: {name}" for name in self._load())]
+        load = self.base.parameters[self.of_last_link] if self.has_payload else []
+        return [*links, *joints, *(f"{PAYLOAD}{name}" for name in load)]
 
     def units(self) -> list[str]:
         """Return the units of the parameters, in the order of `names`."""
-        names = [*self._links(), *self._load()]
-        units = [next(u for word, u in LINK_UNITS.items() if n.startswith(word)) for n in names]
-        own = SENSED_UNITS if self.senses_torque else UNITS
-        return [*units[: self.count], *own * self.joints, *units[self.count :]]
-
-    def _links(self) -> list[str]:
-        """Return the names of the base parameters' columns."""
-        return [self.base.parameters[column] for column in self.base.columns]
-
-    def _load(self) -> list[str]:
-        """Return the names of the payload's parameters, none if no load is estimated."""
-        return list(self.base.parameters[self.of_last_link]) if self.has_payload else []
+        names = [name.removeprefix(PAYLOAD) for name in self.names()]
+        return [next(u for start, u in UNITS.items() if n.startswith(start)) for n in names]
 
     def measured(self, theta: Array, Y: Array, qd: Array) -> Array:
         """Return target torques and currents (N, 2 n) [Nm, A] over their noise, for θ (P,).
@@ -301,18 +297,18 @@ def build_problem(
     base = base_parameters(model.regressor(*random_states(robot, SPEED, ACCELERATION)))
     beta = base.groups @ model.parameters
     theta = np.concatenate([beta, maps.coefficients.ravel(), np.zeros(10 * has_payload)])
-    prior = _prior(robot, base, maps, has_payload, population)
+    spread = base.groups * prior_width(base.groups.shape[1])
+    blocks = [np.linalg.inv(spread @ spread.T), _prior_of_maps(robot, maps, population)]
+    blocks += [np.diag(LOAD_WIDTH**-2.0)] * has_payload
+    prior = np.asarray(block_diag(*blocks))
     return Problem(base, theta, maps.noise, prior, has_payload, robot.senses_torque())
 
 
-def _prior(
-    robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool, population: Population | None
-) -> Array:
-    """Return the information of the priors of the fits, before any recording.
+def _prior_of_maps(robot: Robot, maps: Maps, population: Population | None) -> Array:
+    """Return the information (5 n, 5 n) of the fits' prior on the joints' maps to currents.
 
     That of torque sensors is narrower: their gains are calibrated, and they see little friction.
     """
-    spread = base.groups * prior_width(base.groups.shape[1])
     torque_max = _seen(robot) * np.array(robot.torque_limits())
     typical, inverse = typical_of(robot, population), maps.coefficients[:, 0]
     ratio = typical.pop("torque_constant", None)
@@ -323,7 +319,4 @@ def _prior(
         covariance = ratio.covariance * np.outer(inverse, inverse)
         precision = np.asarray(np.linalg.inv(covariance), dtype=np.float64)
     known = Normal(inverse, precision)
-    joints = Prior(known, torque_max, typical=typical).over([BASE] * len(inverse))
-    blocks = [np.linalg.inv(spread @ spread.T), joints.precision]
-    blocks += [np.diag(LOAD_WIDTH**-2.0)] * has_payload
-    return np.asarray(block_diag(*blocks))
+    return Prior(known, torque_max, typical=typical).over([BASE] * len(inverse)).precision

@@ -79,26 +79,9 @@ class Limits:
     clearance: float = CLEARANCE
     singular_value: float = SINGULAR_VALUE
 
-    @classmethod
-    def from_robot(cls, robot: Robot) -> Self:
-        """Return the limits of a trajectory: shares of the limits in the arm's description."""
-        velocities = robot.velocity_limits()
-        return cls(
-            POSITION * np.ptp(_ranges(robot), axis=1) / 2,
-            VELOCITY * np.array(velocities),
-            ACCELERATION * np.array(robot.acceleration_limits()),
-            np.full(len(velocities), JERK),
-            TORQUE * np.array(robot.torque_limits()),
-        )
-
-    def of_states(self) -> list[Array]:
-        """Return the limits of q, q̇, q̈ and jerk, (n,) each."""
-        return [self.position, self.velocity, self.acceleration, self.jerk]
-
-
-def _ranges(robot: Robot) -> Array:
-    """Return the lowest and highest angles (n, 2) [rad] of the joints, TURN without a limit."""
-    return np.asarray(np.nan_to_num(robot.position_limits(), posinf=TURN, neginf=-TURN))
+    def of_joints(self) -> list[Array]:
+        """Return the limits of q, q̇, q̈, jerk and torque, (n,) each."""
+        return [self.position, self.velocity, self.acceleration, self.jerk, self.torque]
 
 
 @dataclass(frozen=True)
@@ -168,14 +151,24 @@ class Cell:
 
     @classmethod
     def around(cls, robot: Robot, surroundings: Surroundings) -> Self:
-        """Return an arm, with its fullest link model and its limits, in its surroundings."""
-        model = LinkModel(robot, robot.fullest_model())
+        """Return an arm, with its fullest link model, in its surroundings.
+
+        Its limits are shares of those in its description.
+        """
+        ranges = np.nan_to_num(robot.position_limits(), posinf=TURN, neginf=-TURN)
+        limits = Limits(
+            POSITION * np.ptp(ranges, axis=1) / 2,
+            VELOCITY * np.array(robot.velocity_limits()),
+            ACCELERATION * np.array(robot.acceleration_limits()),
+            np.full(len(ranges), JERK),
+            TORQUE * np.array(robot.torque_limits()),
+        )
         return cls(
             robot,
-            model,
-            Limits.from_robot(robot),
+            LinkModel(robot, robot.fullest_model()),
+            limits,
             Capsules(robot, surroundings, REACH),
-            _ranges(robot).mean(axis=1),
+            ranges.mean(axis=1),
             independent_twists(robot),
         )
 
@@ -189,10 +182,10 @@ class Cell:
 
     def margins(self, states: States) -> Margins:
         """Return the margins of a trajectory to the limits."""
-        parts = zip(PER_JOINT, self.limited(states), self.limits.of_states(), strict=False)
-        used = {name: np.abs(part).max(axis=0) / limit for name, part, limit in parts}
         torque = self.model.inverse_dynamics(states.q, states.qd, states.qdd)
-        used["torque"] = np.abs(torque).max(axis=0) / self.limits.torque
+        parts = [*self.limited(states), torque]
+        limited = zip(PER_JOINT, parts, self.limits.of_joints(), strict=True)
+        used = {name: np.abs(part).max(axis=0) / limit for name, part, limit in limited}
         near = self.capsules.near(states.q)
         nearest = int(np.argmin(near.distance)) if len(near.distance) else None
         return Margins(

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.excitation.bands import Next
+from ur5lib.excitation.bands import Bands
 from ur5lib.excitation.design import Design
 from ur5lib.excitation.objective import Worth
 from ur5lib.excitation.problem import Problem
@@ -29,7 +29,6 @@ from ur5lib.report.document import (
 )
 from ur5lib.report.formats import significant
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
-from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 DATA = "excitation.json"
@@ -41,19 +40,17 @@ LAYOUT: Any = [["path"] * 3, ["spectrum"] * 3, ["margins"] * 3, ["errors"] * 3, 
 HEIGHTS = (1.2, 0.8, 0.8, 1.2, 1.6)
 
 
-def excitation_figure(
-    robot: Robot, path: Path, margins: Margins, problem: Problem, worth: Worth
-) -> Drawing:
+def excitation_figure(found: Design) -> Drawing:
     """Return the figure; its data are the angles that are drawn."""
-    time, states = path.sampled(RATE)
+    time, states = found.path.sampled(RATE)
     with plt.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(WIDTH, 1.5 * WIDTH), layout="constrained")
         panels = figure.subplot_mosaic(LAYOUT, height_ratios=HEIGHTS)
         _draw_path(panels["path"], time, states.q)
-        _draw_spectrum(panels["spectrum"], path)
-        _draw_margins(panels["margins"], margins)
-        _draw_errors(panels["errors"], problem, worth)
-        _, origins = link_frames(robot, states.q)
+        _draw_spectrum(panels["spectrum"], found.path)
+        _draw_margins(panels["margins"], found.margins)
+        _draw_errors(panels["errors"], found.worth, found.task.problem.count)
+        _, origins = link_frames(found.task.cell.robot, states.q)
         for view, axes in VIEWS.items():
             _draw_sweep(panels[view], view, origins[..., list(axes)], ["xyz"[k] for k in axes])
     columns = {f"q_{joint + 1}": states.q[:, joint] for joint in range(states.q.shape[1])}
@@ -88,11 +85,11 @@ def _draw_margins(panel: Axes, margins: Margins) -> None:
     panel.set_ylabel("share of the limit [%]")
 
 
-def _draw_errors(panel: Axes, problem: Problem, worth: Worth) -> None:
-    """Draw by how much each standard error falls, in the order of the parameters."""
+def _draw_errors(panel: Axes, worth: Worth, links: int) -> None:
+    """Draw by how much each parameter's standard error falls; links: how many are the links'."""
     place = np.arange(len(worth.before))
     panel.semilogy(place, worth.after / worth.before, "o", color=JOINTS[0], markersize=2.5)
-    panel.axvspan(-0.5, problem.count - 0.5, color="black", alpha=0.06, linewidth=0)
+    panel.axvspan(-0.5, links - 0.5, color="black", alpha=0.06, linewidth=0)
     panel.axhline(1, color="black", linewidth=0.8)
     panel.set(
         xlabel="parameter, as in excitation.json (shaded: base parameters)",
@@ -113,18 +110,16 @@ def excitation_page(
     before: Sequence[str],
     command: str,
     found: Design,
-    problem: Problem,
-    worth: Worth,
-    outlook: Sequence[Next],
+    outlook: Sequence[Bands],
     drawing: File,
 ) -> Document:
     """Return the page of a trajectory.
 
     asked: robot, question and seed; before: the steps before recording, one sentence each;
-    command: the command that records it, empty if there is none; found: the trajectory; worth:
-    predicted standard errors; outlook: bands after it and other recordings, if any are known;
-    drawing: the figure.
+    command: the command that records it, empty if there is none; outlook: bands after it and other
+    recordings, if any are known; drawing: the figure.
     """
+    problem, worth = found.task.problem, found.worth
     motion = Picture(
         "Angles, amplitudes of their harmonics, largest shares of the limits, standard errors "
         "after over before, and the arm's sweep from three sides, flange's path in colour.",
@@ -156,24 +151,22 @@ def excitation_page(
 def _worst(problem: Problem, worth: Worth) -> str:
     """Return how much the recording would lower the error of the least determined parameter."""
     names, order = problem.names(), worth.least_determined()
+    left = [f"{share:.0%}" for share in worth.after / worth.before]
     worst, lowered = order[0], order[~worth.hardly_lowered()[order]]
     least = f"Least determined so far is the {names[worst]}"
     if worst in lowered:
+        error = significant(worth.before[worst], 2, problem.units()[worst])
         return (
-            f"{least}: this recording would lower its standard error, "
-            f"{significant(worth.before[worst], 2, problem.units()[worst])}, "
-            f"to {_left(worth, worst)}. "
+            f"{least}: this recording would lower its standard error, {error}, to {left[worst]}. "
         )
-    return f"{least}, whose error this recording would hardly lower: {LOAD}. " + (
-        f"The least determined parameter whose error it would lower is the {names[lowered[0]]}: "
-        f"to {_left(worth, lowered[0])}. "
-        if len(lowered)
-        else ""
+    least += f", whose error this recording would hardly lower: {LOAD}. "
+    if not len(lowered):
+        return least
+    first = lowered[0]
+    return least + (
+        f"The least determined parameter whose error it would lower is the {names[first]}: "
+        f"to {left[first]}. "
     )
-
-
-def _left(worth: Worth, parameter: int) -> str:
-    return f"{worth.after[parameter] / worth.before[parameter]:.0%}"
 
 
 def _parameters(problem: Problem, worth: Worth) -> Table:
@@ -193,7 +186,7 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
     return Table(caption, header, _cells(rows), "parameters", DATA)
 
 
-def _outlook(outlook: Sequence[Next]) -> Table:
+def _outlook(outlook: Sequence[Bands]) -> Table:
     """Return the bands as they are, and after this motion and others."""
     rows = [
         [row.after, *(significant(own, 3) for own in (row.force, row.current, row.mass))]

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from ur5lib.excitation.bands import Next, Outlook, feels_forces
-from ur5lib.excitation.posterior import Earlier, Fitted, Recorded, problem_after
+from ur5lib.excitation.bands import Bands, Outlook, feels_forces
+from ur5lib.excitation.posterior import Earlier, Recorded
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.records.friction import Friction
@@ -20,9 +20,8 @@ def rank_recordings(input: Any, output: Any, params: Any) -> None:
     arm, friction = load_robot(input.arm), read_record(Friction, input.friction)
     base = read_record(Identification, input.identification)
     population = input.population or population_files(params.population)
-    rows = list[Next]()
+    rows = list[Bands]()
     if friction.fit.joints and feels_forces(arm):
-        fitted = Fitted(friction.fit, friction.parameters, base.noise, len(friction.from_))
         recordings = []
         files = zip(params.recordings, params.gravities, input.motion, input.loads, strict=True)
         for name, gravity, motion_file, load in files:
@@ -31,8 +30,14 @@ def rank_recordings(input: Any, output: Any, params: Any) -> None:
                 robot = arm.carrying(carried.payload).mounted(gravity)
                 states = motion.q, motion.qd, motion.qdd
                 recordings.append(Recorded.along(robot, motion.time, *states))
-        known = Earlier(fitted, recordings, population_of(population, params.study))
-        problem, information = problem_after(arm, known, has_payload=False)
-        outlook = Outlook(arm, problem, fitted)
-        rows = [*outlook.ranked(information, outlook.candidates(SECONDS))]
-    write_rows(Next, rows, output.ranking)
+        known = Earlier(
+            friction.fit,
+            friction.parameters,
+            base.noise,
+            fitted=len(friction.from_),
+            recordings=recordings,
+            population=population_of(population, params.study),
+        )
+        outlook = Outlook(arm, known)
+        rows = outlook.ranked(outlook.candidates(SECONDS))
+    write_rows(Bands, rows, output.ranking)
