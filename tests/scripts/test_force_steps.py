@@ -22,7 +22,7 @@ from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, jud
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.estimators import GATED
-from ur5lib.pipeline.force_estimates import FreeRun, is_fitted, repeated_runs
+from ur5lib.pipeline.force_estimates import is_fitted, may_be_template
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.contacts import Alarm, Detected
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
@@ -125,22 +125,12 @@ def estimates(forces: Forces) -> set[str]:
     ],
 )
 def test_runs_are_alike_that_may_carry_the_same(own: Any, other: Any, alike: bool) -> None:
-    for one, two in ((own, other), (other, own)):
-        assert repeats(one, {"free": two}) == ["free"] * alike
-
-
-def repeats(load: Any, loads: dict[str, Any]) -> list[str]:
-    """Which runs of the same motion, by name, may repeat one."""
+    """Of one motion."""
     motion = np.linspace(0, 1, 50)[:, None] + np.zeros(6)
     states = np.zeros((50, 6), dtype=np.int64)
     run = ForceInput(motion, motion, motion, states, np.zeros(50, np.int64), 0.008)
-    passed = extent(run)
-    assert passed is not None
-    others = [
-        FreeRun(Prediction(False, {}, other, passed), name, "motion")
-        for name, other in loads.items()
-    ]
-    return [currents for currents, _ in repeated_runs(run, Prediction(False, {}, load), others)]
+    one, two = (Prediction(False, {}, load, extent(run)) for load in (own, other))
+    assert may_be_template(run, one, two) == may_be_template(run, two, one) == alike
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ ESTIMATORS as they stand here; the first that a recording has leads its figures 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from ur5lib.timeseries.arrays import Array
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
     from ur5lib.force.wrench_estimate import WrenchEstimate
 
 
-class Stated(Protocol):
+class Stated(NamedTuple):
     """The environment on the arm, base axes, at the origin of frame 6.
 
     wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where nothing is known; std is None
@@ -22,17 +22,13 @@ class Stated(Protocol):
     that is not gated.
     """
 
-    @property
-    def wrench(self) -> Array:
-        """Return the wrench."""
+    wrench: Array
+    std: Array | None = None
+    log_odds: Array | None = None
 
-    @property
-    def std(self) -> Array | None:
-        """Return its standard deviation."""
 
-    @property
-    def log_odds(self) -> Array | None:
-        """Return the log-odds of contact."""
+# The second states the same; None where the recording lacks what the estimator needs.
+Answer: TypeAlias = "Stated | WrenchEstimate | None"
 
 
 @dataclass(frozen=True)
@@ -60,38 +56,29 @@ class Run:
 class Estimator:
     """One estimator of the contact wrench.
 
-    name: in records and tables; label: in reports; estimate: returns None where the recording lacks
-    what the estimator needs; gated: whether it states odds of contact, so that it raises alarms;
-    article: before the label in sentences.
+    name: in records and tables; label: in reports; gated: whether it states odds of contact, so
+    that it raises alarms; article: before the label in sentences.
     """
 
     name: str
     label: str
-    estimate: Callable[[Run], Stated | None]
+    estimate: Callable[[Run], Answer]
     gated: bool = True
     article: str = ""
 
 
-def solved(name: str) -> Callable[[Run], Stated | None]:
+def solved(name: str) -> Callable[[Run], Answer]:
     """Return an estimator: the most probable wrench by the torque of a name in `Run.solved`."""
     return lambda run: run.solved.get(name)
 
 
-class Ungated(NamedTuple):
-    """A wrench (N, 6) [N, Nm] without odds of contact, and its standard deviation, if stated."""
-
-    wrench: Array
-    std: Array | None = None
-    log_odds: None = None
-
-
-def least_squares(run: Run) -> Stated | None:
+def least_squares(run: Run) -> Answer:
     """Return the wrench by least squares, in the contacts of F̂ᵐᵃᵖ."""
     fmap = run.solved.get("Fmap")
-    return None if fmap is None else Ungated(fmap.least_squares, fmap.least_squares_std)
+    return None if fmap is None else Stated(fmap.least_squares, fmap.least_squares_std)
 
 
-def controller(run: Run) -> Stated | None:
+def controller(run: Run) -> Answer:
     """Return what an e-Series controller computes from currents, `wrench_calc_from_currents`.
 
     Of this output, the field's public files state name, type and that it is a wrench (RTDE guide;
@@ -100,7 +87,7 @@ def controller(run: Run) -> Stated | None:
     the arm, at the flange, which is the origin of frame 6, in base axes
     (Universal_Robots_ROS2_Driver, pull request 1615).
     """
-    return None if run.controller is None else Ungated(run.controller)
+    return None if run.controller is None else Stated(run.controller)
 
 
 ESTIMATORS = (

@@ -29,13 +29,12 @@ def variants(
     }
     estimates = {name: problem.solve(jacobian, *own) for name, own in settings.items()}
     if (gears := problem.input.gears) is not None:
-        other = {
+        for name, other in {
             "no load friction": replace(gears, loss=0 * gears.loss),
             "friction of the fit": replace(gears, friction=0 * gears.friction),
-        }
-        estimates |= {
-            name: problem.with_gears(own).solve(jacobian, prior) for name, own in other.items()
-        }
+        }.items():
+            changed = problem._replace(input=replace(problem.input, gears=other))
+            estimates[name] = changed.solve(jacobian, prior)
     return {name: (own.wrench, own.std) for name, own in estimates.items()}
 
 

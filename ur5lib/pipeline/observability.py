@@ -56,7 +56,7 @@ def pushed(
 
     def log_odds_of(torque: Array) -> Array:
         felt = felt_push(torque, *known, friction)
-        return problem.odds_under(felt, jacobian[problem.rows], prior)
+        return problem.pushed(felt).solve(jacobian[problem.rows], prior).log_odds
 
     places = speed, one.period, threshold, alarms(odds, threshold), random
     first = try_each_place(log_odds_of, jacobian, *places)

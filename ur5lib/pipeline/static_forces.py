@@ -7,7 +7,7 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.current_prediction import smoothed_external_torque
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
-from ur5lib.pipeline.estimators import Ungated
+from ur5lib.pipeline.estimators import Stated
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -23,7 +23,7 @@ def static_forces(
     jacobian: Array,
     order: int,
     cutoff: float,
-) -> Ungated | None:
+) -> Stated | None:
     """Return the wrench of a resting arm, NaN in motion; None without currents or known constants.
 
     jacobian: (N, 6, 6); order, cutoff: of the low-pass of currents, [Hz].
@@ -36,7 +36,7 @@ def static_forces(
     except ValueError:  # neither the maker nor the controller tells the constants
         return None
     torque, std = torque_at_rest(record, prior, smoother(order, cutoff), cutoff)
-    return Ungated(*static_wrench(torque, std, jacobian))
+    return Stated(*static_wrench(torque, std, jacobian))
 
 
 def torque_at_rest(

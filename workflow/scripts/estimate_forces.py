@@ -8,12 +8,11 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.pipeline.estimators import ESTIMATORS, Run, Stated
 from ur5lib.pipeline.force_estimates import (
-    FreeRun,
     causal_odds,
     direct_problems,
     is_fitted,
+    may_be_template,
     repeat_problem,
-    repeated_runs,
 )
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
@@ -51,9 +50,13 @@ def _fitted(input: Any, params: Any) -> Run:
     found = direct_problems(motion, currents, residuals)
     jacobian = Kinematics.read(input.kinematics, used_rows(motion.segment, motion.period)).jacobian
     if "Fmap" in found:
-        others = map(FreeRun.of, input.free_loads, input.free_currents, input.free_motion)
-        files = repeated_runs(found["Fmap"].input, read_record(Prediction, input.load), others)
-        runs = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
+        known = found["Fmap"].input, read_record(Prediction, input.load)
+        files = zip(input.free_loads, input.free_currents, input.free_motion, strict=True)
+        runs = (
+            (Currents.read(other), Motion.read(moved))
+            for load, other, moved in files
+            if may_be_template(*known, read_record(Prediction, load))
+        )
         found |= repeat_problem(found["Fmap"], runs, params.cutoff_hz)
     prior = ContactPrior(force=params.contact_force_n)
     causal = causal_odds(motion, currents, residuals, jacobian, prior)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED, Stated
+from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED, Answer
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.table import JOINTS, WRENCH, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
@@ -31,7 +31,7 @@ class Forces(SegmentedTable):
     def of(
         cls,
         motion: Motion,
-        estimates: Mapping[str, Stated | None],
+        estimates: Mapping[str, Answer],
         background: Array | None,
         causal: Array | None,
     ) -> "Forces":
