@@ -33,7 +33,7 @@ from ur5lib.force.external_torque import SETTLING, finite_rows, joint_states
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import Carried, carried
 from ur5lib.pipeline.current_prediction import predicted_currents
-from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
+from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.fused_motion import fused_record, imu_model
@@ -57,7 +57,7 @@ TABLE, THESIS = RESULTS / "accelerometer.csv", RESULTS / "thesis"
 ENCODERS, FUSED, TRUE = "encoders", "encoders and IMU", "true motion"
 BORROWED = f"{FUSED}, friction of the encoders"
 LOWPASS = SETTINGS.lowpass.currents
-SMOOTH = smoother(LOWPASS.order, LOWPASS.cutoff_hz)
+SMOOTH = Smoother(LOWPASS.order, LOWPASS.cutoff_hz)
 PRIOR = ContactPrior(force=SETTINGS.contact.force_n)
 FIGURES = {  # column: what is printed
     "contact_n": "error of F^map in contact [N]",
@@ -114,13 +114,7 @@ class Fitted:
         """Return the external torques of the runs, by fits without their paths."""
         return [
             predicted_currents(
-                record,
-                self.friction.fit_for(run.name),
-                0 * record.q,
-                run.signals,
-                torques,
-                SMOOTH,
-                LOWPASS.cutoff_hz,
+                record, self.friction.fit_for(run.name), 0 * record.q, torques, SMOOTH
             )
             for run, record, torques in zip(runs, self.records, self.torques, strict=True)
         ]

@@ -38,7 +38,7 @@ from ur5lib.identification.samples import (
     smoothed_moving,
 )
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
-from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
+from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
@@ -113,7 +113,7 @@ def read_arms(folder: Path) -> Iterator[Known]:
         ]
         runs = [own for own in found if own is not None]
         paths = record_paths([own.record for own in runs])
-        smooth = smoother(lowpass.order, lowpass.cutoff_hz)
+        smooth = Smoother(lowpass.order, lowpass.cutoff_hz)
         yield Known(
             f"{folder.name}_{name}", folder / "parameters" / name, robot, smooth, runs, paths
         )

@@ -19,7 +19,7 @@ from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, MOTION, Taken, fitted_map, taken
 from ur5lib.identification.samples import passed
 from ur5lib.pipeline.checkup import checkup
-from ur5lib.pipeline.current_samples import smoother
+from ur5lib.pipeline.current_samples import Smoother
 from ur5lib.pipeline.health import health_of as tracked
 from ur5lib.pipeline.records.arm_state import JointChange
 
@@ -78,7 +78,7 @@ def plans(seed: int, dates: int, seconds: float) -> list[dict[str, Any]]:
 def health_of(recordings: list[Taken], days: list[date]) -> list[JointChange]:
     """Return the changes of an arm's health, with the arm's fit from the first of each path."""
     fit = fitted_map(recordings[:PATHS]).fit
-    smooth = smoother(*CURRENTS)
+    smooth = Smoother(*CURRENTS)
     checkups = [
         checkup(own.record, smooth, fit, day, own.intake.quality)
         for own, day in zip(recordings, days, strict=True)

@@ -27,7 +27,7 @@ from ur5lib.identification.currents import CurrentFit, band, parameters, predict
 from ur5lib.identification.population import fit_population
 from ur5lib.identification.samples import Record
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants
-from ur5lib.pipeline.current_samples import prior_of, smoother
+from ur5lib.pipeline.current_samples import Smoother, prior_of
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.robots.description import POPULATION, Robot, load_robot, robot_path
 from ur5lib.robots.population import Measured, MeasuredArm, read_measured
@@ -35,7 +35,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
 CUTOFF = 2.0  # Hz
-SMOOTH = smoother(4, CUTOFF)
+SMOOTH = Smoother(4, CUTOFF)
 ALIKE = 1.4  # factor between the largest torques of joints of one size
 MOVES = 0.05  # rad/s, that a recording to fit on reaches on every joint
 

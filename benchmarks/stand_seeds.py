@@ -27,7 +27,7 @@ from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.controller_torque import rotor_samples
 from ur5lib.pipeline.current_prediction import predicted_currents
-from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
+from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.imu_samples import imu_samples
@@ -132,12 +132,12 @@ class Taken:
 
     @cached_property
     def smoothed(self) -> SmoothedJoints:
-        """Return what the smoother makes of the encoders."""
+        """Return what the Smoother makes of the encoders."""
         return smooth_encoders(self.signals.time, self.signals.segment, *measured(self.signals))
 
     @cached_property
     def motion(self) -> Motion:
-        """Return the motion by the smoother."""
+        """Return the motion by the Smoother."""
         return motion_record(self.signals, self.smoothed)
 
     @cached_property
@@ -219,14 +219,13 @@ def fitted_map(recordings: list[Taken]) -> Friction:
     ratios = [controllers_ratio(own.signals, own.motion) for own in recordings]
     prior = prior_of(recordings[0].robot, ratios)
     records, terms = [own.record for own in recordings], SETTINGS.friction.terms
-    return fitted_friction(records, prior, smoother(*CURRENTS), terms)
+    return fitted_friction(records, prior, Smoother(*CURRENTS), terms)
 
 
 def currents(friction: Friction, own: Taken) -> Currents:
     """External torques, by a fit that has not seen the path."""
     fit, no_load = friction.fit_for(own.record.name), 0 * own.record.q
-    tables = own.signals, own.torques, smoother(*CURRENTS), CURRENTS.cutoff
-    return predicted_currents(own.record, fit, no_load, *tables)
+    return predicted_currents(own.record, fit, no_load, own.torques, Smoother(*CURRENTS))
 
 
 def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterator[Row]:

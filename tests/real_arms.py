@@ -1,7 +1,7 @@
 """Recordings of the real arms, taken through the workflow's steps up to the contact force.
 
 Studies are the workflow's own. Of one that another test has built, what its steps wrote is taken up
-to the fit; else arms are as they are described, and what takes seconds, the smoother and fits of
+to the fit; else arms are as they are described, and what takes seconds, the Smoother and fits of
 currents, is kept in a folder for all tests of a session.
 """
 
@@ -29,7 +29,7 @@ from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.current_prediction import predicted_currents
-from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
+from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.records.currents import Currents
@@ -206,7 +206,7 @@ class RealStudy:
 
     @property
     def smooth(self) -> Smooth:
-        return smoother(*self.currents_lowpass)
+        return Smoother(*self.currents_lowpass)
 
     @property
     def motion_lowpass(self) -> Butterworth:
@@ -267,8 +267,7 @@ class Fitted:
     def currents(self, one: RealRecording) -> Currents:
         """Prediction and external torques; no load is looked for."""
         fit, no_load = self.friction.fit_for(one.name), 0 * one.record.q
-        tables = one.signals, one.torques, smoother(*self.lowpass), self.lowpass.cutoff
-        return predicted_currents(one.record, fit, no_load, *tables)
+        return predicted_currents(one.record, fit, no_load, one.torques, Smoother(*self.lowpass))
 
     def problem(self, one: RealRecording) -> Problem:
         """Of Fmap."""

@@ -12,7 +12,7 @@ from ur5lib.force.external_torque import MOVING, RESTING, REVERSING, SETTLING, S
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.identification.samples import Record
-from ur5lib.pipeline.current_prediction import causal_external_torque
+from ur5lib.pipeline.current_prediction import causally_smoothed
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -25,7 +25,7 @@ def odds(run: Free, current: Array | None = None, segment: Array | None = None) 
     segment, step = np.zeros(len(run.time), int) if segment is None else segment, run.time[1]
     current = -run.torque if current is None else current
     record = Record("run", step, segment, run.q, run.qd, 0 * current, current)
-    torque = causal_external_torque(record, 0 * current, np.ones(6), CUTOFF)
+    torque = causally_smoothed(-current, record, CUTOFF)
     states = past_states(run.qd, segment, step)
     one = ForceInput(run.q, run.qd, torque, states, segment, step)
     return causal_log_odds(one, run.jacobian[used_rows(segment, step)], MODEL, PRIOR)

@@ -16,13 +16,14 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.payload import LEFT, joint_gains
-from ur5lib.identification.samples import Record, Smooth, blocks
+from ur5lib.identification.samples import Record, blocks
 from ur5lib.identification.validation import (
     Scores,
     baseline_current,
     coefficients_of_constants,
     score,
 )
+from ur5lib.pipeline.current_samples import Smoother
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
@@ -33,59 +34,47 @@ from ur5lib.timeseries.segments import by_segment
 
 
 def predicted_currents(
-    record: Record,
-    fit: CurrentFit,
-    load_torque: Array,
-    signals: Signals,
-    torques: Torques,
-    smooth: Smooth,
-    cutoff: float,
+    record: Record, fit: CurrentFit, load_torque: Array, torques: Torques, smooth: Smoother
 ) -> Currents:
     """Return prediction, band, external torques and friction of a recording.
 
-    record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated; cutoff: of
-    `smooth` [Hz].
+    record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated.
     """
     predicted, constant = predict(fit, record), torque_constants(fit)
-    external = smoothed_external_torque(record, predicted, constant, smooth, cutoff)
-    return Currents(
-        time=signals.time,
-        segment=signals.segment,
-        predicted_current=predicted,
-        current_band=band(fit, record, smooth),
-        external_torque=external,
-        causal_torque=causal_external_torque(record, predicted, constant, cutoff),
-        load_doubt=LEFT * np.abs(smooth(load_torque, record)),
-        observed_torque=observed_torque(record, torques, predicted, load_torque, constant, cutoff),
-        gear_torque=smooth(record.torque, record),
-        friction_torque=constant * smooth(friction_current(fit, record), record),
-        load_loss=smooth(load_loss(fit, record), record),
-    )
-
-
-def observed_torque(
-    record: Record,
-    torques: Torques,
-    predicted: Array,
-    load_torque: Array,
-    constant: Array,
-    cutoff: float,
-) -> Array:
-    """Return the external torque by the generalised momentum, which needs no accelerations but of
-    an estimated load; arguments as above, constant: (6,) [Nm/A].
-    """
+    external = external_torque(constant, record.current, predicted)
+    # by the generalised momentum, which needs no accelerations but of an estimated load
     rate = momentum_rate(
         motor=constant * record.current - load_torque,
         friction=constant * predicted - record.torque,
         coriolis=torques.coriolis_torque,
         gravity=torques.gravity_torque,
     )
-    torque = observe(torques.momentum, rate, record.segment, record.period, cutoff)
-    return without_edges(torque, record.segment, edge(record, cutoff))
+    observed = observe(torques.momentum, rate, record.segment, record.period, smooth.cutoff)
+    return Currents(
+        time=torques.time,
+        segment=torques.segment,
+        predicted_current=predicted,
+        current_band=band(fit, record, smooth),
+        external_torque=inner(smooth(external, record), record, smooth.cutoff),
+        causal_torque=causally_smoothed(external, record, smooth.cutoff),
+        load_doubt=LEFT * np.abs(smooth(load_torque, record)),
+        observed_torque=inner(observed, record, smooth.cutoff),
+        gear_torque=smooth(record.torque, record),
+        friction_torque=constant * smooth(friction_current(fit, record), record),
+        load_loss=smooth(load_loss(fit, record), record),
+    )
+
+
+def causally_smoothed(torque: Array, record: Record, cutoff: float) -> Array:
+    """Return a torque (N, 6) [Nm] low-passed [Hz] from each sample and those before it.
+
+    The low-pass is of first order, which delays slow changes by 1 / (2π f_c).
+    """
+    return by_segment(causal_lowpass, torque, record.segment, 1 / record.period, 1, cutoff)
 
 
 def with_load(
-    record: Record, load_torque: Array, fit: CurrentFit, smooth: Smooth, cutoff: float
+    record: Record, load_torque: Array, fit: CurrentFit, smooth: Smoother
 ) -> tuple[Record, Array]:
     """Return the record with a load's torque (N, 6) [Nm] in it, and that torque as motors feel it.
 
@@ -93,8 +82,8 @@ def with_load(
     """
     if load_torque.any():
         loaded = replace(record, torque=record.torque + load_torque)
-        predicted, constant = predict(fit, loaded), torque_constants(fit)
-        left = smoothed_external_torque(loaded, predicted, constant, smooth, cutoff)
+        external = external_torque(torque_constants(fit), loaded.current, predict(fit, loaded))
+        left = inner(smooth(external, record), record, smooth.cutoff)
         count = int(blocks(record)[-1]) + 1
         load_torque = load_torque * (1 - joint_gains(left, smooth(load_torque, record), count))
     return replace(record, torque=record.torque + load_torque), load_torque
@@ -126,7 +115,7 @@ def baselines(
 
 
 def scores(
-    record: Record, currents: Currents, others: Iterable[tuple[str, Array]], smooth: Smooth
+    record: Record, currents: Currents, others: Iterable[tuple[str, Array]], smooth: Smoother
 ) -> dict[str, Scores]:
     """Return how well each current is predicted; a band is stated for ours alone."""
     assert currents.predicted_current is not None
@@ -140,30 +129,6 @@ def scores(
     return figures
 
 
-def smoothed_external_torque(
-    record: Record, predicted: Array, constant: Array, smooth: Smooth, cutoff: float
-) -> Array:
-    """Return the external torque (N, 6) [Nm], the environment acting on the arm, low-passed.
-
-    predicted: current without contact (N, 6) [A]; constant: torque constants (6,) [Nm/A]; cutoff:
-    of `smooth` [Hz].
-    """
-    currents = (smooth(current, record) for current in (record.current, predicted))
-    torque = external_torque(constant, *currents)
-    return without_edges(torque, record.segment, edge(record, cutoff))
-
-
-def causal_external_torque(
-    record: Record, predicted: Array, constant: Array, cutoff: float
-) -> Array:
-    """Return the external torque (N, 6) [Nm] from each sample and those before it.
-
-    Arguments as above. The low-pass is of first order, which delays slow changes by 1 / (2π f_c).
-    """
-    torque = external_torque(constant, record.current, predicted)
-    return by_segment(causal_lowpass, torque, record.segment, 1 / record.period, 1, cutoff)
-
-
-def edge(record: Record, cutoff: float) -> int:
-    """Return the number of samples at the ends of a stretch where a low-pass [Hz] extrapolates."""
-    return round(0.5 / cutoff / record.period)
+def inner(torque: Array, record: Record, cutoff: float) -> Array:
+    """Return a torque (N, 6), NaN at the ends of segments, where a low-pass [Hz] extrapolates."""
+    return without_edges(torque, record.segment, round(0.5 / cutoff / record.period))

@@ -1,6 +1,7 @@
 """A recording as the fit of its motor currents uses it, and the prior of its torque constants."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ur5lib.identification.prior import (
     standstill_ratio,
     torque_constant_prior,
 )
-from ur5lib.identification.samples import Record, Smooth
+from ur5lib.identification.samples import Record
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -46,14 +47,17 @@ def current_record(
     )
 
 
-def smoother(order: int, cutoff: float) -> Smooth:
-    """Return a zero-phase low-pass of a recording's samples within its segments; cutoff: [Hz]."""
+@dataclass(frozen=True)
+class Smoother:
+    """A zero-phase low-pass of a recording's samples within its segments; cutoff: [Hz]."""
 
-    def smooth(values: Array, record: Record) -> Array:
+    order: int
+    cutoff: float
+
+    def __call__(self, values: Array, record: Record) -> Array:
+        """Return values (N, M), low-passed."""
         rate = 1 / record.period
-        return by_segment(zero_phase_lowpass, values, record.segment, rate, order, cutoff)
-
-    return smooth
+        return by_segment(zero_phase_lowpass, values, record.segment, rate, self.order, self.cutoff)
 
 
 def controllers_ratio(signals: Signals, motion: Motion) -> Array:

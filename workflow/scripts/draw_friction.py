@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.identification.currents import torque_constants
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import Smoother, current_record
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
@@ -21,7 +21,7 @@ def draw_friction(input: Any, output: Any, params: Any) -> None:
     model = load_robot(input.arm).fullest_model()
     parts, constant, known = list[MovingSamples](), np.ones(6), np.ones(6)
     if friction.known_constants is not None:
-        fit, smooth = friction.fit, smoother(params.order, params.cutoff_hz)
+        fit, smooth = friction.fit, Smoother(params.order, params.cutoff_hz)
         constant, known = torque_constants(fit), friction.known_constants.value
         files = zip(params.recordings, input.signals, input.motion, input.torques, strict=True)
         for name, signals, motion, torques in files:

@@ -37,11 +37,13 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
 
 
 def _static(input: Any, params: Any) -> Stated | None:
-    from ur5lib.pipeline.static_forces import static_forces  # slow, and most arms are fitted
+    # slow to import, and most arms are fitted
+    from ur5lib.pipeline.current_samples import Smoother
+    from ur5lib.pipeline.static_forces import static_forces
 
     moved = Motion.read(input.motion), Torques.read(input.torques)
     known = Signals.read(input.signals), *moved, Kinematics.read(input.kinematics).jacobian
-    return static_forces(load_robot(input.arm), *known, params.order, params.cutoff_hz)
+    return static_forces(load_robot(input.arm), *known, Smoother(params.order, params.cutoff_hz))
 
 
 def _fitted(input: Any, params: Any) -> Run:

@@ -6,7 +6,7 @@ from typing import Any
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.identification import payload
 from ur5lib.identification.samples import smoothed_moving
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import Smoother, current_record
 from ur5lib.pipeline.records.currents import LoadRegressor
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
@@ -27,7 +27,7 @@ def estimate_payload(input: Any, output: Any, params: Any) -> None:
         # read anew, so that a long recording's accelerations are not held throughout
         states = attrgetter("q", "qd", "qdd")
         per_load = load_regressor(robot, model, *states(Motion.read(input.motion)))
-        smooth = smoother(params.order, params.cutoff_hz)
+        smooth = Smoother(params.order, params.cutoff_hz)
         if smoothed_moving(record, smooth).any():  # at rest, friction hides a load
             fit = friction.fit_for(params.recording)
             found = payload.estimate_payload(fit, record, per_load, smooth)

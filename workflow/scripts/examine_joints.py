@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.pipeline.checkup import checkup, dated
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import Smoother, current_record
 from ur5lib.pipeline.records.arm_state import Checkup
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
@@ -24,5 +24,5 @@ def examine_joints(input: Any, output: Any, params: Any) -> None:
         record = current_record(params.recording, *tables, Torques.read(input.torques), model)
         if record is not None:
             fit = read_record(Friction, input.friction).fit
-            found = checkup(record, smoother(params.order, params.cutoff_hz), fit, day, quality)
+            found = checkup(record, Smoother(params.order, params.cutoff_hz), fit, day, quality)
     write_json(found, output.checkup)

@@ -5,7 +5,7 @@ from typing import Any
 
 from ur5lib.errors import reason
 from ur5lib.identification.population import population_of
-from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
+from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
@@ -19,7 +19,7 @@ from ur5lib.tables import read_record, write_json
 
 def fit_friction(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
-    model, smooth = robot.fullest_model(), smoother(params.order, params.cutoff_hz)
+    model, smooth = robot.fullest_model(), Smoother(params.order, params.cutoff_hz)
     records, ratios = [], []
     named = zip(params.recordings, params.dates, strict=True)
     files = zip(named, input.signals, input.motion, input.torques, strict=True)

@@ -6,7 +6,7 @@ from typing import Any
 from ur5lib.identification.payload import PayloadEstimate, judged_load
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.current_prediction import baselines, predicted_currents, scores, with_load
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import Smoother, current_record
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.dynamics import Torques
@@ -29,7 +29,7 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     summary = Prediction(params.recording in friction.from_)
     stopped = read_record(Contradictions, input.contradictions).stop_signs
     if record is not None and friction.fit.joints and not stopped:
-        smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
+        smooth = Smoother(params.order, params.cutoff_hz)
         fit, load, load_torque = friction.fit_for(params.recording), None, 0 * record.q
         if (payload := read_record(PayloadEstimate, input.payload)).is_known:
             known = read_record(Carried, input.load)
@@ -38,10 +38,8 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
             load = judged_load(payload, unloaded, friction.paths, known.mass, may_be_taken)
             if load.taken:
                 load_torque = LoadRegressor.read(input.regressor).torque(payload.parameters)
-        record, load_torque = with_load(record, load_torque, fit, smooth, cutoff)
-        currents = predicted_currents(
-            record, fit, load_torque, signals, Torques.read(input.torques), smooth, cutoff
-        )
+        record, load_torque = with_load(record, load_torque, fit, smooth)
+        currents = predicted_currents(record, fit, load_torque, Torques.read(input.torques), smooth)
         known_maps = baselines(record, robot, friction.least_squares, signals)
         judged = scores(record, currents, known_maps, smooth)
         summary = replace(summary, load=load, extent=passed(motion, currents), scores=judged)
