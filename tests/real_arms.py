@@ -141,10 +141,10 @@ class RealRecording:
         placed = by_stamps(self.intake.sensors["force"], start, signals.time, "force")
         moved = moved_tool(self.robot, self.kinematics, self.motion)
         clock_std = self.sensor_clock.std_after(signals.time[-1] - signals.time[0])
-        reading = sensor_reading(self.robot, signals, moved, clock_std, placed)
         window = self.settings.sensor.bias_window_s
-        known = self.robot, signals, reading, self.kinematics, window
-        return sensor_wrenches(*known).wrench["compensated"], reading.offset
+        reading = sensor_reading(self.robot, signals, moved, window, clock_std, placed)
+        wrenches = sensor_wrenches(self.robot, signals, reading, self.kinematics.rotation)
+        return wrenches.wrench["compensated"], reading.offset
 
 
 def workflow_study(name: str, data: Path) -> Study:

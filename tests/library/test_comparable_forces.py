@@ -1,36 +1,35 @@
 """The controller's force of an e-Series arm is its wrist sensor: it is not compared with itself."""
 
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 
-from ur5lib.pipeline.records.forces import PublishedForces
-from ur5lib.pipeline.sensor_comparison import comparable
+from ur5lib.pipeline.sensor_comparison import compared_estimates
 
 WRENCH = np.ones((5, 6))
 
 
 @pytest.mark.parametrize(
-    ("wrist", "raw", "by_stamps", "kept"),
+    ("wrist", "raw", "own_clock", "kept"),
     [
-        (True, None, None, False),
-        (True, WRENCH, None, True),
-        (True, None, WRENCH, True),
-        (False, None, None, True),
+        (True, None, False, False),
+        (True, WRENCH, False, True),
+        (True, None, True, True),
+        (False, None, False, True),
     ],
 )
 def test_a_sensor_is_not_compared_with_itself(
-    wrist: bool, raw: Any, by_stamps: Any, kept: bool
+    wrist: bool, raw: Any, own_clock: bool, kept: bool
 ) -> None:
-    kinds = {kind: {"Fu": WRENCH, "F": 2 * WRENCH} for kind in ("printed", "corrected")}
-    published = PublishedForces(time=np.arange(5.0), segment=np.zeros(5, int), **cast(Any, kinds))
-    left = comparable(
-        cast(Any, SimpleNamespace(wrist_sensor=wrist)),
-        cast(Any, SimpleNamespace(ft_raw_wrench=raw)),
-        cast(Any, SimpleNamespace(by_stamps=by_stamps)),
-        published,
-    )
-    for found in (left.printed, left.corrected):
-        assert [*found] == (["Fu", "F"] if kept else ["F"])
+    robot: Any = SimpleNamespace(wrist_sensor=wrist)
+    signals: Any = SimpleNamespace(ft_raw_wrench=raw)
+    reading: Any = SimpleNamespace(own_clock=own_clock)
+    both = {"Fu": WRENCH, "F": 2 * WRENCH}
+    published: Any = SimpleNamespace(printed=both, corrected=both)
+    forces: Any = SimpleNamespace(wrench={}, std={})
+    found = compared_estimates(robot, signals, reading, published, forces)
+    assert {*found} == {"printed", "corrected", "compensated"}
+    for estimates in found.values():
+        assert [*estimates] == (["Fu", "F"] if kept else ["F"])

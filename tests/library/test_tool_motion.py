@@ -96,8 +96,8 @@ def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:
     )
 
     def error(moved: ToolMotion) -> float:
-        found = sensor_reading(arm, signals, moved, clock_std)
-        wrench = sensor_wrenches(arm, signals, found, frames, 1.0).wrench["compensated"]
+        found = sensor_reading(arm, signals, moved, 1.0, clock_std)
+        wrench = sensor_wrenches(arm, signals, found, rotation).wrench["compensated"]
         return float(np.sqrt(np.nanmean((wrench - true)[:, :3] ** 2)))
 
     return error(at_rest(moved, np.array(arm.gravity) @ rotation)), error(moved)

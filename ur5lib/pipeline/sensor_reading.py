@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ur5lib.force.sensor import fit_offset
+from ur5lib.force.sensor import bias, fit_offset
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -19,15 +19,17 @@ def sensor_reading(
     robot: Robot,
     signals: Signals,
     moved: ToolMotion,
+    bias_window: float,
     clock_std: float = 0.0,
     by_stamps: Array | None = None,
     tool: Payload | None = None,
 ) -> SensorReading:
     """Return the reading of a force sensor, whose tool is placed by a first fit.
 
-    moved: motion of the tool; clock_std: [s], error of the sensor's clock; by_stamps: (N, 6), axes
-    of the sensor, as in `SensorReading`; tool: what is known to be behind the sensor, for its
-    moments of inertia; without it they are neglected.
+    moved: motion of the tool; bias_window: [s], at the start, free of contact; clock_std: [s],
+    error of the sensor's clock; by_stamps: (N, 6), axes of the sensor, the reading placed by start
+    stamps, None for a sensor without a clock of its own; tool: what is known to be behind the
+    sensor, for its moments of inertia; without it they are neglected.
     """
     assert signals.force_sensor is not None
     values, known = in_frame_6(signals.force_sensor, robot), (signals.segment, signals.period)
@@ -39,8 +41,15 @@ def sensor_reading(
         pull = expected(moved.pull_at(origin + center), *known, clock_std)
         offset = fit_offset(values - moment, pull, signals.period)
         center = within_reach(offset.center())
-    placed = None if by_stamps is None else in_frame_6(by_stamps, robot)
-    return SensorReading(values, offset.reading(pull) + moment, offset, placed)
+    placed = values if by_stamps is None else in_frame_6(by_stamps, robot)
+    return SensorReading(
+        values,
+        offset.reading(pull) + moment,
+        offset,
+        placed,
+        start_bias=bias(placed, signals.time, bias_window),
+        own_clock=by_stamps is not None,
+    )
 
 
 def in_frame_6(reading: Array, robot: Robot) -> Array:

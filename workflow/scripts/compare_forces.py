@@ -10,14 +10,13 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_comparison import (
     SensorReading,
-    against_sensor,
     band_widths,
-    comparable,
+    beside_sensor,
+    compared_estimates,
     sensor_wrenches,
-    with_offset,
 )
 from ur5lib.recordings.quality import Quality
-from ur5lib.robots.description import load_robot
+from ur5lib.robots.description import Robot, load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.tables import read_record, read_table, write_json
 
@@ -31,17 +30,17 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
     sensor = SensorWrenches(time=signals.time, segment=signals.segment)
     if is_sensed:
         robot = load_robot(input.arm).mounted(params.gravity).with_force_sensor(*params.mounting)
-        reading, window = read_sensor(input, robot, signals, kinematics), params.bias_window_s
-        sensor = sensor_wrenches(robot, signals, reading, kinematics, window)
-        compared = sensor, forces, kinematics.rotation
-        found = with_offset(found, reading, signals, window, *compared)
-        published = comparable(robot, signals, reading, published)
-        found = against_sensor(found, sensor, published, forces)
+        reading = read_sensor(input, robot, signals, kinematics, params.bias_window_s)
+        sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
+        estimates = compared_estimates(robot, signals, reading, published, forces)
+        found = beside_sensor(found, reading, sensor, estimates, kinematics.rotation)
     sensor.write(output.sensor)
     write_json(found, output.summary)
 
 
-def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics) -> SensorReading:
+def read_sensor(
+    input: Any, robot: Robot, signals: Signals, kinematics: Kinematics, window: float
+) -> SensorReading:
     """Return the reading of the arm's own sensor, or of one with a clock of its own."""
     # slow to import, and most recordings have no sensor
     from ur5lib.pipeline.clocks import by_stamps
@@ -52,7 +51,7 @@ def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics
     if start is None:
         whole = signals.ft_raw_wrench is not None  # else, the controller takes its tool off
         tool = read_record(Carried, input.load).payload if whole else None
-        return sensor_reading(robot, signals, moved, tool=tool)
+        return sensor_reading(robot, signals, moved, window, tool=tool)
     placed = by_stamps(read_table(input.force), start, signals.time, "force")
     clock_std = read_record(dict[str, SettledClock], input.clocks)["force"].end_std
-    return sensor_reading(robot, signals, moved, clock_std, placed)
+    return sensor_reading(robot, signals, moved, window, clock_std, placed)
