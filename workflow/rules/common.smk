@@ -127,9 +127,14 @@ def parameters(name):
     return [f"{RESULTS}/parameters/{robot}/{name}" for robot in ROBOTS]
 
 
+def arm_of(wildcards):
+    """Return the name of a job's arm, or of the arm of its recording."""
+    return getattr(wildcards, "robot", None) or recording_of(wildcards).arm.known_as
+
+
 def parameter_of(name):
     """Return a function of the path of a file of a recording's arm."""
-    return lambda wildcards: f"{RESULTS}/parameters/{recording_of(wildcards).arm.known_as}/{name}"
+    return lambda wildcards: parameter(name).format(robot=arm_of(wildcards))
 
 
 @cache
@@ -144,34 +149,17 @@ def names_of(robot, *roles):
 
 def fitted_on(wildcards):
     """Return the names of an arm's `fit` recordings."""
-    return names_of(wildcards.robot, "fit")
-
-
-def fitted_results(name):
-    """Return the paths of a file of each of an arm's `fit` recordings."""
-    return lambda wildcards: [
-        f"{RESULTS}/recordings/{recording}/{name}" for recording in fitted_on(wildcards)
-    ]
-
-
-def results_of_fitted(name):
-    """Return the paths of a file of each `fit` recording of a recording's arm."""
-    return lambda wildcards: [
-        f"{RESULTS}/recordings/{other}/{name}"
-        for other in names_of(recording_of(wildcards).arm.known_as, "fit")
-    ]
+    return names_of(arm_of(wildcards), "fit")
 
 
 def contact_free(wildcards):
     """Return the names of an arm's contact-free recordings."""
-    return names_of(wildcards.robot, "fit", "validate")
+    return names_of(arm_of(wildcards), "fit", "validate")
 
 
-def free_results(name):
-    """Return the paths of a file of each of an arm's contact-free recordings."""
-    return lambda wildcards: [
-        f"{RESULTS}/recordings/{recording}/{name}" for recording in contact_free(wildcards)
-    ]
+def results_of(names, file):
+    """Return a function of the paths of a file of each recording that another function names."""
+    return lambda wildcards: results(file, names(wildcards))
 
 
 @cache
@@ -190,18 +178,13 @@ def templates_of(wildcards):
 
     Of many, those that are nearest in time: friction changes, and each would be read for each.
     """
-    names = by_date(recording_of(wildcards).arm.known_as)
+    names = by_date(arm_of(wildcards))
     place = bisect_left(names, date_of(wildcards.recording), key=date_of)
     if recording_of(wildcards).role != "contact":
         place = names.index(wildcards.recording, place)
     first = max(0, min(place - MOST_TEMPLATES // 2, len(names) - MOST_TEMPLATES - 1))
     near = {*names[first : first + MOST_TEMPLATES + 1]} - {wildcards.recording}
     return sorted(near, key=PLACES.get)
-
-
-def results_of_templates(name):
-    """Return the paths of a file of each recording that may be the template of a recording."""
-    return lambda wildcards: results(name, templates_of(wildcards))
 
 
 @cache
@@ -219,12 +202,7 @@ def drawn_of(robot):
 
 def drawn(wildcards):
     """Return the recordings of an arm on which contacts are tried."""
-    return drawn_of(wildcards.robot)
-
-
-def drawn_results(name):
-    """Return the paths of a file of each of an arm's recordings on which contacts are tried."""
-    return lambda wildcards: results(name, drawn(wildcards))
+    return drawn_of(arm_of(wildcards))
 
 
 def is_tried(wildcards):
@@ -238,18 +216,7 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """Return the description of a recording for its reader, without its use in the study."""
-    names = [
-        "name",
-        "role",
-        "robot",
-        "date",
-        "gravity",
-        "mounting",
-        "tool",
-        "payload",
-        "simulate",
-        "truth",
-    ]
+    names = "name role robot date gravity mounting tool payload simulate truth".split()
     unread = dict.fromkeys(names, True) | {"force_sensor": {"mounting"}}
     return recording_of(wildcards).model_dump_json(exclude=unread)
 
@@ -265,24 +232,9 @@ def gravities(names):
     return [gravity and list(gravity) for gravity in found]
 
 
-def fitted_gravities(wildcards):
-    """Return gravity in the base frames of an arm's `fit` recordings."""
-    return gravities(fitted_on(wildcards))
-
-
-def fitted_dates(wildcards):
-    """Return the dates of an arm's `fit` recordings; empty where the study gives none."""
-    return dates_of(fitted_on(wildcards))
-
-
-def dates_of(names):
-    """Return the dates of several recordings; empty where the study gives none."""
-    return [date_of(name) for name in names]
-
-
-def drawn_gravities(wildcards):
-    """Return gravity in the base frames of an arm's recordings on which contacts are tried."""
-    return gravities(drawn(wildcards))
+def gravities_of(names):
+    """Return a function of gravity in the base frames of recordings that another function names."""
+    return lambda wildcards: gravities(names(wildcards))
 
 
 def payload_of(wildcards):
@@ -357,8 +309,7 @@ def way_points(name):
 
 
 def arm_file(wildcards):
-    robot = getattr(wildcards, "robot", None) or recording_of(wildcards).arm.known_as
-    return described(robot)
+    return described(arm_of(wildcards))
 
 
 def described(robot):

@@ -24,9 +24,9 @@ rule rebuild_forces:
 
 rule fit_residuals:
     input:
-        currents=fitted_results("currents.parquet"),
-        motion=fitted_results("motion.parquet"),
-        kinematics=fitted_results("kinematics.parquet"),
+        currents=results_of(fitted_on, "currents.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
+        kinematics=results_of(fitted_on, "kinematics.parquet"),
         friction=parameter("friction.json"),
     output:
         residuals=parameter("residuals.json"),
@@ -49,9 +49,9 @@ rule estimate_forces:
         kinematics=result("kinematics.parquet"),
         residuals=parameter_of("residuals.json"),
         load=result("currents.json"),
-        free_loads=results_of_templates("currents.json"),
-        free_currents=results_of_templates("currents.parquet"),
-        free_motion=results_of_templates("motion.parquet"),
+        free_loads=results_of(templates_of, "currents.json"),
+        free_currents=results_of(templates_of, "currents.parquet"),
+        free_motion=results_of(templates_of, "motion.parquet"),
         friction=parameter_of("friction.json"),
         contradictions=result("contradictions.json"),
         signals=result("signals.parquet"),
@@ -125,8 +125,8 @@ rule audit_sensor:
 
 rule set_threshold:
     input:
-        forces=fitted_results("forces.parquet"),
-        published=fitted_results("published_forces.parquet"),
+        forces=results_of(fitted_on, "forces.parquet"),
+        published=results_of(fitted_on, "published_forces.parquet"),
     output:
         threshold=parameter("threshold.json"),
     log:
@@ -186,11 +186,11 @@ rule locate_contacts:
 
 rule measure_observability:
     input:
-        motion=drawn_results("motion.parquet"),
-        currents=drawn_results("currents.parquet"),
-        kinematics=drawn_results("kinematics.parquet"),
-        forces=drawn_results("forces.parquet"),
-        loads=drawn_results("currents.json"),
+        motion=results_of(drawn, "motion.parquet"),
+        currents=results_of(drawn, "currents.parquet"),
+        kinematics=results_of(drawn, "kinematics.parquet"),
+        forces=results_of(drawn, "forces.parquet"),
+        loads=results_of(drawn, "currents.json"),
         friction=parameter("friction.json"),
         residuals=parameter("residuals.json"),
         threshold=parameter("threshold.json"),

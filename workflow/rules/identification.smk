@@ -18,8 +18,8 @@ rule estimate_gains:
 
 rule fit_rotor_inertia:
     input:
-        signals=fitted_results("signals.parquet"),
-        motion=fitted_results("motion.parquet"),
+        signals=results_of(fitted_on, "signals.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
         arm=arm_file,
     output:
         rotors=parameter("rotor_inertia.json"),
@@ -31,15 +31,15 @@ rule fit_rotor_inertia:
         **SETTINGS.lowpass.motion.model_dump(),
         code=code("fit_rotor_inertia"),
         recordings=fitted_on,
-        gravities=fitted_gravities,
+        gravities=gravities_of(fitted_on),
     run:
         run_step(rule, input, output, params, log)
 
 
 rule identify_model:
     input:
-        signals=fitted_results("signals.parquet"),
-        motion=fitted_results("motion.parquet"),
+        signals=results_of(fitted_on, "signals.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
         arm=arm_file,
         rotors=parameter("rotor_inertia.json"),
     output:
@@ -54,17 +54,17 @@ rule identify_model:
         **SETTINGS.lowpass.motion.model_dump(),
         code=code("identify_model"),
         recordings=fitted_on,
-        gravities=fitted_gravities,
+        gravities=gravities_of(fitted_on),
     run:
         run_step(rule, input, output, params, log)
 
 
 rule fit_friction:
     input:
-        signals=fitted_results("signals.parquet"),
-        motion=fitted_results("motion.parquet"),
-        torques=fitted_results("torques.parquet"),
-        contradictions=fitted_results("contradictions.json"),
+        signals=results_of(fitted_on, "signals.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
+        torques=results_of(fitted_on, "torques.parquet"),
+        contradictions=results_of(fitted_on, "contradictions.json"),
         arm=parameter("arm.yaml"),
         population=own(*population_files(SETTINGS.friction.population)),
     output:
@@ -78,7 +78,7 @@ rule fit_friction:
         code=code("fit_friction", *shipped(*population_files(SETTINGS.friction.population))),
         population=SETTINGS.friction.population,
         recordings=fitted_on,
-        dates=fitted_dates,
+        dates=lambda wildcards: [date_of(name) for name in fitted_on(wildcards)],
         terms=SETTINGS.friction.terms,
         study=STUDY.study,
     run:
@@ -87,8 +87,8 @@ rule fit_friction:
 
 rule rank_recordings:
     input:
-        motion=fitted_results("motion.parquet"),
-        loads=fitted_results("torques.json"),
+        motion=results_of(fitted_on, "motion.parquet"),
+        loads=results_of(fitted_on, "torques.json"),
         friction=parameter("friction.json"),
         identification=parameter("identification.json"),
         arm=parameter("arm.yaml"),
@@ -103,7 +103,7 @@ rule rank_recordings:
         code=code("rank_recordings", *shipped(*population_files(SETTINGS.friction.population))),
         population=SETTINGS.friction.population,
         recordings=fitted_on,
-        gravities=fitted_gravities,
+        gravities=gravities_of(fitted_on),
         study=STUDY.study,
     run:
         run_step(rule, input, output, params, log)
@@ -141,7 +141,7 @@ rule predict_currents:
         contradictions=result("contradictions.json"),
         payload=result("payload.json"),
         regressor=result("load_regressor.parquet"),
-        unloaded=results_of_fitted("payload.json"),
+        unloaded=results_of(fitted_on, "payload.json"),
         friction=parameter_of("friction.json"),
         arm=parameter_of("arm.yaml"),
     output:
@@ -186,8 +186,8 @@ rule examine_joints:
 
 rule track_health:
     input:
-        checkups=free_results("checkup.json"),
-        motion=free_results("motion.parquet"),
+        checkups=results_of(contact_free, "checkup.json"),
+        motion=results_of(contact_free, "motion.parquet"),
     output:
         health=parameter("health.csv"),
         changes=parameter("health_changes.csv"),

@@ -188,9 +188,9 @@ rule make_tables:
 
 rule draw_friction:
     input:
-        signals=fitted_results("signals.parquet"),
-        motion=fitted_results("motion.parquet"),
-        torques=fitted_results("torques.parquet"),
+        signals=results_of(fitted_on, "signals.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
+        torques=results_of(fitted_on, "torques.parquet"),
         friction=parameter("friction.json"),
         arm=parameter("arm.yaml"),
     output:

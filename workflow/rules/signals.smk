@@ -24,7 +24,7 @@ localrules:
 
 rule pool_drifts:
     input:
-        clocks=free_results("own_clocks.json"),
+        clocks=results_of(contact_free, "own_clocks.json"),
     output:
         drifts=parameter("drifts.json"),
     log:
@@ -59,9 +59,9 @@ rule align_signals:
 
 rule calibrate_imu:
     input:
-        signals=fitted_results("signals.parquet"),
-        kinematics=fitted_results("kinematics.parquet"),
-        clocks=fitted_results("clocks.json"),
+        signals=results_of(fitted_on, "signals.parquet"),
+        kinematics=results_of(fitted_on, "kinematics.parquet"),
+        clocks=results_of(fitted_on, "clocks.json"),
         arm=arm_file,
     output:
         calibration=parameter("imu.json"),
@@ -73,7 +73,7 @@ rule calibrate_imu:
         **SETTINGS.lowpass.accelerations.model_dump(),
         code=code("calibrate_imu"),
         recordings=fitted_on,
-        gravities=fitted_gravities,
+        gravities=gravities_of(fitted_on),
     run:
         run_step(rule, input, output, params, log)
 
@@ -82,9 +82,9 @@ rule calibrate_imu:
 # many, those drawn do: each new one would let all others wait.
 rule calibrate_imu_without_each:
     input:
-        signals=drawn_results("signals.parquet"),
-        kinematics=drawn_results("kinematics.parquet"),
-        clocks=drawn_results("clocks.json"),
+        signals=results_of(drawn, "signals.parquet"),
+        kinematics=results_of(drawn, "kinematics.parquet"),
+        clocks=results_of(drawn, "clocks.json"),
         arm=arm_file,
     output:
         calibration=parameter("imu_without_each.json"),
@@ -96,7 +96,7 @@ rule calibrate_imu_without_each:
         **SETTINGS.lowpass.accelerations.model_dump(),
         code=code("calibrate_imu"),
         recordings=drawn,
-        gravities=drawn_gravities,
+        gravities=gravities_of(drawn),
     run:
         run_step("calibrate_imu", input, output, params, log)
 
