@@ -19,11 +19,12 @@ def static_forces(
     motion: Motion,
     torques: Torques,
     jacobian: Array,
-    smooth: Smoother,
+    order: int,
+    cutoff: float,
 ) -> Stated | None:
     """Return the wrench of a resting arm, NaN in motion; None without currents or known constants.
 
-    jacobian: (N, 6, 6).
+    jacobian: (N, 6, 6); order, cutoff: of the low-pass of currents, [Hz].
     """
     record = current_record("", signals, motion, torques, robot.fullest_model())
     if record is None:
@@ -32,10 +33,10 @@ def static_forces(
         prior = prior_of(robot, [controllers_ratio(signals, motion)])
     except ValueError:  # neither the maker nor the controller tells the constants
         return None
-    inverse = prior.inverse_constant.mean
+    smooth, inverse = Smoother(order, cutoff), prior.inverse_constant.mean
     error = np.sqrt(np.diag(np.linalg.inv(prior.inverse_constant.precision))) / inverse
     motor = smooth(record.current, record) / inverse
-    torque = inner(smooth(record.torque, record) - motor, record, smooth.cutoff)
+    torque = inner(smooth(record.torque, record) - motor, record, cutoff)
     torque[~at_rest(record.qd)] = np.nan
     std = torque_std(motor, np.maximum(error, LEAST_ERROR), prior.torque_max)
     return Stated(*static_wrench(torque, std, jacobian))

@@ -1,12 +1,12 @@
 """Contact wrench from the external torque, with its band and the odds that there is a contact."""
 
-from dataclasses import replace
+from itertools import compress
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import used_rows
-from ur5lib.pipeline.estimators import ESTIMATORS, Run, Stated
+from ur5lib.pipeline.estimators import ESTIMATORS, Run
 from ur5lib.pipeline.force_estimates import (
     causal_odds,
     direct_problems,
@@ -28,22 +28,20 @@ from ur5lib.tables import read_record
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
     known = read_record(Friction, input.friction), read_record(Contradictions, input.contradictions)
-    run = _fitted(input, params) if is_fitted(*known) else Run(static=_static(input, params))
-    run = replace(run, controller=Signals.read(input.signals).wrench_calc_from_currents)
+    run = _fitted(input, params) if is_fitted(*known) else _static(input, params)
     found = {one.name: one.estimate(run) for one in ESTIMATORS}
     rest = run.background, run.causal_odds
     del run  # of a long recording, either all inputs are held or all results
     Forces.of(Motion.read(input.motion), found, *rest).write(output.forces)
 
 
-def _static(input: Any, params: Any) -> Stated | None:
-    # slow to import, and most arms are fitted
-    from ur5lib.pipeline.current_samples import Smoother
-    from ur5lib.pipeline.static_forces import static_forces
+def _static(input: Any, params: Any) -> Run:
+    from ur5lib.pipeline.static_forces import static_forces  # slow, and most arms are fitted
 
-    moved = Motion.read(input.motion), Torques.read(input.torques)
-    known = Signals.read(input.signals), *moved, Kinematics.read(input.kinematics).jacobian
-    return static_forces(load_robot(input.arm), *known, Smoother(params.order, params.cutoff_hz))
+    signals, jacobian = Signals.read(input.signals), Kinematics.read(input.kinematics).jacobian
+    known = signals, Motion.read(input.motion), Torques.read(input.torques), jacobian
+    found = static_forces(load_robot(input.arm), *known, params.order, params.cutoff_hz)
+    return Run(static=found, controller=signals.wrench_calc_from_currents)
 
 
 def _fitted(input: Any, params: Any) -> Run:
@@ -53,13 +51,12 @@ def _fitted(input: Any, params: Any) -> Run:
     jacobian = Kinematics.read(input.kinematics, used_rows(motion.segment, motion.period)).jacobian
     if "Fmap" in found:
         known = found["Fmap"].input, read_record(Prediction, input.load)
-        files = zip(input.free_loads, input.free_currents, input.free_motion, strict=True)
-        runs = (
-            (Currents.read(other), Motion.read(moved))
-            for load, other, moved in files
-            if may_be_template(*known, read_record(Prediction, load))
-        )
+        alike = [may_be_template(*known, read_record(Prediction, p)) for p in input.free_loads]
+        files = compress(zip(input.free_currents, input.free_motion, strict=True), alike)
+        runs = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
         found |= repeat_problem(found["Fmap"], runs, params.cutoff_hz)
     prior = ContactPrior(force=params.contact_force_n)
     causal = causal_odds(motion, currents, residuals, jacobian, prior)
-    return Run({name: own.solve(jacobian, prior) for name, own in found.items()}, causal)
+    solved = {name: own.solve(jacobian, prior) for name, own in found.items()}
+    controller = Signals.read(input.signals).wrench_calc_from_currents
+    return Run(solved, causal, controller=controller)
