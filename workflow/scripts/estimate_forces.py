@@ -14,12 +14,11 @@ from ur5lib.pipeline.force_estimates import (
     may_be_template,
     repeat_problem,
 )
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.currents import Currents, Prediction
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
@@ -58,5 +57,4 @@ def _fitted(input: Any, params: Any) -> Run:
     prior = ContactPrior(force=params.contact_force_n)
     causal = causal_odds(motion, currents, residuals, jacobian, prior)
     solved = {name: own.solve(jacobian, prior) for name, own in found.items()}
-    controller = Signals.read(input.signals).wrench_calc_from_currents
-    return Run(solved, causal, controller=controller)
+    return Run(solved, causal, controller=Signals.read(input.signals).wrench_calc_from_currents)
