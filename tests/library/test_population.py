@@ -108,7 +108,7 @@ def test_measured_arms_are_inside_the_intervals_of_the_others() -> None:
 def test_friction_is_known_whatever_the_torque_constant() -> None:
     """With 1/k twice the prior's mean, the most probable friction currents double, too."""
     prior = prior_by_shipped_arms("ur5e")
-    known, twice = prior.of_joint(2).over(BASE), 2 * prior.of_joint(2).inverse
+    known, twice = prior.of_joint(2).over([BASE]), 2 * prior.inverse_constant.mean[2]
     sure = np.zeros((len(known.mean), len(known.mean)))
     sure[0, 0] = 1e12
     found = posterior_mean(sure, sure @ (twice * np.eye(len(known.mean))[0]), known)
@@ -118,10 +118,10 @@ def test_friction_is_known_whatever_the_torque_constant() -> None:
 def test_friction_shows_a_torque_constant_that_inertia_does_not() -> None:
     """Coulomb friction alone was seen, as 0.3 A: its typical value is k times that."""
     joint = prior_by_shipped_arms("ur3").of_joint(0)
-    prior, seen = joint.over(BASE), np.zeros((5, 5))
+    prior, seen = joint.over([BASE]), np.zeros((5, 5))
     seen[2, 2] = 1e8
     found = posterior_mean(seen, seen @ np.array([0, 0, 0.3, 0, 0]), prior)
-    by_friction, before = joint.typical["coulomb"].mean[0] / 0.3, 1 / joint.inverse
+    by_friction, before = joint.typical["coulomb"].mean[0] / 0.3, 1 / prior.mean[0]
     assert min(by_friction, before) < 1 / found[0] < max(by_friction, before)
 
 
@@ -186,7 +186,7 @@ def test_joints_of_an_arm_are_correlated() -> None:
 def test_without_a_population_friction_is_unknown() -> None:
     prior = prior_of(load_robot(robot_path("ur5e")), [], None)
     assert not prior.typical
-    own: Normal = prior.of_joint(0).over(BASE)
+    own = prior.of_joint(0).over([BASE])
     np.testing.assert_array_equal(own.mean[1:], 0)
 
 

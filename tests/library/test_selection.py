@@ -17,7 +17,7 @@ from tests.library.current_study import (
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.population import Typical
-from ur5lib.identification.prior import JointPrior
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import (
     Record,
     Samples,
@@ -42,7 +42,7 @@ ASYMMETRIC, QUADRATIC = Term("asymmetric"), Term("quadratic")
 WAYS = [PRESLIDING] * 6
 
 
-def known(joint: int) -> JointPrior:
+def known(joint: int) -> Prior:
     return prior().of_joint(joint)
 
 
@@ -143,7 +143,7 @@ def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
         for name, mean in (("coulomb", 6.0), ("viscous", 4.0), ("load", 0.05))
     }
     prior = replace(known(1), typical=typical)
-    normal = prior.over(BASE)
+    normal = prior.over([BASE])
     moved = regress_samples(bent, BASE, prior).coefficients - normal.mean
     std = np.sqrt(np.diag(np.linalg.inv(normal.precision)))
     assert (np.abs(moved[2:]) < 0.5 * std[2:]).all()

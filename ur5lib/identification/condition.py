@@ -41,31 +41,24 @@ def joint_conditions(record: Record, smooth: Smooth, fit: CurrentFit) -> list[Es
     samples = joint_samples([record], smooth, sorted(family, key=repr), presliding)
     noise = _noise(record, smooth)
     return [
-        {**_friction(own, joint), "torque_constant": _constant(own, joint), "noise": level}
+        {**_of_motion(own.where(own.moving), joint), "noise": level}
         for own, joint, level in zip(samples, fit.joints, noise, strict=True)
     ]
 
 
-def _friction(samples: Samples, joint: JointFit) -> Estimates:
-    """Return offset, Coulomb and viscous friction and their errors, the torque constant held."""
-    moving = samples.where(samples.moving)
-    torque = moving.columns[:, 0] * joint.estimate.coefficients[0]
-    columns = moving.columns[:, [*FITTED.values()]]
-    value, error = _fitted(columns, moving.current - torque - _held(moving, joint), moving)
-    sign = np.array([-1.0, 1.0, 1.0])  # k i = τ + τ_friction - b
-    constant = 1 / joint.estimate.coefficients[0]
-    rows = zip(constant * sign * value, constant * error, strict=True)
-    return {name: (float(a), float(b)) for name, (a, b) in zip(FITTED, rows, strict=True)}
-
-
-def _constant(samples: Samples, joint: JointFit) -> tuple[float, float]:
-    """Return the torque constant [Nm/A] and its error, the terms in FITTED free; or UNKNOWN."""
-    moving = samples.where(samples.moving)
-    columns = moving.columns[:, [0, *FITTED.values()]]
-    value, error = _fitted(columns, moving.current - _held(moving, joint), moving)
-    if not value[0] > error[0] / UNDETERMINED:  # also where both are NaN
-        return UNKNOWN
-    return float(1 / value[0]), float(error[0] / value[0] ** 2)
+def _of_motion(moving: Samples, joint: JointFit) -> Estimates:
+    """Return offset, friction and torque constant of samples in motion, with standard errors."""
+    torque, free = moving.columns[:, 0], moving.columns[:, [*FITTED.values()]]
+    left, inverse = moving.current - _held(moving, joint), joint.estimate.coefficients[0]
+    # offset, Coulomb and viscous friction with the torque constant held: k i = τ + τ_friction - b
+    value, error = _fitted(free, left - torque * inverse, moving)
+    values, errors = np.array([-1.0, 1.0, 1.0]) * value / inverse, error / inverse
+    found = dict(zip(FITTED, zip(values.tolist(), errors.tolist(), strict=True), strict=True))
+    # torque constant with the terms in FITTED free
+    (value, *_), (error, *_) = _fitted(np.column_stack([torque, free]), left, moving)
+    determined = value > error / UNDETERMINED  # not where both are NaN
+    constant = (float(1 / value), float(error / value**2)) if determined else UNKNOWN
+    return {**found, "torque_constant": constant}
 
 
 def _held(samples: Samples, joint: JointFit) -> Array:

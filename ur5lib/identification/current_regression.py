@@ -19,14 +19,8 @@ from ur5lib.identification.currents import (
     torque_constants,
     unseen_difference,
 )
-from ur5lib.identification.estimation import (
-    Estimate,
-    beside_fuller,
-    estimate_together,
-    of_prior,
-    physical,
-)
-from ur5lib.identification.prior import JointPrior, Prior
+from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import DRAWS, spread
 from ur5lib.identification.samples import (
     FEW,
@@ -105,26 +99,27 @@ def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
     whole = prior.over(terms)
     covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
     drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, DRAWS)
-    size = len(whole.mean) // len(terms)
-    parts = [slice(start, start + size) for start in range(0, len(whole.mean), size)]
-    joints = (_expected_joint(whole.mean[p], covariance[p, p], drawn[:, p]) for p in parts)
+    size, joints = len(whole.mean) // len(terms), []
+    shares = np.stack([np.ones(size), *np.zeros((3, size))])  # all is from the prior
+    for start in range(0, len(whole.mean), size):
+        own = slice(start, start + size)
+        mean, replicates = whole.mean[own], drawn[:, own]
+        coulomb = float(mean[2])
+        joints.append(
+            JointFit(
+                terms=BASE,
+                estimate=Estimate(mean, shares, replicates, spread(physical(replicates))),
+                presliding=PRESLIDING[0],
+                reversal_errors=(),
+                held=HELD * coulomb,
+                band_moving=band_of_recordings(*NONE, MOVING, coulomb),
+                band_rest=band_of_recordings(*NONE, RESTING, coulomb),
+                unseen=np.zeros(size),
+                remarks=(),
+                doubt=covariance[own, own],
+            )
+        )
     return CurrentFit(tuple(joints), 0)
-
-
-def _expected_joint(mean: Array, covariance: Array, drawn: Array) -> JointFit:
-    """Return a joint with BASE from its coefficients' mean (P,), covariance, and draws (B, P)."""
-    return JointFit(
-        terms=BASE,
-        estimate=Estimate(mean, of_prior(len(mean)), drawn, spread(physical(drawn))),
-        presliding=PRESLIDING[0],
-        reversal_errors=(),
-        held=HELD * float(mean[2]),
-        band_moving=band_of_recordings(*NONE, MOVING, float(mean[2])),
-        band_rest=band_of_recordings(*NONE, RESTING, float(mean[2])),
-        unseen=np.zeros(len(mean)),
-        remarks=(),
-        doubt=covariance,
-    )
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:
@@ -147,8 +142,7 @@ def too_small(fit: CurrentFit, prior: Prior) -> Mask:
 
 def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
     """Return 1/k (6,) [A/Nm] as fitted, as known, and the standard deviation of the latter."""
-    std = [prior.of_joint(joint).std for joint in range(len(fit.joints))]
-    return 1 / torque_constants(fit), prior.inverse_constant.mean, np.array(std)
+    return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
 
 def _fit_with(
@@ -192,27 +186,22 @@ def fit_without_each_path(
     path, day = record_paths(records), record_days(records)
     if path.max(initial=0) == 0:
         return []
-    judged: dict[tuple[str, ...], list[str]] = {}  # by the recordings to fit
+    judged: dict[tuple[int, ...], list[str]] = {}  # by the recordings to fit
     for fold in range(min(FOLDS, path.max() + 1)):
         out = path % FOLDS == fold
-        kept = apart_from(out, path, day)
-        judged.setdefault(tuple(_names(records, kept)), []).extend(_names(records, out))
-    known = {record.name: record for record in records}
+        kept = tuple(np.flatnonzero(apart_from(out, path, day)).tolist())
+        names = [records[place].name for place in np.flatnonzero(out).tolist()]
+        judged.setdefault(kept, []).extend(names)
     return [
-        (names, fit_currents([known[name] for name in kept], smooth, prior, family))
+        (names, fit_currents([records[place] for place in kept], smooth, prior, family))
         for kept, names in judged.items()
     ]
-
-
-def _names(records: Sequence[Record], chosen: Mask) -> list[str]:
-    """Return the names of the recordings in a mask (R,)."""
-    return [record.name for record, own in zip(records, chosen, strict=True) if own]
 
 
 def _joint_fit(
     samples: Samples,
     terms: tuple[Term, ...],
-    prior: JointPrior,
+    prior: Prior,
     estimate: Estimate,
     reversal_errors: tuple[float, ...],
 ) -> JointFit:
@@ -224,26 +213,19 @@ def _joint_fit(
     if not np.isfinite(residual).any():  # a single path: residuals of the fit itself
         residual = samples.current - samples.design(terms) @ coefficients
     moving, coulomb = samples.moving, max(0.0, float(coefficients[2]))
+    of_motion = samples.day[moving], samples.record[moving], samples.path[moving]
     return JointFit(
         terms,
         estimate,
         samples.presliding,
         reversal_errors,
         held_current(samples, terms, coefficients),
-        band_of_recordings(residual[moving], samples.record[moving], MOVING, coulomb),
+        band_of_recordings(residual[moving], of_motion[1], MOVING, coulomb),
         band_of_recordings(residual[~moving], samples.record[~moving], RESTING, coulomb),
-        unseen_difference(
-            estimate,
-            *(_count(of[moving]) for of in (samples.day, samples.record, samples.path)),
-        ),
+        unseen_difference(estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)),
         _remarks(samples, estimate, prior),
         doubt,
     )
-
-
-def _count(labels: Labels) -> int:
-    """Return how many days, recordings, ... have samples, at least one."""
-    return max(1, len(np.unique(labels)))
 
 
 def band_of_recordings(residual: Array, record: Labels, usual: Usual, coulomb: float) -> float:
@@ -260,15 +242,15 @@ def band_of_recordings(residual: Array, record: Labels, usual: Usual, coulomb: f
     return float(stdtrit(count, 0.975) * np.sqrt(variance))
 
 
-def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[Remark, ...]:
+def _remarks(samples: Samples, estimate: Estimate, prior: Prior) -> tuple[Remark, ...]:
     """Return the doubts about the fit of a joint."""
     moved = len(np.unique(samples.path[samples.moving]))
     remarks = []
     if moved < FEW:
         code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
         remarks.append(remark(code, paths=moved))
-    inverse, known = float(estimate.coefficients[0]), prior.inverse
-    away = abs(inverse - known) / prior.std
+    inverse, known = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
+    away = abs(inverse - known) / float(prior.std()[0])
     if away > DOUBTED and not known / DOUBTED_RATIO < inverse < known * DOUBTED_RATIO:
         remarks.append(remark("unlikely constant", deviations=away))
     return tuple(remarks)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur5lib.identification.prior import JointPrior, Prior
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import (
     DRAWS,
     Normal,
@@ -57,14 +57,15 @@ def estimate_together(
     sums = [_normal_equations(*own, prior.of_joint(joint), count) for joint, own in pairs]
     whole, generator = prior.over(terms), np.random.default_rng(seed)
     unit = np.full(count, -1)  # of each block, -1 for one without samples
+    record, day = np.zeros((2, count), dtype=np.int64)  # likewise, zero for one without samples
     for joint in samples:
         unit[joint.block] = joint.unit
+        record[joint.block], day[joint.block] = joint.record, joint.day
     units = len(np.unique(unit[unit >= 0]))
     # the estimate from all blocks, and where it comes from
     solution, precision = _solve(sums, np.ones((1, count)), whole)
     prior_share = np.diag(np.linalg.solve(precision, whole.precision))
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
-    recordings = _recordings(samples, count)
     # replicates: the prior's mean is drawn, too
     known = replace(prior, pinned=()).over(terms)
     root = np.linalg.cholesky(np.linalg.inv(known.precision))
@@ -77,8 +78,8 @@ def estimate_together(
     for own, equations in zip(map(slice, [0, *ends[:-1]], ends), sums, strict=True):
         drawn = physical(by_unit[:, own]), physical(by_block[:, own])
         error = standard_error(*drawn, units)
-        told = prior_share[own], covariance[own, own], equations
-        shares = shares_of_knowledge(*told, *recordings)
+        told = prior_share[own], covariance[own, own], equations, record, day
+        shares = shares_of_knowledge(*told)
         estimates.append(Estimate(solution[0, own], shares, by_unit[:, own], error))
     return estimates, units
 
@@ -105,19 +106,6 @@ def shares_of_knowledge(
     return np.stack([prior_share, (told * ~same).sum(axis=0), of_day - run, run])
 
 
-def of_prior(count: int) -> Array:
-    """Return the shares (4, P) of P coefficients without any recording."""
-    return np.stack([np.ones(count), *np.zeros((3, count))])
-
-
-def _recordings(samples: Sequence[Samples], count: int) -> tuple[Labels, Labels]:
-    """Return the labels (count,) of each block's recording and day, zero without samples."""
-    record, day = np.zeros((2, count), dtype=np.int64)
-    for joint in samples:
-        record[joint.block], day[joint.block] = joint.record, joint.day
-    return record, day
-
-
 def beside_fuller(estimate: Estimate, fuller: Estimate) -> Estimate:
     """Return an estimate with standard errors that contain the effect of further terms.
 
@@ -138,9 +126,7 @@ def physical(coefficients: Array) -> Array:
     )
 
 
-def _normal_equations(
-    samples: Samples, terms: Sequence[Term], prior: JointPrior, count: int
-) -> Array:
+def _normal_equations(samples: Samples, terms: Sequence[Term], prior: Prior, count: int) -> Array:
     """Return `block_sums` of one Newton step from Huber's estimate.
 
     Samples beyond Huber's limit have a constant gradient and no curvature. Both are divided by the

@@ -24,6 +24,7 @@ LEFT = 0.1  # and after
 PARTS = 3  # of a run, each of which must show the load
 DEPENDENT = 1e-9  # of the longest: what is shorter is rounding
 WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
+Maps = Sequence[Array]  # coefficients (P,) of each joint, as fitted or drawn
 
 
 @dataclass(frozen=True)
@@ -108,27 +109,19 @@ def judged_load(
         values, errors = np.stack(known, axis=1)
         spread = run_to_run(values, errors, paths)
     load = judge(payload, float(spread[0]))
-    taken, center = load.certain and may_be_taken, load_center(payload, load, spread)
+    center = center_std = np.full(3, np.nan)
+    if load.certain:
+        center = payload.parameters[1:] / load.mass
+        moment_std = np.hypot(payload.std_error[1:], spread[1:])
+        center_std = np.hypot(moment_std, center * load.std_error) / load.mass
     return JudgedLoad(
         **vars(load),
         configured=configured,
         carried=configured + load.mass,
-        taken=taken,
-        center_of_mass=center[0],
-        center_of_mass_std=center[1],
+        taken=load.certain and may_be_taken,
+        center_of_mass=center,
+        center_of_mass_std=center_std,
     )
-
-
-def load_center(payload: PayloadEstimate, load: Load, spread: Array) -> tuple[Array, Array]:
-    """Return the centre of mass (3,) [m] and its standard error; NaN of a load that is uncertain.
-
-    spread: of mass and first moments from run to run, (4,).
-    """
-    if not load.certain:
-        return np.full(3, np.nan), np.full(3, np.nan)
-    center = payload.parameters[1:] / load.mass
-    moment_std = np.hypot(payload.std_error[1:], spread[1:])
-    return center, np.hypot(moment_std, center * load.std_error) / load.mass
 
 
 def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
@@ -166,31 +159,34 @@ def estimate_payload(
     along = columns @ told
     unloaded = [*motions(fit, record)]
 
-    def solve(drawn: CurrentFit, left: Array, start: Array, count: Labels, known: Array) -> Array:
-        torque = (left * torque_constants(drawn) / scale)[rows] + columns @ start
+    def solve(maps: Maps, left: Array, start: Array, count: Labels, known: Array) -> Array:
+        constants = 1 / np.array([coefficients[0] for coefficients in maps])
+        torque = (left * constants / scale)[rows] + columns @ start
         return np.asarray(axes.T @ _solution(along, torque, block, count, axes @ known))
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
     nothing = np.zeros(regressor.shape[2])
+    fitted = [joint.estimate.coefficients for joint in fit.joints]
     # alternate payload and friction
     solution = nothing
     for _ in range(ROUNDS):
         loaded = _under(unloaded, record.torque + regressor @ solution)
         left = smooth(record.current - predicted(fit, loaded), record)[::every]
-        solution = solve(fit, left, solution, once, nothing)
+        solution = solve(fitted, left, solution, once, nothing)
     # from here on, friction is that under this load: replicates only weight its columns anew
     loaded = _under(unloaded, record.torque + regressor @ solution)
     sources = _low_passed(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
     for _ in range(DRAWS):
-        drawn = _drawn(fit, generator)
+        draw = generator.integers(len(fit.joints[0].estimate.replicates))  # alike for all joints
+        drawn = [joint.estimate.replicates[draw] for joint in fit.joints]
         count = generator.multinomial(len(once), once / len(once))
         known = generator.normal(nothing, WIDE)
-        draws.append(solve(drawn, _unexplained(drawn, sources), solution, count, known))
-    left, chosen = _unexplained(fit, sources), np.array_split(np.unique(block), PARTS)
+        draws.append(solve(drawn, _unexplained(fit, drawn, sources), solution, count, known))
+    left, chosen = _unexplained(fit, fitted, sources), np.array_split(np.unique(block), PARTS)
     counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in chosen]
-    parts = [solve(fit, left, solution, count, nothing)[0] for count in counts]
+    parts = [solve(fitted, left, solution, count, nothing)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 
@@ -217,10 +213,11 @@ def _low_passed(
     return sources
 
 
-def _unexplained(fit: CurrentFit, sources: Sequence[Array]) -> Array:
+def _unexplained(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) -> Array:
     """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed`."""
-    weights = [[*-model.estimate.coefficients, -model.held, 1.0] for model in fit.joints]
-    return np.stack([own @ each for own, each in zip(sources, weights, strict=True)], axis=1)
+    each = zip(sources, maps, fit.joints, strict=True)
+    left = [own @ [*-coefficients, -model.held, 1.0] for own, coefficients, model in each]
+    return np.stack(left, axis=1)
 
 
 def _axes(columns: Array) -> tuple[Array, Array]:
@@ -241,16 +238,3 @@ def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known
     repeated = np.repeat(np.arange(len(block)), count[block])
     wide = Normal(known, np.eye(columns.shape[1]) / WIDE**2)
     return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients
-
-
-def _drawn(fit: CurrentFit, generator: np.random.Generator) -> CurrentFit:
-    """Return one replicate of the fit, the same draw of recordings for all joints."""
-    draw = generator.integers(len(fit.joints[0].estimate.replicates))
-    joints = tuple(
-        replace(
-            joint,
-            estimate=replace(joint.estimate, coefficients=joint.estimate.replicates[draw]),
-        )
-        for joint in fit.joints
-    )
-    return replace(fit, joints=joints)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ur5lib.robots.description import Robot, joint_sizes
 from ur5lib.robots.population import Measured, Trait, read_measured
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array
 
 USUAL_TORQUE = 54.0  # Nm, where a trend has the value of its constant
 GRID = np.geomspace(0.01, 1.0, 20)  # of spreads
@@ -103,13 +103,20 @@ def fit_population(measured: Measured) -> Population:
     """Return mean and spread of each trait that was measured on any arm."""
     spreads: dict[str, Spread] = {}
     for name, kind in KINDS.items():
-        rows = _rows(measured, name)
-        if len(rows.value):
-            unit = _trend(spreads, kind.unit_of, rows.torque_max)
-            value, error = rows.value / unit, rows.error / unit
+        rows = [
+            (*own.values[name], own.torque_max, own.family_constant or np.nan, label)
+            for label, arm in enumerate(measured.arms)
+            for own in arm.joints.values()
+            if name in own.values and (own.family_constant or name != "torque_constant")
+        ]
+        if rows:
+            value, error, torque_max, constant, arm = np.array(rows, dtype=float).T
+            relative = name == "torque_constant"  # to the family's
+            unit = constant if relative else _trend(spreads, kind.unit_of, torque_max)
+            value, error = value / unit, error / unit
             if kind.logarithm:
                 value, error = np.log(value), error / value
-            spreads[name] = _fit(kind, value, error, rows.torque_max, rows.arm)
+            spreads[name] = _fit(kind, value, error, torque_max, arm)
     return spreads
 
 
@@ -135,29 +142,6 @@ def typical_arm(population: Population, torque_max: Array) -> dict[str, Typical]
     return found
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """Measured values (n,) of one trait, their errors, largest torques, and labels of arms."""
-
-    value: Array
-    error: Array
-    torque_max: Array
-    arm: Labels
-
-
-def _rows(measured: Measured, name: str) -> _Rows:
-    rows = [
-        (*own.values[name], own.torque_max, own.family_constant or np.nan, label)
-        for label, arm in enumerate(measured.arms)
-        for own in arm.joints.values()
-        if name in own.values
-    ]
-    value, error, torque_max, constant, arm = np.array(rows, dtype=float).reshape(-1, 5).T
-    unit = constant if name == "torque_constant" else np.ones_like(value)
-    known = np.isfinite(unit)
-    return _Rows((value / unit)[known], (error / unit)[known], torque_max[known], arm[known])
-
-
 def _trend(spreads: Mapping[str, Spread], name: str, torque_max: Array) -> Array:
     """Return the trend (n,) of a trait in its unit, 1 for no trait."""
     if not name:
@@ -166,8 +150,8 @@ def _trend(spreads: Mapping[str, Spread], name: str, torque_max: Array) -> Array
     return np.exp(own.kind.columns(torque_max) @ own.trend)
 
 
-def _fit(kind: Kind, value: Array, error: Array, torque_max: Array, arm: Labels) -> Spread:
-    """Fit trend and spreads; value, error: y and its standard error, (n,).
+def _fit(kind: Kind, value: Array, error: Array, torque_max: Array, arm: Array) -> Spread:
+    """Fit trend and spreads; value, error: y and its standard error, arm: labels, (n,) each.
 
     The spreads are averaged over a grid by their likelihood, since few arms hardly determine them.
     """
@@ -176,45 +160,32 @@ def _fit(kind: Kind, value: Array, error: Array, torque_max: Array, arm: Labels)
     tails = np.ones_like(value)
     for _ in range(ROUNDS):
         own = joints[:, None] * tails + error**2  # (G, n)
-        found = _generalised_least_squares(columns, value, own, arms, of_arm)
+        trends, doubts, likelihood = _generalised_least_squares(columns, value, own, arms, of_arm)
         # posterior of the spreads, under half-normal priors; steps of the grid grow with them
-        log_weight = found.log_likelihood - (arms + joints) / (2 * kind.widest**2)
+        log_weight = likelihood - (arms + joints) / (2 * kind.widest**2)
         weight = np.exp(log_weight - log_weight.max()) * np.sqrt(arms * joints)
         weight /= weight.sum()
-        trend, of_arms, of_joints = (weight @ each for each in (found.trend, arms, joints))
+        trend, of_arms, of_joints = (weight @ each for each in (trends, arms, joints))
         # Student's t as a mixture of normals: the expected variance of each joint's deviation
         residual = value - columns @ trend
-        squared = (residual - _means(residual, of_arm)) ** 2
+        mean_of_arm = of_arm @ ((residual @ of_arm) / of_arm.sum(axis=0))  # (n,)
+        squared = (residual - mean_of_arm) ** 2
         tails = (TAIL + (squared - error**2).clip(0) / of_joints) / (TAIL + 1)
-    spread = found.trend - trend
-    doubt = np.einsum("g,gij->ij", weight, found.covariance + spread[:, :, None] * spread[:, None])
+    spread = trends - trend
+    doubt = np.einsum("g,gij->ij", weight, doubts + spread[:, :, None] * spread[:, None])
     heavy = of_joints * tails.mean()
     counts = len(value), of_arm.shape[1]
     return Spread(kind, trend, doubt, float(np.sqrt(of_arms)), float(np.sqrt(heavy)), *counts)
 
 
-def _means(residual: Array, of_arm: Array) -> Array:
-    """Return the mean residual (n,) of each joint's arm; of_arm: (n, A) indicators."""
-    means: Array = of_arm @ ((residual @ of_arm) / of_arm.sum(axis=0))
-    return means
-
-
-@dataclass(frozen=True)
-class _Solutions:
-    """For each of G spreads: trend (G, P), its covariance, restricted log-likelihood (G,)."""
-
-    trend: Array
-    covariance: Array
-    log_likelihood: Array
-
-
 def _generalised_least_squares(
     columns: Array, value: Array, own: Array, arms: Array, of_arm: Array
-) -> _Solutions:
-    """Solve for each covariance diag(own) + arms E Eᵀ of the values (n,).
+) -> tuple[Array, Array, Array]:
+    """Solve for each of G covariances diag(own) + arms E Eᵀ of the values (n,).
 
     columns: X (n, P); own: (G, n); arms: (G,); of_arm: E (n, A). Its inverse is, with W = 1 / own,
-    W - W E (1 / arms + Eᵀ W E)⁻¹ Eᵀ W (Woodbury).
+    W - W E (1 / arms + Eᵀ W E)⁻¹ Eᵀ W (Woodbury). Returns the trend (G, P), its covariance, and
+    the restricted log-likelihood (G,).
     """
     sides = np.column_stack([columns, value])  # X, y
     weighted = sides.T[None] / own[:, None, :]  # (G, P + 1, n)
@@ -227,4 +198,4 @@ def _generalised_least_squares(
     explained = np.einsum("gi,gi->g", trend, right)
     determinants = np.log(own).sum(axis=1) + np.log(arms[:, None] * within).sum(axis=1)
     determinants += np.linalg.slogdet(information)[1]
-    return _Solutions(trend, doubt, (explained - squares - determinants) / 2)
+    return trend, doubt, (explained - squares - determinants) / 2

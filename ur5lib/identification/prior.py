@@ -19,35 +19,8 @@ PINNED = 1e-3  # of its standard deviation: what is left of it where a constant 
 
 
 @dataclass(frozen=True)
-class JointPrior:
-    """Prior of one joint, regardless of the others.
-
-    inverse, std: mean and standard deviation of 1/k [A/Nm]; torque_max: of the motor [Nm]; typical:
-    friction and offset of such joints, each with a mean (1,) and a covariance (1, 1).
-    """
-
-    inverse: float
-    std: float
-    torque_max: float
-    typical: Mapping[str, Typical] = field(default_factory=dict)
-
-    @property
-    def noise(self) -> float:
-        """Return the usual variance [A²] of an independent sample of the current."""
-        return float((NOISE * self.torque_max * self.inverse) ** 2)
-
-    def over(self, terms: Sequence[Term]) -> Normal:
-        """Return the prior of the coefficients (P,) of the torque [A/Nm], an offset [A] and terms.
-
-        The standard deviation of an offset that is not typical is the motor's largest torque.
-        """
-        inverse = Normal(np.array([self.inverse]), np.array([[self.std**-2.0]]))
-        return _over_coefficients(inverse, [terms], np.array([self.torque_max]), self.typical)
-
-
-@dataclass(frozen=True)
 class Prior:
-    """Prior of all joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm].
+    """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm].
 
     pinned: joints from 0 whose 1/k keeps the prior's mean, regardless of the data; typical:
     friction and offset by the population of measured arms, none where each arm is judged alone.
@@ -58,66 +31,64 @@ class Prior:
     pinned: tuple[int, ...] = ()
     typical: Mapping[str, Typical] = field(default_factory=dict)
 
-    def of_joint(self, joint: int) -> JointPrior:
-        """Return the prior of one joint, from 0."""
-        variance = np.linalg.inv(self.inverse_constant.precision)[joint, joint]
-        inverse, std = self.inverse_constant.mean[joint], np.sqrt(variance)
-        if joint in self.pinned:
-            std *= PINNED
+    def std(self) -> Array:
+        """Return the standard deviation (n,) of each joint's 1/k [A/Nm]."""
+        std = np.sqrt(np.diag(np.linalg.inv(self.inverse_constant.precision)))
+        std[[*self.pinned]] *= PINNED
+        return std
+
+    def noise(self) -> Array:
+        """Return the usual variance (n,) [A²] of an independent sample of the current."""
+        variance: Array = (NOISE * self.torque_max * self.inverse_constant.mean) ** 2
+        return variance
+
+    def of_joint(self, joint: int) -> "Prior":
+        """Return the prior of one joint, from 0, regardless of the others."""
         own = slice(joint, joint + 1)
+        inverse = Normal(self.inverse_constant.mean[own], np.diag(self.std()[own] ** -2.0))
         typical = {
             name: Typical(known.mean[own], known.covariance[own, own], known.arms)
             for name, known in self.typical.items()
         }
-        return JointPrior(float(inverse), float(std), float(self.torque_max[joint]), typical)
+        return Prior(inverse, self.torque_max[own], typical=typical)
+
+    def over(self, terms: Sequence[Sequence[Term]]) -> Normal:
+        """Return the prior of all joints' coefficients, correlated as arms differ as a whole.
+
+        They are, joint by joint, 1/k [A/Nm], an offset [A], and those of its terms. One without a
+        typical value is 0 ± what its term is expected to be at most: of an offset, the motor's
+        largest torque.
+        """
+        inverse = self.inverse_constant.mean
+        names, widths = zip(*map(_expected, terms, self.torque_max), strict=True)
+        starts = np.cumsum([0, *(len(own) for own in names[:-1])])
+        scale = np.repeat(inverse, [len(own) for own in names])
+        mean, std = np.zeros(len(scale)), scale * np.concatenate(widths)
+        vague = [name not in ("", *self.typical) for own in names for name in own]
+        precision = np.diag(np.where(vague, np.where(vague, std, 1.0) ** -2.0, 0.0))
+        mean[starts] = inverse
+        precision[np.ix_(starts, starts)] += self._inverse_precision()
+        for name, known in self.typical.items():
+            # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
+            places = starts + [own.index(name) for own in names]
+            value = known.mean * (-1 if name == OFFSET else 1)  # k i = τ + τ_friction - b
+            difference = np.zeros((len(starts), len(mean)))
+            rows = np.arange(len(starts))
+            difference[rows, places], difference[rows, starts] = 1.0, -value
+            covariance = known.covariance * np.outer(inverse, inverse)
+            precision += difference.T @ np.linalg.solve(covariance, difference)
+            mean[places] = value * inverse
+        return Normal(mean, precision)
 
     def _inverse_precision(self) -> Array:
         """Return the precision (n, n) of 1/k; that of free joints regardless of the pinned."""
-        count = len(self.torque_max)
-        free = [joint for joint in range(count) if joint not in self.pinned]
-        if len(free) == count:
+        if not self.pinned:
             return self.inverse_constant.precision
+        free = np.delete(np.arange(len(self.torque_max)), self.pinned)
         covariance = np.linalg.inv(self.inverse_constant.precision)
-        precision = np.diag([self.of_joint(joint).std ** -2.0 for joint in range(count)])
+        precision = np.diag(self.std() ** -2.0)
         precision[np.ix_(free, free)] = np.linalg.inv(covariance[np.ix_(free, free)])
         return precision
-
-    def over(self, terms: Sequence[tuple[Term, ...]]) -> Normal:
-        """Return the prior of all joints' coefficients, correlated as arms differ as a whole."""
-        inverse = Normal(self.inverse_constant.mean, self._inverse_precision())
-        return _over_coefficients(inverse, terms, self.torque_max, self.typical)
-
-
-def _over_coefficients(
-    inverse: Normal,
-    terms: Sequence[Sequence[Term]],
-    torque_max: Array,
-    typical: Mapping[str, Typical],
-) -> Normal:
-    """Return the prior of all coefficients of n joints, one after the other.
-
-    inverse: of 1/k (n,) [A/Nm]; terms: of each joint. A coefficient without a typical value is
-    0 ± what its term is expected to be at most.
-    """
-    names, widths = zip(*map(_expected, terms, torque_max), strict=True)
-    starts = np.cumsum([0, *(len(own) for own in names[:-1])])
-    scale = np.repeat(inverse.mean, [len(own) for own in names])
-    mean, std = np.zeros(len(scale)), scale * np.concatenate(widths)
-    vague = [name not in ("", *typical) for own in names for name in own]
-    precision = np.diag(np.where(vague, np.where(vague, std, 1.0) ** -2.0, 0.0))
-    mean[starts] = inverse.mean
-    precision[np.ix_(starts, starts)] += inverse.precision
-    for name, known in typical.items():
-        # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
-        places = starts + [own.index(name) for own in names]
-        value = known.mean * (-1 if name == OFFSET else 1)  # k i = τ + τ_friction - b
-        difference = np.zeros((len(starts), len(mean)))
-        rows = np.arange(len(starts))
-        difference[rows, places], difference[rows, starts] = 1.0, -value
-        covariance = known.covariance * np.outer(inverse.mean, inverse.mean)
-        precision += difference.T @ np.linalg.solve(covariance, difference)
-        mean[places] = value * inverse.mean
-    return Normal(mean, precision)
 
 
 OFFSET = "offset"

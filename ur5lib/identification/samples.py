@@ -139,21 +139,25 @@ def joint_samples(
     """
     terms = (*BASE, *CONSIDERED, *family)
     labels = [blocks(record) for record in records]
-    firsts = np.cumsum([0, *(_whole(own[-1] + 1) for own in labels[:-1])])
-    parts = [
+    # from recording to recording, labels go on at a whole stretch, so that none contains two
+    firsts = np.cumsum([0, *(-(-(own[-1] + 1) // STRETCH) * STRETCH for own in labels[:-1])])
+    each = [
         _record_samples(record, smooth, terms, presliding, first + own)
         for record, own, first in zip(records, labels, firsts, strict=True)
     ]
     paths, days = record_paths(records), record_days(records)
     joints = []
     for joint in range(len(presliding)):
-        rows = [part[joint] for part in parts]
+        rows = [samples[joint] for samples in each]
         record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
         columns, held, current, moving, block = (
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
         path = paths[record]
-        rest = held, current, moving, block, record, path, days[record], _unit(path, block)
+        # the largest parts of which there are enough
+        parts = (path, block // STRETCH)
+        unit = next((part for part in parts if len(np.unique(part)) >= FEW), block)
+        rest = held, current, moving, block, record, path, days[record], unit
         joints.append(Samples(terms, presliding[joint], columns, *rest))
     return joints
 
@@ -237,17 +241,6 @@ def _smoothed(
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""
     sources = (*design(record, joint, terms, presliding), record.current[:, joint])
     return smooth(np.column_stack(sources), record)[::every].copy()
-
-
-def _unit(path: Labels, block: Labels) -> Labels:
-    """Return labels of the largest parts of which there are enough: paths, stretches or blocks."""
-    parts = (path, block // STRETCH)
-    return next((labels for labels in parts if len(np.unique(labels)) >= FEW), block)
-
-
-def _whole(count: int) -> int:
-    """Round a number of blocks up to whole stretches, so that none contains two recordings."""
-    return -(-count // STRETCH) * STRETCH
 
 
 def blocks(record: Record) -> Labels:

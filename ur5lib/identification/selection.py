@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.identification.prior import JointPrior
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import ROUNDS, Regression, huber_weight, regress
 from ur5lib.identification.samples import Samples, apart_from
 from ur5lib.robots.friction import BASE, Term, is_dissipative
@@ -15,13 +15,13 @@ from ur5lib.timeseries.arrays import Array
 # many terms are tried, and 5 %.
 STANDARD_ERRORS = 3.0
 GAIN = 0.05
-LOOSE = 10.0  # factor on the prior's width, so that no term compensates a wrong torque constant
+LOOSE = 10.0  # factor on the width of 1/k, so that no term compensates a wrong torque constant
 HELD = -0.45  # of Coulomb friction: `held_current`, the median of 24 joints of four arms
 FEWEST = 20  # samples (2 s) of a unit that counts
 
 
 def choose_reversal(
-    dahl: Sequence[Samples], karnopp: Samples, prior: JointPrior
+    dahl: Sequence[Samples], karnopp: Samples, prior: Prior
 ) -> tuple[Samples, tuple[float, ...]]:
     """Return a joint's samples with the model of friction's reversal that predicts others best.
 
@@ -38,14 +38,16 @@ def choose_reversal(
     return karnopp if better else dahl[best], tuple(means)
 
 
-def choose_terms(samples: Samples, prior: JointPrior) -> tuple[Term, ...]:
+def choose_terms(samples: Samples, prior: Prior) -> tuple[Term, ...]:
     """Select friction terms of a joint: BASE and at most one term of each further kind.
 
     Forward selection: of the terms that lower the cross-validated error significantly and keep
     friction dissipative, the one that lowers it most is added, until there is none.
     """
     moving = samples.where(samples.moving)
-    prior = replace(prior, std=LOOSE * prior.std)
+    inverse = prior.inverse_constant
+    wide = replace(inverse, precision=inverse.precision / LOOSE**2)
+    prior = replace(prior, inverse_constant=wide)
     chosen: tuple[Term, ...] = BASE
     errors = left_out_errors(moving, chosen, prior)
     while len(errors) > 1:
@@ -76,12 +78,15 @@ def is_better(error: Array, reference: Array) -> bool:
     return bool(gain.mean() > max(GAIN, STANDARD_ERRORS * uncertainty))
 
 
-def left_out_errors(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
+def left_out_errors(samples: Samples, terms: Sequence[Term], prior: Prior) -> Array:
     """Return the cross-validated RMSE [A] of each unit with enough samples."""
-    return _errors(left_out_residuals(samples, terms, prior), samples)
+    residual = left_out_residuals(samples, terms, prior)
+    known = np.isfinite(residual)
+    units = [residual[known & (samples.unit == one)] for one in np.unique(samples.unit)]
+    return np.array([np.sqrt(np.mean(rows**2)) for rows in units if len(rows) >= FEWEST])
 
 
-def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
+def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: Prior) -> Array:
     """Return measured minus predicted current (n,) [A], each path predicted from others.
 
     They are of other days, too, if these have enough paths.
@@ -99,10 +104,10 @@ def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrio
     return residual
 
 
-def regress_samples(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Regression:
+def regress_samples(samples: Samples, terms: Sequence[Term], prior: Prior) -> Regression:
     """Fit torque, offset and these terms to the samples in motion."""
     moving = samples.where(samples.moving)
-    known = prior.over(terms), prior.noise
+    known = prior.over([terms]), float(prior.noise()[0])
     return regress(moving.design(terms), moving.current, moving.block, *known)
 
 
@@ -123,14 +128,7 @@ def held_current(samples: Samples, terms: Sequence[Term], coefficients: Array) -
     return slope
 
 
-def _errors(residual: Array, samples: Samples) -> Array:
-    """Return the RMSE [A] of each unit with enough known residuals."""
-    known = np.isfinite(residual)
-    units = [residual[known & (samples.unit == one)] for one in np.unique(samples.unit)]
-    return np.array([np.sqrt(np.mean(rows**2)) for rows in units if len(rows) >= FEWEST])
-
-
-def _brakes(samples: Samples, terms: tuple[Term, ...], prior: JointPrior) -> bool:
+def _brakes(samples: Samples, terms: tuple[Term, ...], prior: Prior) -> bool:
     """Return whether the fitted friction is dissipative over the samples' speeds and loads."""
     coefficients = regress_samples(samples, terms, prior).coefficients
     torque, speed = (np.abs(samples.columns[:, column]) for column in (0, 3))

@@ -77,8 +77,7 @@ def _expected_friction(prior: Prior, model: str) -> Friction:
 def known_constants(prior: Prior) -> KnownConstants:
     """Return the torque constants known before the fit."""
     inverse = prior.inverse_constant.mean
-    std = np.array([prior.of_joint(joint).std for joint in range(len(inverse))])
-    return KnownConstants(1 / inverse, std / inverse**2)
+    return KnownConstants(1 / inverse, prior.std() / inverse**2)
 
 
 def explained_by_others(
