@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -100,7 +100,7 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCal
     So no recording is judged by a calibration that it contributed to. Whether the place is taken as
     estimated is chosen once, on all of them.
     """
-    sums = {name: _normal_equations(record) for name, record in records.items()}
+    sums = {name: _Sums.of(record) for name, record in records.items()}
     held_out = _held_out(list(sums.values()))
     choices = {"all": sums} | {
         name: {other: part for other, part in sums.items() if other != name} for name in sums
@@ -132,11 +132,11 @@ def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     much as all noise does. Standard errors are a jackknife over blocks of 2 s, within which
     residuals are correlated.
     """
-    sums = [_normal_equations(record) for record in records]
+    sums = [_Sums.of(record) for record in records]
     return _calibration(sums, _held_out(sums))
 
 
-def _calibration(sums: "Sequence[_NormalEquations]", held_out: float) -> ImuCalibration:
+def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
     """Fit the calibration with the place estimated, and with it as described if that is better."""
     value, std = _jackknife(sums)
     described = sums[0].place
@@ -149,16 +149,7 @@ def _calibration(sums: "Sequence[_NormalEquations]", held_out: float) -> ImuCali
     return ImuCalibration(*found)
 
 
-def _scale(sums: "Sequence[_NormalEquations]") -> Array:
-    """Return the scales of forces and rates (2,), in turn with what is left of both."""
-    scale = np.ones(2)
-    for _ in range(2):
-        square, product = _shared_equations(sums, scale)[0]
-        scale = _rms(sums, scale, _solved(square, product))
-    return scale
-
-
-def _held_out(sums: "Sequence[_NormalEquations]") -> float:
+def _held_out(sums: "Sequence[_Sums]") -> float:
     """Return the error of forces left out, with the estimated place by that as described."""
     if len(sums) < 2:
         return 1.0
@@ -166,15 +157,13 @@ def _held_out(sums: "Sequence[_NormalEquations]") -> float:
     return float(np.sqrt(estimated / described))
 
 
-def _left_out(sums: "Sequence[_NormalEquations]") -> float:
+def _left_out(sums: "Sequence[_Sums]") -> float:
     """Return the squares of forces that calibrations from the other recordings leave."""
     scale = _scale(sums)
-    (square, product), parts = _shared_equations(sums, scale)
-    left = [
-        part.left(scale, _solved(square - own[0], product - own[1]))[0]
-        for part, (_, _, own) in zip(sums, parts, strict=True)
-    ]
-    return float(sum(left))
+    reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
+    others = np.sum(reduced, axis=0) - reduced
+    parts = zip(sums, _solved(others), strict=True)
+    return float(sum(part.left(scale, shared)[0] for part, shared in parts))
 
 
 def accelerometer_bias(record: ImuRecord, calibration: ImuCalibration) -> Array:
@@ -191,89 +180,72 @@ def specific_force(record: ImuRecord, calibration: ImuCalibration) -> Array:
 
 
 @dataclass(frozen=True)
-class _NormalEquations:
-    """Normal equations of a recording: sums over each of its B blocks, by force and rate.
+class _Sums:
+    """The normal equations of a recording: sums over each of its B blocks, by force and rate.
 
-    squares: X^T X (B, 2, P, P), products: X^T y (B, 2, P) and power: y^T y (B, 2) of columns X and
-    misfit y, P = 15, the last four the recording's own; count: N, the samples behind them; place:
-    (3,) [m], as described.
+    products: Zᵀ Z (B, 2, P + 1, P + 1) of the columns X of shared parameters, the misfit y, and the
+    columns of the recording's own OWN parameters, Z = [X_shared y X_own], P = 15; count: N, the
+    samples behind them; place: (3,) [m], as described.
     """
 
-    squares: Array
     products: Array
-    power: Array
     count: int
     place: Array
 
-    def as_described(self) -> "_NormalEquations":
+    @classmethod
+    def of(cls, record: ImuRecord) -> Self:
+        """Return the sums of a recording."""
+        block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
+        starts = np.flatnonzero(np.diff(block, prepend=-1))
+        Z = _columns(record).reshape(len(block), 2, 3, -1)
+        products = np.add.reduceat(np.einsum("nkip,nkiq->nkpq", Z, Z), starts, axis=0)
+        return cls(products, len(block), record.place)
+
+    def as_described(self) -> Self:
         """Return the sums without the columns of the IMU's place, P = 12."""
-        squares = np.delete(np.delete(self.squares, PLACE, axis=2), PLACE, axis=3)
-        return replace(self, squares=squares, products=np.delete(self.products, PLACE, axis=2))
+        products = np.delete(np.delete(self.products, PLACE, axis=2), PLACE, axis=3)
+        return replace(self, products=products)
+
+    def weighted(self, scale: Array) -> Array:
+        """Return the products (B, P + 1, P + 1), forces and rates divided by a scale (2,)."""
+        return np.einsum("bkpq,k->bpq", self.products, scale**-2.0)
 
     def left(self, scale: Array, shared: Array) -> Array:
         """Return the squares (2,) that are left of forces and rates, given shared parameters."""
-        square, product = (part.sum(axis=0) for part in self.weighted(scale))
+        whole = self.weighted(scale).sum(axis=0)
+        z = np.append(-shared, 1.0)
         # the recording's own parameters that fit best, given the shared ones
-        right = product[-OWN:] - square[-OWN:, :-OWN] @ shared
-        own = np.linalg.pinv(square[-OWN:, -OWN:], hermitian=True) @ right
-        estimate = np.append(shared, own)
-        explained = 2 * self.products.sum(axis=0) - self.squares.sum(axis=0) @ estimate
-        # |y - X p|² = yᵀ y - 2 pᵀ Xᵀ y + pᵀ Xᵀ X p, never zero
-        return np.maximum(self.power.sum(axis=0) - explained @ estimate, 1e-24)
-
-    def weighted(self, scale: Array) -> tuple[Array, Array]:
-        """Return squares (B, P, P) and products (B, P), forces and rates divided by a scale."""
-        weight = 1 / scale**2
-        return np.einsum("bkpq,k->bpq", self.squares, weight), self.products.swapaxes(1, 2) @ weight
-
-
-def _normal_equations(record: ImuRecord) -> _NormalEquations:
-    """Sum the normal equations of a recording over its blocks."""
-    columns, force = _columns(record), record.accelerometer - record.specific_force
-    misfit = np.concatenate([force, record.gyroscope - record.angular_rate], axis=1)
-    block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
-    starts = np.flatnonzero(np.diff(block, prepend=-1))
-    X, y = columns.reshape(-1, 2, 3, columns.shape[2]), misfit.reshape(-1, 2, 3)
-
-    def by_block(terms: str, *factors: Array) -> Array:
-        return np.add.reduceat(np.einsum(terms, *factors), starts, axis=0)
-
-    return _NormalEquations(
-        squares=by_block("nkip,nkiq->nkpq", X, X),
-        products=by_block("nkip,nki->nkp", X, y),
-        power=by_block("nki,nki->nk", y, y),
-        count=len(y),
-        place=record.place,
-    )
+        own = np.linalg.pinv(whole[-OWN:, -OWN:], hermitian=True) @ (whole[-OWN:, :-OWN] @ z)
+        z = np.append(z, -own)
+        # |y - X p|² = zᵀ Zᵀ Z z, never zero
+        return np.maximum(self.products.sum(axis=0) @ z @ z, 1e-24)
 
 
 def _columns(record: ImuRecord) -> Array:
-    """Return columns (N, 6, 15) of θ, β, b_g, Δr, and the recording's b_a and δ.
+    """Return Z (N, 6, 16): columns of θ, β, b_g, Δr; the misfit; the recording's b_a and δ.
 
     Rows: force and rate.
     """
-    columns = np.zeros((len(record.time), 6, 15))
+    predicted = np.concatenate([record.specific_force, record.angular_rate], axis=1)
+    columns = np.zeros((len(record.time), 6, 16))
     # f × θ + g R_6ᵀ E β + ∂f/∂r Δr + b_a
     columns[:, :3, :3] = _cross_matrix(record.specific_force)
     lean = np.linalg.norm(record.gravity) * level_axes(record.gravity)
     columns[:, :3, 3:5] = record.rotation.swapaxes(1, 2) @ lean
     columns[:, :3, PLACE] = record.by_place
-    columns[:, :3, 11:14] = np.eye(3)
+    columns[:, :3, 12:15] = np.eye(3)
     # ω × θ + b_g
     columns[:, 3:, :3] = _cross_matrix(record.angular_rate)
     columns[:, 3:, 5:8] = np.eye(3)
-    # f' δ and ω' δ
-    columns[:, :, 14] = _slope(record)
-    return columns
-
-
-def _slope(record: ImuRecord) -> Array:
-    """Return the derivatives (N, 6) of the predicted force and rate in stretches without gaps."""
+    # readings less predictions
+    columns[:, :, 11] = np.hstack([record.accelerometer, record.gyroscope]) - predicted
+    # f' δ and ω' δ, derivatives in stretches without gaps
     step = np.diff(record.time, prepend=record.time[0])
     period = float(np.median(step))
-    predicted = np.concatenate([record.specific_force, record.angular_rate], axis=1)
     stretch = np.cumsum(step > 1.5 * period, dtype=np.int64)
-    return np.nan_to_num(by_segment(differentiate, predicted, stretch, period))
+    slope = by_segment(differentiate, predicted, stretch, period)
+    columns[:, :, 15] = np.nan_to_num(slope)
+    return columns
 
 
 def _cross_matrix(vectors: Array) -> Array:
@@ -281,58 +253,45 @@ def _cross_matrix(vectors: Array) -> Array:
     return np.cross(vectors[:, None], np.eye(3)).swapaxes(1, 2)
 
 
-def _without_own(square: Array, product: Array) -> tuple[Array, Array]:
-    """Return the normal equations (..., S, S) and (..., S) of the shared parameters.
+def _without_own(products: Array) -> Array:
+    """Return products (..., S + 1, S + 1) of shared parameters and misfit.
 
     The recording's own parameters are eliminated (Schur complement).
     """
-    own = np.linalg.pinv(square[..., -OWN:, -OWN:], hermitian=True)
-    cross = square[..., :-OWN, -OWN:] @ own
-    return (
-        square[..., :-OWN, :-OWN] - cross @ square[..., -OWN:, :-OWN],
-        product[..., :-OWN] - np.matvec(cross, product[..., -OWN:]),
-    )
+    own = np.linalg.pinv(products[..., -OWN:, -OWN:], hermitian=True)
+    cross = products[..., :-OWN, -OWN:]
+    return products[..., :-OWN, :-OWN] - cross @ own @ cross.mT
 
 
-def _rms(sums: Sequence[_NormalEquations], scale: Array, shared: Array) -> Array:
-    """Return the root mean squares (2,) of the residuals of forces and rates, never zero."""
-    total = np.sum([part.left(scale, shared) for part in sums], axis=0)
-    return np.sqrt(total / (3 * sum(part.count for part in sums))) + 1e-12
+def _scale(sums: Sequence[_Sums]) -> Array:
+    """Return the scales of forces and rates (2,), in turn with what is left of both."""
+    scale, count = np.ones(2), 3 * sum(part.count for part in sums)
+    for _ in range(2):
+        reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
+        shared = _solved(np.sum(reduced, axis=0))
+        left = np.sum([part.left(scale, shared) for part in sums], axis=0)
+        scale = np.sqrt(left / count) + 1e-12  # root mean squares, never zero
+    return scale
 
 
-def _jackknife(sums: Sequence[_NormalEquations]) -> tuple[Array, Array]:
+def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
     """Return the shared parameters (S,), with standard errors by a jackknife over blocks."""
-    (square, product), parts = _shared_equations(sums, _scale(sums))
-    changed = []
-    for squares, products, own in parts:
-        others = _without_own(squares.sum(axis=0) - squares, products.sum(axis=0) - products)
-        changed.append([others[0] - own[0], others[1] - own[1]])
-    squares, products = (np.concatenate(change) for change in zip(*changed, strict=True))
-    estimate = _solved(square, product)
-    change = _solved(square + squares, product + products) - estimate
+    scale = _scale(sums)
+    blocks = [part.weighted(scale) for part in sums]  # (B, P + 1, P + 1) each
+    reduced = [_without_own(own.sum(axis=0)) for own in blocks]
+    whole = np.sum(reduced, axis=0)
+    without = [
+        whole - own + _without_own(each.sum(axis=0) - each)
+        for own, each in zip(reduced, blocks, strict=True)
+    ]
+    estimate = _solved(whole)
+    change = _solved(np.concatenate(without)) - estimate
     return estimate, np.sqrt((len(change) - 1) / len(change) * np.sum(change**2, axis=0))
 
 
-Equations = tuple[Array, Array]  # squares and products
-
-
-def _shared_equations(
-    sums: Sequence[_NormalEquations], scale: Array
-) -> tuple[Equations, list[tuple[Array, Array, Equations]]]:
-    """Return the equations of the shared parameters, (S, S) and (S,).
-
-    And of each recording its weighted squares and products by block, and its part of the equations,
-    from which its own parameters are eliminated.
+def _solved(products: Array) -> Array:
+    """Solve normal equations (..., S + 1, S + 1), the last column the right side, for (..., S);
+    zero for undetermined parameters.
     """
-    parts = []
-    for part in sums:
-        squares, products = part.weighted(scale)
-        own = _without_own(squares.sum(axis=0), products.sum(axis=0))
-        parts.append((squares, products, own))
-    square, product = (np.sum([own[k] for _, _, own in parts], axis=0) for k in (0, 1))
-    return (square, product), parts
-
-
-def _solved(square: Array, product: Array) -> Array:
-    """Solve normal equations (..., S, S), (..., S); zero for undetermined parameters."""
-    return np.matvec(np.linalg.pinv(square, rcond=1e-12, hermitian=True), product)
+    square, right = products[..., :-1, :-1], products[..., :-1, -1]
+    return np.matvec(np.linalg.pinv(square, rcond=1e-12, hermitian=True), right)
