@@ -238,16 +238,32 @@ class _Joint:
         """Return the errors (2, N) of a joint that follows its target exactly."""
         return np.concatenate([stretch[3:] - stretch[:2] for stretch in self.stretches], axis=1)
 
-    def search_bounds(self) -> Array:
-        """Return the logarithms of least and greatest gains (2, 2), by natural frequencies."""
+    def grid(self) -> Array:
+        """Return NODES logarithms of both gains (NODES, 2), by natural frequencies."""
         longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
-        return np.log(np.stack([frequency**2, 2 * frequency], axis=1))
+        least, most = np.log(np.stack([frequency**2, 2 * frequency], axis=1))
+        return np.linspace(least, most, NODES)
 
     def noise(self, errors: Array) -> Array:
-        """Return σ √t (2,) of errors (2, N) in position and velocity."""
-        ends = np.cumsum([stretch.shape[1] for stretch in self.stretches])[:-1]
-        return np.array([_noise(np.split(kind, ends)) for kind in errors])
+        """Return σ √t (2,) of errors (2, N) in position and velocity.
+
+        By the mean square, and the correlation time by the positive sums of Geyer (1992).
+        """
+        # autocovariances by the power spectrum, zero-padded
+        lengths = [stretch.shape[1] for stretch in self.stretches]
+        size, parts = 2 * max(lengths), np.split(errors, np.cumsum(lengths)[:-1], axis=1)
+        spectrum = np.sum([np.abs(np.fft.rfft(part, size)) ** 2 for part in parts], axis=0)
+        covariances = np.fft.irfft(spectrum, size) / errors.shape[1]
+        # σ² t = 2 Σ (c_2k + c_2k+1) - c_0, up to the first pair that is not positive
+        noise = np.full(2, np.inf)  # a joint without any error determines nothing
+        for kind, covariance in enumerate(covariances):
+            if covariance[0] > 0:
+                pairs = covariance[: size // 4 * 2].reshape(-1, 2).sum(axis=1)
+                last = int(np.argmax(pairs <= 0)) or len(pairs)
+                variance = max(2 * pairs[:last].sum() - covariance[0], covariance[0])
+                noise[kind] = np.sqrt(variance)
+        return noise
 
 
 def _joints(tracking: Tracking) -> list[_Joint]:
@@ -265,13 +281,12 @@ def _joints(tracking: Tracking) -> list[_Joint]:
     ]
     if not complete:
         raise ValueError("no two successive samples have both targets and measured motion")
-    return [
-        _Joint([np.stack([kind[rows, joint] for kind in kinds]) for rows in chosen], t.period)
-        for joint in range(t.target_q.shape[1])
-        for chosen in [
-            _accelerated_most(complete, t.target_qdd[:, joint], round(ENOUGH / t.period))
-        ]
-    ]
+    joints = []
+    for joint, acceleration in enumerate(t.target_qdd.T):
+        chosen = _accelerated_most(complete, acceleration, round(ENOUGH / t.period))
+        stretches = [np.stack([kind[rows, joint] for kind in kinds]) for rows in chosen]
+        joints.append(_Joint(stretches, t.period))
+    return joints
 
 
 def _accelerated_most(stretches: list[slice], acceleration: Array, enough: int) -> list[slice]:
@@ -295,39 +310,26 @@ def _accelerated_most(stretches: list[slice], acceleration: Array, enough: int) 
 
 def _cost(errors: Array, noise: Array) -> float:
     """Return J = Σ r²/(σ² t) of errors r (2, N); noise: (2,), σ √t."""
-    return float(_sums_of_squares(errors) @ noise**-2.0)
-
-
-def _sums_of_squares(errors: Array) -> Array:
-    """Return the sum of each row's squares (2,)."""
-    return np.asarray(np.einsum("in,in->i", errors, errors))
-
-
-def _noise(errors: list[Array]) -> float:
-    """Return √(σ² t): mean square, and correlation time by the positive sums of Geyer (1992)."""
-    # autocovariance by the power spectrum, zero-padded
-    size, count = 2 * max(map(len, errors)), sum(map(len, errors))
-    spectra = [np.abs(np.fft.rfft(error, size)) ** 2 for error in errors]
-    covariance = np.fft.irfft(np.sum(spectra, axis=0), size) / count
-    if covariance[0] <= 0:
-        return np.inf  # a joint without any error determines nothing
-    # σ² t = 2 Σ (c_2k + c_2k+1) - c_0, up to the first pair that is not positive
-    pairs = covariance[: size // 4 * 2].reshape(-1, 2).sum(axis=1)
-    last = int(np.argmax(pairs <= 0)) or len(pairs)
-    return float(np.sqrt(max(2 * pairs[:last].sum() - covariance[0], covariance[0])))
+    return float(np.einsum("in,in->i", errors, errors) @ noise**-2.0)
 
 
 def _estimate(joint: _Joint) -> JointGains:
     """Estimate both gains of one joint and their 95 % ranges."""
-    bounds = joint.search_bounds()
-    grid = np.linspace(bounds[0], bounds[1], NODES)  # (NODES, 2)
-    if not any(stretch[1:3].any() for stretch in joint.stretches):  # the target never moves
-        return _undetermined(joint, grid)
+    grid = joint.grid()
+    stiff = joint.stiff_errors()
+    noise = joint.noise(stiff)
+    if not any(stretch[1:3].any() for stretch in joint.stretches):
+        # the target never moves: no gains fit better than those of a joint that follows exactly
+        cost = _cost(stiff, noise)
+        position, velocity = (
+            Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
+            for values in np.exp(grid).T
+        )
+        return JointGains(position, velocity, False, noise, cost, cost, cost)
     # squared errors on a grid of log gains
     squares = joint.squares(np.array([*product(*grid.T)])).reshape(NODES, NODES, 2)
     # minimum, first with the noise of a stiff joint, then with that of the gains found
-    stiff = joint.stiff_errors()
-    first = _descend(joint, grid, squares, joint.noise(stiff))
+    first = _descend(joint, grid, squares, noise)
     noise = joint.noise(joint.errors(first.x))
     best = _descend(joint, grid, squares, noise)
     free = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
@@ -349,18 +351,6 @@ def _estimate(joint: _Joint) -> JointGains:
 def _rise(level: float, free: float) -> float:
     """Return 1 + 2/(n - 2) F(2, n - 2), the cost at the end of a confidence region by the least."""
     return float(1 + 2 / free * fdtri(2, free, level))
-
-
-def _undetermined(joint: _Joint, grid: Array) -> JointGains:
-    """Return any gains, of which none fits better than those of a joint that follows exactly."""
-    stiff = joint.stiff_errors()
-    noise = joint.noise(stiff)
-    cost = _cost(stiff, noise)
-    position, velocity = (
-        Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
-        for values in np.exp(grid).T
-    )
-    return JointGains(position, velocity, False, noise, cost, cost, cost)
 
 
 def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:

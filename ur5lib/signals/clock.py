@@ -150,31 +150,21 @@ def settle_clocks(
     its host if known.
     """
     settled = {}
-    for device, stated in own.items():
-        clock: Clock = stated
-        for host in drifts.values():
-            if device in host.devices:
-                clock = _with_drift(clock, host, duration)
+    for device, clock in own.items():
+        host = next((host for host in drifts.values() if device in host.devices), None)
+        if host is not None and clock.method == BY_STAMPS:
+            # errors of the mean, the spread between recordings, and the wander
+            start = clock.offset_std, host.start_std_error, host.start_spread
+            drift = host.std_error, host.spread, WANDER / duration
+            clock = replace(
+                clock,
+                offset=clock.offset + host.start,
+                offset_std=float(np.linalg.norm(start)),
+                drift=host.drift,
+                drift_std=float(np.linalg.norm(drift)),
+                method=f"{clock.method}, start and drift of its host",
+            )
         known = {field.name: getattr(clock, field.name) for field in fields(Clock)}
         end_std = clock.std_after(duration)
-        settled[device] = SettledClock(**known, warning=stated.warning, end_std=end_std)
+        settled[device] = SettledClock(**known, warning=clock.warning, end_std=end_std)
     return settled
-
-
-def _with_drift(clock: Clock, host: HostDrift, duration: float) -> Clock:
-    """Return a clock of start stamps with its host's start and drift; any other unchanged.
-
-    Their errors are those of the mean, the spread between recordings, and the wander.
-    """
-    if clock.method != BY_STAMPS:
-        return clock
-    std = float(np.hypot(np.hypot(host.std_error, host.spread), WANDER / duration))
-    start = clock.offset_std, host.start_std_error, host.start_spread
-    return replace(
-        clock,
-        offset=clock.offset + host.start,
-        offset_std=float(np.linalg.norm(start)),
-        drift=host.drift,
-        drift_std=std,
-        method=f"{clock.method}, start and drift of its host",
-    )

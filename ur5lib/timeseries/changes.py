@@ -343,25 +343,17 @@ def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Arr
     Means over correlations (WIDER), weighted by likelihood; the standard errors include the
     differences of the coefficients between correlations.
     """
-    fits = []
+    fits, freedom = [], len(value) - columns.shape[1]
     for correlation in WIDER:
-        rows, values = whitened(columns, correlation), whitened(value, correlation)
-        likelihood = _log_likelihood(rows, values[None], correlation)[0]
-        fits.append((likelihood, *_least_squares(rows, values)))
-    likelihoods, coefficients, std_errors = map(np.array, zip(*fits, strict=True))
+        X, y = whitened(columns, correlation), whitened(value, correlation)
+        found = np.linalg.lstsq(X, y)[0]
+        variance = np.sum((y - X @ found) ** 2) / freedom * np.diag(np.linalg.inv(X.T @ X))
+        fits.append((_log_likelihood(X, y[None], correlation)[0], found, variance))
+    likelihoods, coefficients, variances = map(np.array, zip(*fits, strict=True))
     weight = np.exp(likelihoods - np.logaddexp.reduce(likelihoods))
     mean = weight @ coefficients
-    variance = weight @ (std_errors**2 + (coefficients - mean) ** 2)
-    return mean, np.sqrt(variance), len(value) - columns.shape[1]
-
-
-def _least_squares(columns: Array, value: Array) -> tuple[Array, Array]:
-    """Return coefficients (P,) and their standard errors from the residuals."""
-    coefficients = np.asarray(np.linalg.lstsq(columns, value)[0], dtype=np.float64)
-    freedom = len(value) - columns.shape[1]
-    variance = np.sum((value - columns @ coefficients) ** 2) / freedom
-    std_error: Array = np.sqrt(variance * np.diag(np.linalg.inv(columns.T @ columns)))
-    return coefficients, std_error
+    variance = weight @ (variances + (coefficients - mean) ** 2)
+    return mean, np.sqrt(variance), freedom
 
 
 def _jump_dates(problem: _Problem, chosen: Sequence[int], place: int) -> tuple[int, int]:
