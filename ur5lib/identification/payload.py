@@ -155,8 +155,7 @@ def estimate_payload(
     rows = moving & np.isfinite(explained).all(axis=2) & np.isfinite(scale)
     block = np.repeat(blocks(record)[::every, None], rows.shape[1], axis=1)[rows]
     columns = (explained / scale[:, None])[rows]
-    axes, told = _axes(columns)
-    along = columns @ told
+    axes, along = _axes(columns)
     unloaded = [*motions(fit, record)]
 
     def solve(maps: Maps, left: Array, start: Array, count: Labels, known: Array) -> Array:
@@ -221,7 +220,7 @@ def _unexplained(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) -> Array
 
 
 def _axes(columns: Array) -> tuple[Array, Array]:
-    """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (P, P) along
+    """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (n, P) along
     them, zero for an axis that the data do not tell, as of an arm that moves in a plane.
 
     What is not told then keeps the prior's mean: solved together, rounding would let precise data
@@ -230,7 +229,7 @@ def _axes(columns: Array) -> tuple[Array, Array]:
     size = columns.shape[1]
     triangle = np.linalg.qr(np.concatenate([columns, np.zeros((size, size))]), mode="r")
     _, length, axes = np.linalg.svd(triangle)
-    return axes, np.where(length > DEPENDENT * length[0], axes.T, 0.0)
+    return axes, columns @ np.where(length > DEPENDENT * length[0], axes.T, 0.0)
 
 
 def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
