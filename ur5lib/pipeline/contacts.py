@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,25 +53,23 @@ def alarms_by_odds(forces: Forces, name: str, threshold: float) -> Alarms:
     return Alarms(odds, alarms(odds, threshold), forces.wrench[name], forces.std[name])
 
 
-def alarms_by_size(wrench: Array, threshold: float) -> Alarms:
-    """Return the alarms of an estimate that states a force alone; threshold: [N]."""
-    size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
-    return Alarms(size, force_alarms(size, threshold), wrench, np.full_like(wrench, np.nan))
-
-
 def all_alarms(
     forces: Forces, published: PublishedForces, thresholds: Mapping[str, float]
 ) -> dict[str, Alarms]:
-    """Return the alarms of every estimate that the recording has and a threshold is known of."""
-    return {
-        name: alarms_by_odds(forces, name, threshold)
-        for name, threshold in thresholds.items()
-        if name in forces.log_odds
-    } | {
-        name: alarms_by_size(published.corrected[name], threshold)
-        for name, threshold in thresholds.items()
-        if name in published.corrected
-    }
+    """Return the alarms of every estimate that the recording has and a threshold is known of.
+
+    The published ones state a force alone, of which the threshold is a size [N].
+    """
+    found = {}
+    for name, threshold in thresholds.items():
+        if name in forces.log_odds:
+            found[name] = alarms_by_odds(forces, name, threshold)
+        elif name in published.corrected:
+            wrench = published.corrected[name]
+            size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
+            raised = force_alarms(size, threshold)
+            found[name] = Alarms(size, raised, wrench, np.full_like(wrench, np.nan))
+    return found
 
 
 def detected(
@@ -91,8 +89,7 @@ def detected(
             raised=[named(span, strongest(span, sensor.time, own)) for span in own.raised],
             time_in_alarm=float(marked(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
-            free_time_in_alarm=free_time_in_alarm(own, sensor),
-            roc_area=roc_area(own, sensor),
+            **by_sample(own, sensor),
         )
         for name, own in found.items()
     }
@@ -155,34 +152,32 @@ def strongest(span: Span, time: Array, own: Alarms) -> Alarm:
     return Alarm(*times, force[peak], std[peak])
 
 
-def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
-    """Return the share of the samples without contact that are in alarm, None without a sensor."""
+def by_sample(own: Alarms, sensor: SensorWrenches) -> dict[str, Any]:
+    """Return the share of the samples without contact that are in alarm, if there are any, and the
+    area under the receiver's curve; nothing without a sensor.
+    """
+    if (force := sensed_force(sensor)) is None:
+        return {}
+    wrong, right = receiver_curve(own.evidence, force >= TOUCH)
+    found = {"roc_area": float(np.trapezoid(right, wrong))}
+    if (free := is_free(force, sensor.period)).any():
+        found["free_time_in_alarm"] = float(marked(own.raised, len(force))[free].mean())
+    return found
+
+
+def sensed_force(sensor: SensorWrenches) -> Array | None:
+    """Return the magnitude (N,) [N] of the force at the sensor, None without one."""
     if "compensated" not in sensor.wrench:
         return None
-    force = sensed_force(sensor)
-    free = is_free(force, sensor.period)
-    return float(marked(own.raised, len(force))[free].mean()) if free.any() else None
-
-
-def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
-    """Return the area under the receiver's curve by sample, None without a sensor."""
-    if "compensated" not in sensor.wrench:
-        return None
-    wrong, right = receiver_curve(own.evidence, sensed_force(sensor) >= TOUCH)
-    return float(np.trapezoid(right, wrong))
-
-
-def sensed_force(sensor: SensorWrenches) -> Array:
-    """Return the magnitude (N,) [N] of the force at the sensor."""
     return np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
 
 
 def matched(raised: list[Span], sensor: SensorWrenches) -> Matched:
     """Return how many alarms are raised, and how they match the contacts at a sensor."""
-    minutes = len(sensor.time) * sensor.period / 60
-    if "compensated" not in sensor.wrench:
+    step = sensor.period
+    minutes = len(sensor.time) * step / 60
+    if (force := sensed_force(sensor)) is None:
         return Matched(alarms_per_min=len(raised) / minutes)
-    force, step = sensed_force(sensor), sensor.period
     any_contact = compare(raised, contacts(force), step)
     return Matched(
         alarms_per_min=len(raised) / minutes,

@@ -12,7 +12,7 @@ from ur5lib.signals.imu_fusion import LinearImu, Model, linearise_imu
 from ur5lib.signals.smoothing import SmoothedMotion
 from ur5lib.timeseries.arrays import Array
 
-BIASES = {"accelerometer_bias": 3, "gyroscope_bias": 3}  # components
+BIASES = ("accelerometer_bias", "gyroscope_bias")
 
 
 def imu_model(
@@ -34,15 +34,13 @@ def imu_model(
 
 def fused_record(signals: Signals, motion: SmoothedMotion) -> FusedMotion:
     """Return the same, and the IMU's biases."""
-    parts = state_parts(motion, BIASES)
+    parts = state_parts(motion, (*STATES, *BIASES))
     return FusedMotion(time=signals.time, segment=signals.segment, **parts)
 
 
 def no_fused_motion() -> FusedMotion:
     """Return the record of a recording without a valid IMU: it has no samples."""
-    states = {name: np.zeros((0, 6)) for name in STATES}
-    biases = {name: np.zeros((0, 3)) for name in BIASES}
-    parts = states | biases
+    parts = dict.fromkeys(STATES, np.zeros((0, 6))) | dict.fromkeys(BIASES, np.zeros((0, 3)))
     parts |= {f"{name}_std": values for name, values in parts.items()}
     parts["motor_qd"] = np.zeros((0, 6))
     return FusedMotion(time=np.zeros(0), segment=np.zeros(0, np.int64), **parts)

@@ -1,12 +1,11 @@
 """The arm with its identified models: fitted rotors, and the controller's rigid bodies."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import (
-    BaseParameters,
     Estimate,
     Stack,
     base_parameters,
@@ -84,9 +83,11 @@ def identification(
     excitation = check_excitation(
         data, base, estimate.width, np.full_like(estimate.noise, RESOLUTION), candidates
     )
+    values = base.groups @ parameters, estimate.standard_errors(base.groups)
+    known = map(bool, estimate.determined(base.groups))
     return Identification(
         noise=estimate.noise,
-        parameters=[*base_values(base, estimate, parameters)],
+        parameters=[*map(BaseParameter, base.names(), *values, known, base.groups)],
         mae={
             "without constraint": torque_error(blocks, estimate.parameters),
             "consistent": torque_error(blocks, parameters),
@@ -97,18 +98,3 @@ def identification(
         },
         excitation=excitation,
     )
-
-
-def base_values(
-    base: BaseParameters, estimate: Estimate, parameters: Array
-) -> Iterator[BaseParameter]:
-    """Yield the base parameters of an arm's parameters π (P,)."""
-    columns = (
-        base.names(),
-        base.groups @ parameters,
-        estimate.standard_errors(base.groups),
-        estimate.determined(base.groups),
-        base.groups,
-    )
-    for name, value, std, known, weights in zip(*columns, strict=True):
-        yield BaseParameter(name, value, std, bool(known), weights)

@@ -1,6 +1,6 @@
 """Samples of a recording's IMU and joints for the calibration."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -18,24 +18,6 @@ from ur5lib.timeseries.segments import by_segment
 def has_valid_imu(clocks: Mapping[str, Clock]) -> bool:
     """Return whether a recording has an IMU with a clock that motion or its host's stamps show."""
     return "imu" in clocks and clocks["imu"].method in (BY_MOTION, BY_HOST)
-
-
-def all_imu_samples(
-    robot: Robot,
-    recordings: Iterable[tuple[str, list[float] | None, str, str, Mapping[str, Clock]]],
-    design: Butterworth,
-) -> dict[str, ImuRecord]:
-    """Return the samples of each recording with a valid IMU, by name.
-
-    recordings: name, gravity, paths of signals and kinematics, and the devices' clocks.
-    """
-    return {
-        name: imu_samples(
-            robot.mounted(gravity), Signals.read(signals), Kinematics.read(kinematics), design
-        )
-        for name, gravity, signals, kinematics, clocks in recordings
-        if has_valid_imu(clocks)
-    }
 
 
 def imu_samples(

@@ -1,7 +1,6 @@
 """Joint motion by the Kalman smoother, as motion.parquet."""
 
-from collections.abc import Mapping
-from itertools import accumulate
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from ur5lib.timeseries.segments import by_segment
 
 LOCAL_NOISE = ("jerk", "vibration", "position", "velocity")
 STATES = ("q", "qd", "qdd")
-NOTHING: Mapping[str, int] = {}
 
 
 def measured(signals: Signals) -> tuple[Array, Array]:
@@ -54,18 +52,18 @@ def known_joints(motion: Motion, noise: MotionNoise, account: MotionAccount) -> 
     return KnownJoints(state, std, noise.shared, EncoderNoise(**local, **lasting))
 
 
-def state_parts(motion: SmoothedMotion, others: Mapping[str, int] = NOTHING) -> dict[str, Array]:
+def state_parts(motion: SmoothedMotion, names: Sequence[str] = STATES) -> dict[str, Array]:
     """Return parts of the state, their standard deviations and the motors' velocities by name.
 
-    others: sizes of what follows q, q̇ and q̈ of the joints in the state.
+    names: q, q̇ and q̈ of the joints, and what follows them in the state, three columns each.
     """
     joints = motion.motor_qd.shape[1]
-    sizes = {name: joints for name in STATES} | dict(others)  # noqa: C420 - of this type
-    ends = zip(sizes.items(), accumulate(sizes.values()), strict=True)
-    parts = {name: np.s_[end - size : end] for (name, size), end in ends}
-    values = {name: motion.state[:, part] for name, part in parts.items()}
-    values |= {f"{name}_std": motion.std[:, part] for name, part in parts.items()}
-    return values | {"motor_qd": motion.motor_qd}
+    ends = [joints, 2 * joints, 3 * joints, 3 * joints + 3]
+    parts = {"motor_qd": motion.motor_qd}
+    for kind, values in (("", motion.state), ("_std", motion.std)):
+        split = zip(names, np.split(values, ends, axis=1), strict=False)
+        parts |= {name + kind: part for name, part in split}
+    return parts
 
 
 def motion_account(motion: SmoothedMotion) -> MotionAccount:

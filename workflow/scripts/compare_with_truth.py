@@ -9,20 +9,15 @@ from ur5lib.report.truth_rows import arm_rows, recording_rows
 from ur5lib.tables import read_record, write_csv
 from ur5lib.timeseries.lowpass import Butterworth
 
+OF_ARMS = ("described", "fitted", "rotors", "identification", "calibration", "friction")
+OF_RECORDINGS = ("truth", "clocks", "motion", "fused", "accelerations", "forces")
+
 
 def compare_with_truth(input: Any, output: Any, params: Any) -> None:
     known = [read_record(TrueParameters, path) for path in input.truth_summary]
     truths = dict(zip(params.recordings, known, strict=True))
     arms = {
-        robot: {
-            "described": input.described[k],
-            "fitted": input.fitted[k],
-            "rotors": input.rotors[k],
-            "identification": input.identification[k],
-            "calibration": input.calibration[k],
-            "friction": input.friction[k],
-        }
-        for k, robot in enumerate(params.robots)
+        robot: {name: input[name][k] for name in OF_ARMS} for k, robot in enumerate(params.robots)
     }
     rows = [
         {"robot": robot} | row
@@ -31,14 +26,7 @@ def compare_with_truth(input: Any, output: Any, params: Any) -> None:
     ]
     design = Butterworth(params.order, params.cutoff_hz)
     for k, (name, truth) in enumerate(truths.items()):
-        files = arms[truth.robot] | {
-            "truth": input.truth[k],
-            "clocks": input.clocks[k],
-            "motion": input.motion[k],
-            "fused": input.fused[k],
-            "accelerations": input.accelerations[k],
-            "forces": input.forces[k],
-        }
+        files = arms[truth.robot] | {own: input[own][k] for own in OF_RECORDINGS}
         about = {"recording": name, "robot": truth.robot}
         rows += [about | row for row in recording_rows(files, truth, design)]
     write_csv(pd.DataFrame(rows, columns=COLUMNS), output.truth)

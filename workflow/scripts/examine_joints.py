@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from ur5lib.pipeline.checkup import checkup, dated
 from ur5lib.pipeline.current_samples import Smoother, current_record
+from ur5lib.pipeline.health import checkup, dated
 from ur5lib.pipeline.records.arm_state import Checkup
 from ur5lib.pipeline.records.currents import Prediction
 from ur5lib.pipeline.records.dynamics import Torques
