@@ -1,7 +1,6 @@
 """The controller's torque, `target_moment`, as the target of identification."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,23 +15,17 @@ from ur5lib.timeseries.sampling import STEP, differentiate
 from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
 
 
-class States(NamedTuple):
-    """q, q̇, q̈ (N, 6) that go with `target_moment`, and whether they are its exact targets."""
+def torque_states(signals: Signals, motion: Motion) -> tuple[tuple[Array, Array, Array], bool]:
+    """Return q, q̇, q̈ (N, 6) that go with `target_moment`, and whether they are its exact targets.
 
-    states: tuple[Array, Array, Array]
-    exact: bool
-
-
-def torque_states(signals: Signals, motion: Motion) -> States:
-    """Return the targets, or the measured motion where they were not recorded.
-
-    That of the motors: the controller knows rotors and rigid links, but no vibration between them.
+    Where targets were not recorded, the measured motion of the motors: the controller knows rotors
+    and rigid links, but no vibration between them.
     """
     q, qd, qdd = signals.target_q, signals.target_qd, signals.target_qdd
     if q is None or qd is None or qdd is None:
         motor_qdd = by_segment(differentiate, motion.motor_qd, motion.segment, signals.period)
-        return States((motion.q, motion.motor_qd, motor_qdd), exact=False)
-    return States((q, qd, qdd), exact=True)
+        return (motion.q, motion.motor_qd, motor_qdd), False
+    return (q, qd, qdd), True
 
 
 def comparable(rows: Array, signals: Signals, exact: bool, design: Butterworth) -> Array:

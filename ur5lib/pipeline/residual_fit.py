@@ -111,20 +111,16 @@ def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
     return Residuals(tau_ext=usual_model(fit, cutoff).of_few_paths(ENOUGH))
 
 
-def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
-    """Return for how long [s] no joint moves while the external torque is known."""
-    return sum(
-        float((is_still(one.states) & finite_rows(one.torque)).sum() * one.period)
-        for one in inputs(recordings)
-    )
-
-
 def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[Remark]:
     """Say what so few paths, and so little rest, do not show."""
     if paths == 1:
         yield remark("one path of all")
-    if paths < LEAST_PATHS and (rest := rest_seconds(recordings)) < REST:
-        yield remark("little rest", seconds=rest)
+    if paths < LEAST_PATHS:
+        runs = inputs(recordings)
+        still = [is_still(one.states) & finite_rows(one.torque) for one in runs]
+        rest = sum(float(own.sum() * one.period) for own, one in zip(still, runs, strict=True))
+        if rest < REST:
+            yield remark("little rest", seconds=rest)
 
 
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:

@@ -5,7 +5,7 @@ its torque constants, rebuilt.
 from typing import Any
 
 from ur5lib.pipeline.published_constants import current_torque, published_constants
-from ur5lib.pipeline.published_forces import Settings, published_forces
+from ur5lib.pipeline.published_forces import published_forces
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import PublishedForces
 from ur5lib.pipeline.records.friction import Friction
@@ -20,14 +20,11 @@ from ur5lib.timeseries.lowpass import Butterworth
 def rebuild_forces(input: Any, output: Any, params: Any) -> None:
     signals, motion = Signals.read(input.signals), Motion.read(input.motion)
     torques, jacobian = Torques.read(input.torques), Kinematics.read(input.kinematics).jacobian
-    settings = Settings(Butterworth(params.order, params.cutoff_hz), params.min_singular_value)
+    settings = Butterworth(params.order, params.cutoff_hz), params.min_singular_value
     robot = load_robot(input.arm)
     forces = PublishedForces(time=signals.time, segment=signals.segment)
-    found, friction = (
-        read_record(Contradictions, input.contradictions),
-        read_record(Friction, input.friction),
-    )
-    if not found.stop_signs and not friction.stopped:
-        forces = published_forces(robot, signals, motion, torques, jacobian, settings)
+    stopped = read_record(Contradictions, input.contradictions).stop_signs
+    if not stopped and not read_record(Friction, input.friction).stopped:
+        forces = published_forces(robot, signals, motion, torques, jacobian, *settings)
     forces.write(output.forces)
     write_json(published_constants(current_torque(robot, signals, torques)), output.constants)

@@ -9,7 +9,6 @@ import re
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, fields
 from functools import cache, partial
-from itertools import count, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -63,12 +62,10 @@ class Channel:
         """Return the number of joints of which a table has this channel, 0 without it."""
         if self.labels != JOINTS:
             return 0
-        stems = (
-            [self.name.format(key) for key in self._found(names)] if self.several else [self.name]
-        )
-        whole = [sum(1 for _ in takewhile(names.__contains__, _numbered(stem))) for stem in stems]
+        pattern = re.escape(self.name).replace(r"\{\}", ".+") + r"_(\d+)"
+        places = [int(match[1]) for name in names if (match := re.fullmatch(pattern, name))]
         of_each_joint = abs(math.prod(self.shape))
-        return math.ceil(max(whole, default=0) / of_each_joint)
+        return math.ceil((max(places, default=-1) + 1) / of_each_joint)
 
     def read(self, source: "Source") -> Any:
         """Return the samples (N, *shape), None where absent; by key where there are several."""
@@ -202,10 +199,6 @@ class Table:
                 columns |= named
                 units |= dict.fromkeys(named, declared.unit)
         write_table(columns, path, units)
-
-
-def _numbered(stem: str) -> Iterator[str]:
-    return (f"{stem}_{k}" for k in count())
 
 
 def _channels(record: type[Table]) -> dict[str, Channel]:
