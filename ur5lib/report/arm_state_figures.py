@@ -142,7 +142,9 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
     axis.axhline(100 * wanted, color="black", linewidth=0.8)
     for joint, part in rows.groupby("joint"):
         estimated = part.dropna(subset="value")
-        middle = (estimated["speed_low"].clip(lower=SLOWEST) * _end(estimated)) ** 0.5
+        low, high = estimated["speed_low"], estimated["speed_high"].astype(float)
+        high = high.fillna(2 * low)  # an open range is drawn up to twice its lower end
+        middle = (low.clip(lower=SLOWEST) * high) ** 0.5
         colour, mark = JOINTS[int(joint) - 1], MARKS[int(joint) - 1]
         style: Any = {"color": colour, "marker": mark, "markersize": 3, "linewidth": 0.9}
         axis.plot(middle, 100 * estimated["value"], label=f"joint {joint}", **style)
@@ -150,8 +152,3 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
     axis.set_ylabel("within the 95 % band [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))
     axis.legend(loc="lower right", frameon=False, fontsize=6.5)
-
-
-def _end(rows: pd.DataFrame) -> pd.Series:
-    """Return the upper end of each range; an open one is drawn up to twice its lower end."""
-    return rows["speed_high"].astype(float).fillna(2 * rows["speed_low"])

@@ -183,7 +183,15 @@ def _single(
         case Picture():
             path = results.figures / name / f"{wanted.figure}.svg"
             if _has_numbers(path):
-                yield _picture(wanted, results, path, name)
+                yield replace(
+                    wanted,
+                    caption=_filled(wanted.caption, results, name),
+                    path=path,
+                    alternative=_filled(wanted.alternative, results, name),
+                    label=_label(wanted.figure, name),
+                    source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
+                    of=name,
+                )
         case Verdicts():
             yield replace(wanted, verdicts=view(wanted.judged)(*arguments))
         case Code():
@@ -232,18 +240,6 @@ def _table(wanted: DeclaredTable, body: Body, results: Results, name: str) -> Ta
         for row in rows[:MOST_ROWS]
     ]
     return Table(caption, body.header, linked, _label(wanted.table, name), wanted.source)
-
-
-def _picture(wanted: Picture, results: Results, path: Path, name: str) -> Picture:
-    return replace(
-        wanted,
-        caption=_filled(wanted.caption, results, name),
-        path=path,
-        alternative=_filled(wanted.alternative, results, name),
-        label=_label(wanted.figure, name),
-        source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
-        of=name,
-    )
 
 
 def _has_numbers(path: Path) -> bool:

@@ -6,7 +6,7 @@ import pandas as pd
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.clocks import by_stamps
-from ur5lib.pipeline.closed_loop import Gains, published_gains, simulated_states, tracking_of
+from ur5lib.pipeline.closed_loop import published_gains, simulated_states, tracking_of
 from ur5lib.pipeline.end_effector import derivative, lowpassed, through_angles
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
@@ -28,7 +28,10 @@ def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
     tracking = tracking_of(signals)
     if tracking is None or signals.target_moment is None:
         raise ValueError("the closed loop needs targets, measured motion and target_moment")
-    motion = simulated_states(tracking, _gains(robot, way))
+    position, velocity = published_gains(robot)[way.gains]
+    for joint, gain in way.velocity_gains.items():
+        velocity[joint - 1] = gain
+    motion = simulated_states(tracking, (position, velocity))
     if way.quantity == "torque":
         arm = _changed(robot, way).carrying(configured_payload(signals))
         error = LinkModel(arm, way.model).inverse_dynamics(*motion) - signals.target_moment
@@ -63,13 +66,6 @@ def explained_accelerations(
     modelled = through_angles(signals, kinematics, printed=True)
     late = interpolated(signals.time - way.model_delay_s, signals.time, modelled)
     return smooth(late), felt
-
-
-def _gains(robot: Robot, way: LoopError) -> Gains:
-    position, velocity = published_gains(robot)[way.gains]
-    for joint, gain in way.velocity_gains.items():
-        velocity[joint - 1] = gain
-    return position, velocity
 
 
 def _changed(robot: Robot, way: LoopError) -> Robot:

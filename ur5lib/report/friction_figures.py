@@ -131,18 +131,20 @@ def friction_figures(
     }
 
 
-def without_friction(samples: CurrentTorque | None) -> Drawing:
-    """Draw Figure 6.1: torque of rigid links."""
+def printed_friction(
+    samples: CurrentTorque | None, constants: CurrentToTorque | None
+) -> tuple[Drawing, Drawing]:
+    """Draw Figure 6.1, over the torque of rigid links, and Figure 6.2, over the torque including
+    the printed friction, with the line of Equation 6.5.
+    """
     if samples is None:
-        return nothing_to_draw()
-    return scatter_panels(samples.rigid, samples.current, ("τ_{} of rigid links [Nm]", CURRENT[0]))
-
-
-def with_friction(samples: CurrentTorque | None, constants: CurrentToTorque | None) -> Drawing:
-    """Draw Figure 6.2: torque including the printed friction, and the line of Equation 6.5."""
-    if samples is None or constants is None:
-        return nothing_to_draw()
+        return nothing_to_draw(), nothing_to_draw()
+    labels = "τ_{} of rigid links [Nm]", CURRENT[0]
+    rigid = scatter_panels(samples.rigid, samples.current, labels)
+    if constants is None:
+        return rigid, nothing_to_draw()
     torque = samples.total
     ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
     lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
-    return scatter_panels(torque, samples.current, ("τ_{} with friction [Nm]", CURRENT[0]), lines)
+    labels = "τ_{} with friction [Nm]", CURRENT[0]
+    return rigid, scatter_panels(torque, samples.current, labels, lines)

@@ -1,6 +1,5 @@
 """Parts of a report for a paper as LaTeX, which needs `booktabs` and `siunitx` (3)."""
 
-import os
 import re
 import unicodedata
 from collections.abc import Sequence
@@ -99,7 +98,8 @@ def paper(document: Document, results: Results) -> str:
     Figures lie in `figures` as in the results, as PDF; tables in `tables`.
     """
     pictures = [
-        {"path": _column(block, results), "caption": block.caption}
+        {"path": Path("figures", block.path.relative_to(results.figures)).with_suffix(".pdf")}
+        | {"caption": block.caption}
         for block in document.blocks()
         if isinstance(block, Picture)
     ]
@@ -109,12 +109,6 @@ def paper(document: Document, results: Results) -> str:
 
 def _tables(document: Document) -> list[Table]:
     return [block for block in document.blocks() if isinstance(block, Table)]
-
-
-def _column(picture: Picture, results: Results) -> str:
-    """Return the path of a figure of a paper, from its folder."""
-    inside = os.path.relpath(picture.path, results.figures)
-    return str(Path("figures", inside).with_suffix(".pdf"))
 
 
 def _as_tex(value: Any) -> str:

@@ -115,22 +115,15 @@ def acceleration_figure(accelerations: Accelerations) -> Drawing:
     return draw_lines(accelerations, lines, ACCELERATION)
 
 
-def published_acceleration_figure(accelerations: Accelerations) -> Drawing:
-    """Return Figures 5.14 and 5.15 as published."""
-    lines: Lines = {
-        "IMU": (accelerations.published_felt, "measured"),
-        THROUGH_ANGLES: (accelerations.published.get("euler"), "second"),
-    }
-    return draw_lines(accelerations, lines, ACCELERATION)
+def euler_figure(
+    table: Signals | Accelerations, felt: Array | None, modelled: Array | None
+) -> Drawing:
+    """Return Figures 5.14 and 5.15 as published: acceleration through Euler angles.
 
-
-def filtered_first_figure(signals: Signals, modelled: Array, felt: Array) -> Drawing:
-    """Return Figures 5.14 and 5.15 with an IMU that was filtered before it was rotated.
-
-    modelled, felt: acceleration through Euler angles and of the IMU, (N, 6) [m/s², rad/s²].
+    felt, modelled: of the IMU and through the angles, (N, 6) [m/s², rad/s²].
     """
     lines: Lines = {"IMU": (felt, "measured"), THROUGH_ANGLES: (modelled, "second")}
-    return draw_lines(signals, lines, ACCELERATION)
+    return draw_lines(table, lines, ACCELERATION)
 
 
 def published_force_figure(
@@ -177,16 +170,14 @@ def draw_lines(
     first = next(iter(lines))
     series = _broken(lines, table.segment)
     errors: Series = {}
-    if first in series and len(series) > 1:
-        errors = {
-            label: (series[first][0] - values, style)
-            for label, (values, style) in series.items()
-            if label != first
-        }
+    if first in series:
+        measured, _ = series[first]
+        others = ((label, line) for label, line in series.items() if label != first)
+        errors = {label: (measured - values, style) for label, (values, style) in others}
     traces = Traces(
         time=with_breaks(table.time, table.segment),
         series=series,
-        errors=errors | _broken(further or {}, table.segment) or None,
+        errors=errors | _broken(further or {}, table.segment),
         band=band and (with_breaks(band[0], table.segment), with_breaks(band[1], table.segment)),
         hidden=None if hidden is None else with_breaks(hidden, table.segment) > 0,
     )

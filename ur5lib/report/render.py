@@ -123,7 +123,14 @@ def packed_lines(path: str | Path) -> str:
     values = data[columns].to_numpy(float).T
     head = {
         "panels": panels,
-        "lines": [_line(*line, len(panels)) for line in zip(labels, styles, strict=True)],
+        "lines": [
+            {
+                "label": label,
+                "colours": STYLES[style].colours[: len(panels)],
+                "dashes": STYLES[style].dashes,
+            }
+            for label, style in zip(labels, styles, strict=True)
+        ],
         "band": len(edges) > 0,
         "ranges": [[float(f"{end:.6g}") for end in _range(column)] for column in values],
         "levels": LEVELS,
@@ -138,12 +145,6 @@ def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, s
     parts = [match.groups() for match in map(COLUMN.fullmatch, columns) if match]
     panels = [*dict.fromkeys((name, unit) for _, name, unit in parts)]
     return panels, [*dict.fromkeys(label for label, *_ in parts)][:lines]
-
-
-def _line(label: str, style: str, panels: int) -> dict[str, object]:
-    """Return a line's label, its colour in each panel, and its dashes."""
-    drawn = STYLES[style]
-    return {"label": label, "colours": [*drawn.colours[:panels]], "dashes": [*drawn.dashes]}
 
 
 def _range(column: Array) -> tuple[float, float]:

@@ -2,8 +2,8 @@
 singular stretches shaded.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from typing import Any, NamedTuple
 
@@ -78,7 +78,7 @@ class Traces:
 
     time: Array
     series: Series
-    errors: Series | None = None
+    errors: Series = field(default_factory=dict)
     band: tuple[Array, Array] | None = None
     hidden: Mask | None = None
 
@@ -89,16 +89,14 @@ def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
         return nothing_to_draw()
     width = next(iter(traces.series.values()))[0].shape[1]
     thin, panels = _decimated(traces), panels[:width]
-    spans = [(*_gaps(traces.time), GAP, "gap")]
-    if traces.hidden is not None:
-        spans.append((*_stretches(traces.time, traces.hidden), SHADE, "near a singularity"))
+    spans = _shaded(traces)
     with matplotlib.rc_context(HOUSE_STYLE):
         figure, above, below = _grid(thin, panels)
         for i, axis in enumerate(above):
             _draw_panel(axis, thin, thin.series, i, thin.band)
             axis.set_ylabel(f"${panels[i].symbol}$ [{panels[i].unit}]")
             if below:
-                _draw_panel(below[i], thin, thin.errors or {}, i)
+                _draw_panel(below[i], thin, thin.errors, i)
                 below[i].set_ylabel(f"$\\Delta$ [{panels[i].unit}]")
         for starts, ends, style, _ in spans:
             for axis, (start, end) in product([*above, *below], zip(starts, ends, strict=True)):
@@ -118,7 +116,7 @@ def _decimated(traces: Traces) -> Traces:
         return {label: (thin(values), style) for label, (values, style) in series.items()}
 
     time, _ = decimate(traces.time, traces.time[:, None])
-    series, errors = all_thin(traces.series), all_thin(traces.errors or {})
+    series, errors = all_thin(traces.series), all_thin(traces.errors)
     band = (thin(traces.band[0]), thin(traces.band[1])) if traces.band else None
     return replace(traces, time=time, series=series, errors=errors, band=band)
 
@@ -153,13 +151,16 @@ def _draw_panel(
     for values, style in series.values():
         axis.add_line(STYLES[style].line(i, traces.time, values[:, i]))
     axis.autoscale_view()
-    _widen(axis)
+    low, high = axis.get_ylim()
+    missing = SMALLEST_SPAN - (high - low)
+    if missing > 0:  # values change by less than rounding noise
+        axis.set_ylim(low - missing / 2, high + missing / 2)
 
 
 def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> None:
     """Draw one legend for all panels; a style with a colour per joint shows them all."""
     handles: Any = {}  # lines, or several of one label, which the stubs do not know
-    for label, (_, style) in [*traces.series.items(), *(traces.errors or {}).items()]:
+    for label, (_, style) in [*traces.series.items(), *traces.errors.items()]:
         count = next(iter(traces.series.values()))[0].shape[1]
         lines = tuple(STYLES[style].line(i) for i in range(count))
         handles.setdefault(label, lines if style.startswith("joint") else lines[0])
@@ -179,18 +180,16 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
 
 def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
     """Return the drawn numbers, a column for each line."""
-    drawn = dict(_columns(traces.series, "{}", panels))
-    drawn |= _columns(traces.errors or {}, ERRORS, panels)
+    lines = {label: values for label, (values, _) in traces.series.items()}
+    lines |= {ERRORS.format(label): values for label, (values, _) in traces.errors.items()}
     if traces.band:
-        edges = zip(BAND_EDGES, traces.band, strict=True)
-        drawn |= _columns({edge: (values, "") for edge, values in edges}, "{}", panels)
-    return pd.DataFrame({"time [s]": traces.time, **drawn})
-
-
-def _columns(series: Series, name: str, panels: Sequence[Panel]) -> Iterator[tuple[str, Array]]:
-    for label, (values, _) in series.items():
-        for i, panel in enumerate(panels):
-            yield column_name(name.format(label), panel.name, panel.unit), values[:, i]
+        lines |= zip(BAND_EDGES, traces.band, strict=True)
+    columns = {
+        column_name(label, panel.name, panel.unit): values[:, i]
+        for label, values in lines.items()
+        for i, panel in enumerate(panels)
+    }
+    return pd.DataFrame({"time [s]": traces.time, **columns})
 
 
 def column_name(line: str, panel: str, unit: str) -> str:
@@ -198,24 +197,15 @@ def column_name(line: str, panel: str, unit: str) -> str:
     return f"{line}, {panel} [{unit}]"
 
 
-def _gaps(time: Array) -> tuple[Array, Array]:
-    """Return the times at which gaps begin and end."""
-    inside = np.flatnonzero(np.isnan(time[1:-1])) + 1
-    return time[inside - 1], time[inside + 1]
-
-
-def _stretches(time: Array, where: Mask) -> tuple[Array, Array]:
-    """Return the times at which stretches begin and end."""
-    first, end = runs(np.isfinite(time) & (where == 1)).T
-    return time[first], time[end - 1]
-
-
-def _widen(axis: Axes) -> None:
-    """Widen the axis of a panel whose values change by less than rounding noise."""
-    low, high = axis.get_ylim()
-    missing = SMALLEST_SPAN - (high - low)
-    if missing > 0:
-        axis.set_ylim(low - missing / 2, high + missing / 2)
+def _shaded(traces: Traces) -> list[tuple[Array, Array, Any, str]]:
+    """Return the times at which shaded stretches begin and end, with their style and name."""
+    time = traces.time
+    gaps = np.flatnonzero(np.isnan(time[1:-1])) + 1
+    shaded = [(time[gaps - 1], time[gaps + 1], GAP, "gap")]
+    if traces.hidden is not None:
+        first, end = runs(np.isfinite(time) & (traces.hidden == 1)).T
+        shaded.append((time[first], time[end - 1], SHADE, "near a singularity"))
+    return shaded
 
 
 def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:

@@ -23,8 +23,8 @@ def draw_figures(input: Any, output: Any, params: Any) -> None:
     save(figures.current_figure(signals(), predicted, sensed), output.currents)
     accelerations = Accelerations.read(input.accelerations)
     save(figures.acceleration_figure(accelerations), output.accelerations)
-    published = figures.published_acceleration_figure(accelerations)
-    save(published, output.accelerations_published)
+    felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
+    save(figures.euler_figure(accelerations, felt, modelled), output.accelerations_published)
     singular = Kinematics.read(input.kinematics).smallest_singular_value
     hidden = singular < params.min_singular_value
     forces = Forces.read(input.forces), SensorWrenches.read(input.sensor)

@@ -7,7 +7,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
 from ur5lib.report.explained_errors import explained_accelerations
 from ur5lib.report.house_style import save
-from ur5lib.report.recording_figures import filtered_first_figure
+from ur5lib.report.recording_figures import euler_figure
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, read_table
@@ -19,4 +19,4 @@ def draw_filtered_first(input: Any, output: Any, params: Any) -> None:
     imu, start = read_table(input.imu), read_record(Quality, input.quality).starts["imu"]
     way = read_reference(input.reference).explained_accelerations()[params.recording]
     modelled, felt = explained_accelerations(robot, signals, kinematics, imu, start, way)
-    save(filtered_first_figure(signals, modelled, felt), output.accelerations_filtered_first)
+    save(euler_figure(signals, felt, modelled), output.accelerations_filtered_first)
