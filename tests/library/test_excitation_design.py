@@ -23,7 +23,6 @@ from ur5lib.excitation.objective import Objective, Task
 from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, TORQUE_NOISE, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell, Path
-from ur5lib.recorder.commanded_motion import CommandedMotion, refusals
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
@@ -48,11 +47,17 @@ def designed() -> Design:
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_the_gradient_is_that_of_finite_differences(question: str) -> None:
     """Of criterion and penalty, where limits are broken: the path is wide enough to break all."""
-    own, random = task("ur5", question, 6.0), np.random.default_rng(1)
-    own = replace(own, cell=replace(own.cell, limits=replace(own.cell.limits, singular_value=0.2)))
+    own = task("ur5", question, 6.0)
+    limits = replace(own.cell.limits, singular_value=0.2)
+    check_gradient(replace(own, cell=replace(own.cell, limits=limits)), 1.4)
+
+
+def check_gradient(own: Task, factor: float) -> None:
+    """At a random path, enlarged by a factor so that it breaks limits."""
+    random, weight = np.random.default_rng(1), 100.0
     objective = Objective(own)
     path = random_path(own, random, free_postures(own.cell, random))
-    x, weight = objective.variables(path) * 1.4, 100.0
+    x = objective.variables(path) * factor
     _, gradient = objective(x, weight)
     for _ in range(3):
         way, step = random.normal(size=len(x)), 1e-6
@@ -80,13 +85,6 @@ def test_all_limits_are_kept_at_1_khz() -> None:
     margins = task().cell.margins(designed().path.sampled(1000)[1])
     assert margins.broken() == []
     assert max(share.max() for share in margins.used.values()) > 0.9  # and used
-
-
-def test_the_recorder_would_accept_it() -> None:
-    """Its own checks differ: steps between samples, collisions without a margin."""
-    time, states = designed().path.sampled(125)
-    motion = CommandedMotion(states.q, time, 1.0)
-    assert list(refusals(motion, task().cell.robot, states.q[0], TABLE)) == []
 
 
 @pytest.mark.slow

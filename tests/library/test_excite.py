@@ -19,7 +19,6 @@ from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.formats import read_rtde_csv
-from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
@@ -53,6 +52,7 @@ def designed(folder: Path) -> Motion:
 
 
 def test_the_recorder_reads_and_accepts_both_motions(folder: Path, ur5e: Robot) -> None:
+    """Above a table at the height of the base, too."""
     trajectory = read_motion(folder / "trajectory.csv", 1.0)
     assert trajectory.duration() == pytest.approx(SECONDS)
     np.testing.assert_allclose(trajectory.q, designed(folder).sampled(125)[1].q, atol=1e-6)
@@ -60,11 +60,6 @@ def test_the_recorder_reads_and_accepts_both_motions(folder: Path, ur5e: Robot) 
     assert way_points.time is None
     for motion in (trajectory, way_points):
         assert list(refusals(motion, ur5e, motion.q[0], 0.0)) == []
-
-
-def test_the_arm_stays_above_its_base_unless_told_otherwise(folder: Path, ur5e: Robot) -> None:
-    q = designed(folder).sampled(100)[1].q
-    assert Capsules(ur5e, Surroundings(table=0.0), reach=0.02).near(q).pairs == []
 
 
 def test_the_program_streams_every_state(folder: Path) -> None:

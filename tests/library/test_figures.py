@@ -33,11 +33,6 @@ def test_the_same_figure_is_the_same_file(tmp_path: Path) -> None:
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
-def test_long_recordings_make_small_files(tmp_path: Path) -> None:
-    save(drawing(LONG), tmp_path / "long.svg")
-    assert (tmp_path / "long.svg").stat().st_size < 500_000
-
-
 def images(svg: bytes) -> list[np.ndarray]:
     """The images of an SVG over white, (H, W, 4)."""
     found = [Image.open(BytesIO(b64decode(data))) for data in EMBEDDED.findall(svg)]
