@@ -113,15 +113,7 @@ class Taken:
     def kinematics(self) -> Kinematics:
         """Return pose and Jacobian at the measured positions."""
         robot = Signals.from_table(self.intake.robot)
-        rotation, origin, J = flange_kinematics(self.robot, robot.actual_q)
-        smallest = np.linalg.svd(J, compute_uv=False)[:, -1]
-        return Kinematics(
-            time=robot.time,
-            origin=origin,
-            rotation=rotation,
-            jacobian=J,
-            smallest_singular_value=smallest,
-        )
+        return Kinematics.of(robot.time, *flange_kinematics(self.robot, robot.actual_q))
 
     @cached_property
     def clock(self) -> OwnClock:

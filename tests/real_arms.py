@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import yaml
 
@@ -115,14 +114,8 @@ class RealRecording:
     def kinematics(self) -> Kinematics:
         if self.built is not None:
             return Kinematics.read(self.built / "kinematics.parquet")
-        rotation, origin, J = flange_kinematics(self.robot, self.signals.actual_q)
-        return Kinematics(
-            time=self.signals.time,
-            origin=origin,
-            rotation=rotation,
-            jacobian=J,
-            smallest_singular_value=np.linalg.svd(J, compute_uv=False)[:, -1],
-        )
+        frames = flange_kinematics(self.robot, self.signals.actual_q)
+        return Kinematics.of(self.signals.time, *frames)
 
     @cached_property
     def record(self) -> Record:

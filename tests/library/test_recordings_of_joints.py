@@ -83,17 +83,10 @@ def test_records_have_the_joints_of_their_tables(count: int, tmp_path: Path) -> 
     again = Motion.read(tmp_path / "motion.parquet")
     assert again.qdd_std.shape == signals.actual_q.shape == (len(table), count)
     np.testing.assert_array_equal(again.qd, motion.qd)
-    rotation, origin, jacobian = flange_kinematics(robot, again.q)
-    sigma = np.zeros(len(table))
-    Kinematics(
-        time=again.time,
-        origin=origin,
-        rotation=rotation,
-        jacobian=jacobian,
-        smallest_singular_value=sigma,
-    ).write(tmp_path / "kinematics.parquet")
+    kinematics = Kinematics.of(again.time, *flange_kinematics(robot, again.q))
+    kinematics.write(tmp_path / "kinematics.parquet")
     read = Kinematics.read(tmp_path / "kinematics.parquet")
-    np.testing.assert_array_equal(read.jacobian, jacobian)
+    np.testing.assert_array_equal(read.jacobian, kinematics.jacobian)
 
 
 def test_a_sensor_is_known_to_measure_torque() -> None:

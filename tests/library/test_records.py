@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from tests.equal_records import same
+from tests.made_records import same
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.closed_loop import ClosedLoop

@@ -81,14 +81,7 @@ def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:
     time = intake.robot["time"].to_numpy()
     reading = resample(intake.sensors["force"], clock, time)
     signals = Signals.from_table(pd.concat([intake.robot, reading], axis=1))
-    rotation, origin, jacobian = flange_kinematics(arm, signals.actual_q)
-    frames = Kinematics(
-        time=time,
-        origin=origin,
-        rotation=rotation,
-        jacobian=jacobian,
-        smallest_singular_value=np.ones(len(time)),
-    )
+    frames = Kinematics.of(time, *flange_kinematics(arm, signals.actual_q))
     joints = smooth_encoders(signals.time, signals.segment, *measured(signals))
     moved = moved_tool(arm, frames, motion_record(signals, joints))
     true = interpolated(
@@ -97,10 +90,10 @@ def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:
 
     def error(moved: ToolMotion) -> float:
         found = sensor_reading(arm, signals, moved, 1.0, clock_std)
-        wrench = sensor_wrenches(arm, signals, found, rotation).wrench["compensated"]
+        wrench = sensor_wrenches(arm, signals, found, frames.rotation).wrench["compensated"]
         return float(np.sqrt(np.nanmean((wrench - true)[:, :3] ** 2)))
 
-    return error(at_rest(moved, np.array(arm.gravity) @ rotation)), error(moved)
+    return error(at_rest(moved, np.array(arm.gravity) @ frames.rotation)), error(moved)
 
 
 def at_rest(moved: ToolMotion, weight: Array) -> ToolMotion:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
+from tests.made_records import signals_of, torques_of
 from tests.made_tables import table
 from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.pipeline.published_constants import current_torque, published_constants
@@ -70,11 +71,8 @@ def recorded(ur5: Robot) -> tuple[Signals, Torques]:
     current = (total - constants.offset) / constants.torque_constant
     lost = np.arange(COUNT) % 10 == 7
     current[lost] = 99.0
-    grid: dict[str, Any] = {"time": time, "segment": np.zeros(COUNT, int), "interpolated": lost}
-    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
-    return Signals(**grid, actual_q=0 * qd, target_qd=qd, actual_current=current), Torques(
-        **grid, target={"C": rigid}, **dict.fromkeys(terms, 0 * qd)
-    )
+    known = {"interpolated": lost, "target_qd": qd, "actual_current": current}
+    return signals_of(time, 0 * qd, **known), torques_of(time, {"C": rigid})
 
 
 def test_the_printed_constants_come_back(ur5: Robot, recorded: tuple[Signals, Torques]) -> None:

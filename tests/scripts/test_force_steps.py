@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.equal_records import same
 from tests.library.current_study import CONSTANT, make_record, prior, smooth, with_noise
 from tests.library.made_up_torques import MODEL, Free, between, free_run
+from tests.made_records import motion_of, same, signals_of, stretch, torques_of
 from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
@@ -26,11 +26,9 @@ from ur5lib.pipeline.force_estimates import is_fitted, may_be_template
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.contacts import Alarm, Detected
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor, Prediction
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction, KnownConstants
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.residual_fit import usual_residuals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path
@@ -60,25 +58,18 @@ class Recording:
     ) -> "Recording":
         """What estimate_forces reads of it; controller: its own wrench from currents (N, 6)."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        grid: dict[str, Any] = {"time": run.time, "segment": np.zeros(len(run.time), int)}
-        nothing = 0 * run.q
-        deviations = dict.fromkeys(("q_std", "qd_std", "qdd_std"), nothing)
-        motion = Motion(**grid, q=run.q, qd=run.qd, qdd=nothing, motor_qd=run.qd, **deviations)
+        grid, nothing = stretch(run.time), 0 * run.q
+        motion = motion_of(run.time, run.q, run.qd)
         motion.write(self.motion)
         torques = dict.fromkeys(("external_torque", "observed_torque", "causal_torque"), run.torque)
         currents = Currents(**grid, load_doubt=nothing, **torques)
         currents.write(self.currents)
-        known = {"interpolated": np.zeros(len(run.time), bool), "actual_q": run.q}
-        Signals(**grid, **known, wrench_calc_from_currents=controller).write(self.signals)
+        signals = signals_of(run.time, run.q, wrench_calc_from_currents=controller)
+        signals.write(self.signals)
         SensorWrenches(**grid).write(self.sensor)
         PublishedForces(**grid).write(self.published)
-        Kinematics(
-            time=run.time,
-            origin=nothing[:, :3],
-            rotation=run.rotation,
-            jacobian=run.jacobian,
-            smallest_singular_value=nothing[:, 0],
-        ).write(self.kinematics)
+        frames = run.rotation, nothing[:, :3], run.jacobian
+        Kinematics.of(run.time, *frames).write(self.kinematics)
         write_json(Prediction(True, {}, load, passed(motion, currents)), self.load)
         write_json(Residuals(MODEL, MODEL, MODEL), self.residuals)
         write_json(Friction(from_=["free"]), self.friction)
@@ -251,16 +242,11 @@ def predicted(folder: Path, friction: Friction, **given: Any) -> Predicted:
     per_load = np.zeros((count, 6, 4))
     per_load[:, 1, 0] = LOAD_2 / 2.0
     files: dict[str, Any] = {name: str(folder / f"{name}.parquet") for name in names}
-    grid: dict[str, Any] = {"time": record.period * np.arange(count), "segment": record.segment}
-    flags, nothing = grid | {"interpolated": np.zeros(count, bool)}, 0 * record.q
-    Signals(**flags, actual_q=record.q, actual_current=record.current).write(files["signals"])
-    rest = dict.fromkeys(("qdd", "q_std", "qd_std", "qdd_std"), nothing)
-    Motion(**grid, q=record.q, qd=record.qd, motor_qd=record.qd, **rest).write(files["motion"])
-    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
-    modelled = {"C+rotors": record.torque}
-    torques = Torques(**flags, measured=modelled, **dict.fromkeys(terms, nothing))
-    torques.write(files["torques"])
-    LoadRegressor(**grid, load_regressor=per_load).write(files["regressor"])
+    time = record.period * np.arange(count)
+    signals_of(time, record.q, actual_current=record.current).write(files["signals"])
+    motion_of(time, record.q, record.qd).write(files["motion"])
+    torques_of(time, {}, {"C+rotors": record.torque}).write(files["torques"])
+    LoadRegressor(**stretch(time), load_regressor=per_load).write(files["regressor"])
     signs = Contradictions(given.get("signs", []))
     summaries = {"payload": found, "load": known, "friction": friction, "contradictions": signs}
     for name, summary in summaries.items():

@@ -8,16 +8,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.made_records import motion_of, signals_of, stretch, torques_of
 from tests.scripts.conftest import script
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
 from ur5lib.force.current_based import friction_torque
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
+from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.pipeline.records.signals import SENSOR_COLUMNS
 from ur5lib.pipeline.records.table import Table
 from ur5lib.recordings.quality import Contradictions, Quality, StartOffset
 from ur5lib.robots.description import Robot, robot_path
@@ -75,31 +75,19 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     reading = np.concatenate(
         [np.einsum("nji,nj->ni", rotation, half) for half in (wrench[:, :3], moment)], axis=1
     )
-    grid: dict[str, Any] = {"time": TIME, "segment": np.zeros(COUNT, np.int64)}
-    flags, nothing = grid | {"interpolated": np.zeros(COUNT, bool)}, 0 * q
-    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
-    deviations = dict.fromkeys(("q_std", "qd_std", "qdd_std"), nothing)
     records: dict[str, Table] = {
-        "signals": Signals(
-            **flags,
-            actual_q=q,
+        "signals": signals_of(
+            TIME,
+            q,
             actual_current=current,
             target_qd=qd,
             actual_TCP_force=-wrench + 1.0,
             force_sensor=reading + BIAS,
         ),
-        "motion": Motion(**grid, q=q, qd=qd, qdd=qdd, motor_qd=qd, **deviations),
-        "torques": Torques(
-            **flags, target={"C": torque}, measured={"C": torque}, **dict.fromkeys(terms, nothing)
-        ),
-        "kinematics": Kinematics(
-            time=TIME,
-            origin=origin,
-            rotation=rotation,
-            jacobian=J,
-            smallest_singular_value=np.linalg.svd(J, compute_uv=False)[:, -1],
-        ),
-        "forces": Forces(**grid),
+        "motion": motion_of(TIME, q, qd, qdd),
+        "torques": torques_of(TIME, {"C": torque}, {"C": torque}),
+        "kinematics": Kinematics.of(TIME, rotation, origin, J),
+        "forces": Forces(**stretch(TIME)),
     }
     folder = tmp_path_factory.mktemp("force")
     for name, record in records.items():

@@ -1,11 +1,13 @@
 """Where the flange is at the measured positions, and joint torques of the link models."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, Table, channel
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import in_chunks
 
 ROTATION = tuple(map(str, range(9)))
 
@@ -22,6 +24,21 @@ class Kinematics(Table):
     rotation: Array = channel("R6", "1", ROTATION, shape=(3, 3))
     jacobian: Array = channel("J", "m, 1", JOINTS, shape=(6, -1))
     smallest_singular_value: Array = channel("sigma_min", "1")
+
+    @classmethod
+    def of(cls, time: Array, rotation: Array, origin: Array, jacobian: Array) -> Self:
+        """Return the record of `flange_kinematics`, with the smallest singular values."""
+
+        def smallest(J: Array) -> Array:
+            return np.linalg.svd(J, compute_uv=False)[:, -1].astype(float)
+
+        return cls(
+            time=time,
+            origin=origin,
+            rotation=rotation,
+            jacobian=jacobian,
+            smallest_singular_value=in_chunks(smallest, jacobian),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
