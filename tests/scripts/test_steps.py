@@ -148,7 +148,7 @@ def test_a_job_ends_with_its_run(folder: Path) -> None:
     """It would write its files later, when another run makes them."""
     worker, pid = workers.Worker(), folder / "pid"
     files = Names(), Names(pid="pid"), Names()
-    worker.connection.send(job.Job("lasts", *files, "lasts.log", "lasts.tsv"))
+    worker.connection.send((Job.run, Job("lasts", *files, "lasts.log", "lasts.tsv")))
     while not pid.exists() or not pid.read_text():
         time.sleep(0.05)
     worker.connection.close()

@@ -5,8 +5,8 @@ from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ur5lib.steps.job import Job, Names
-from ur5lib.steps.upkeep import paths, record, write_whole
+from ur5lib.steps.job import Job, Names, paths
+from ur5lib.steps.upkeep import record, write_whole
 
 STAMPS = "batches"  # the folder of the stamps in that of the results
 

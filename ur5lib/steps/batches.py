@@ -18,8 +18,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ur5lib.steps.absent import STAMPS, left_out, name_of
-from ur5lib.steps.job import Job, Names
-from ur5lib.steps.upkeep import paths
+from ur5lib.steps.job import Job, Names, paths
 
 NUMBER = 32  # fewest batches of many recordings, which are at most twice as many
 Values = Mapping[str, Any]  # declared by name: constants, texts with wildcards, functions of these

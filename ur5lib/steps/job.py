@@ -8,7 +8,7 @@ import resource
 import sys
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -58,20 +58,21 @@ class Job:
     log: str
     benchmark: str
 
-    def next(self) -> "Job":
-        """Return this job."""
-        return self
-
     def run(self) -> str:
         """Run the step in this process; return its error as one sentence, empty on success.
 
-        From now on, all output of the process goes to the log, also that of libraries.
+        From now on, all output of the process goes to the log, also that of libraries. What a
+        killed process wrote aside and did not rename is deleted.
         """
+        for path in map(Path, paths(self.output)):
+            for part in path.parent.glob(f".{path.name}.*.part"):
+                part.unlink(missing_ok=True)
         Path(self.log).parent.mkdir(parents=True, exist_ok=True)
         with open(self.log, "w", encoding="utf-8") as log:
             os.dup2(log.fileno(), sys.stdout.fileno())
             os.dup2(log.fileno(), sys.stderr.fileno())
-        forget_largest_memory()
+        with suppress(OSError):  # Linux then measures the largest memory of this process anew
+            Path("/proc/self/clear_refs").write_text("5")
         began, before = time.perf_counter(), time.process_time()
         with suppress(Exception):  # the step reports the error
             load_step(self.step)
@@ -80,9 +81,9 @@ class Job:
             print(error)
         sys.stdout.flush()
         took, used = time.perf_counter() - began, time.process_time() - before
-        largest = largest_memory()
+        measured = BENCHMARK.format(took, largest_memory(), loaded - before, used)
         Path(self.benchmark).parent.mkdir(parents=True, exist_ok=True)
-        Path(self.benchmark).write_text(BENCHMARK.format(took, largest, loaded - before, used))
+        Path(self.benchmark).write_text(measured)
         return error
 
     def _error(self) -> str:
@@ -97,14 +98,13 @@ class Job:
         return ""
 
 
-def forget_largest_memory() -> None:
-    """Let the system measure the largest memory of this process anew, where it can (Linux)."""
-    with suppress(OSError):
-        Path("/proc/self/clear_refs").write_text("5")
+def paths(files: Mapping[str, str | list[str]]) -> list[str]:
+    """Return files that are declared one by one or in lists."""
+    return [path for one in files.values() for path in ([one] if isinstance(one, str) else one)]
 
 
 def largest_memory() -> float:
-    """Return the largest memory of this process [MB]; on Linux, since it was last forgotten."""
+    """Return the largest memory of this process [MB]; on Linux, since the job began."""
     status = Path("/proc/self/status")  # what `getrusage` returns may be that of the parent
     if not status.exists():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

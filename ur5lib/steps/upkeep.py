@@ -1,4 +1,4 @@
-"""Whether a step must run again: by its code, its settings and the contents of its files.
+"""Which steps must run again: by their code, their settings and the contents of their files.
 
 Snakemake decides this for its jobs. Where one of its jobs is many steps, this decides for each.
 """
@@ -7,13 +7,54 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from ur5lib.steps.job import Job
+from ur5lib.steps.job import Job, StepError, paths
 
 Seen = tuple[int, int, str]  # when a file was changed [ns], its size [B] and its checksum
+
+
+@dataclass
+class End:
+    """How the steps of a recording ended.
+
+    ran: those that ran; written: checksums of what each wrote; error: of the one that failed, one
+    sentence, empty if none did.
+    """
+
+    ran: list[str] = field(default_factory=list)
+    written: list[str] = field(default_factory=list)
+    error: str = ""
+
+
+def run_here(jobs: dict[str, list[Job]]) -> dict[str, End]:
+    """Run the steps of recordings that must run in this process; return how those of each ended.
+
+    What a process has loaded, parsed or compiled for one recording serves all others: of recordings
+    of seconds, that takes longer than the computation.
+    """
+    return {name: _end_of(chain) for name, chain in jobs.items()}
+
+
+def _end_of(chain: list[Job]) -> End:
+    end = End()
+
+    def run(job: Job) -> None:
+        if error := job.run():
+            end.error = error
+            raise StepError
+
+    for job in chain:
+        try:
+            ran, written = run_if_changed(job, run)
+        except StepError:
+            break
+        end.ran += [job.step] if ran else []
+        end.written += written
+    return end
 
 
 def run_if_changed(job: Job, run: Callable[[Job], None]) -> tuple[bool, list[str]]:
@@ -72,13 +113,6 @@ def write_whole(text: str, path: Path) -> None:
     part.replace(path)
 
 
-def delete_parts(job: Job) -> None:
-    """Delete what a killed process wrote aside of a job's files and did not rename."""
-    for path in map(Path, paths(job.output)):
-        for part in path.parent.glob(f".{path.name}.*.part"):
-            part.unlink(missing_ok=True)
-
-
 def record(job: Job) -> Path:
     """Return the file that holds what a step's last run read and wrote."""
     return Path(job.log).with_suffix(".json")
@@ -88,11 +122,6 @@ def declaration(job: Job) -> str:
     """Return a checksum of a job's settings, among them that of its code, and of its file names."""
     declared = json.dumps([job.step, job.input, job.output, job.params], sort_keys=True)
     return hashlib.sha256(declared.encode()).hexdigest()
-
-
-def paths(files: Mapping[str, str | list[str]]) -> list[str]:
-    """Return files that are declared one by one or in lists."""
-    return [path for one in files.values() for path in ([one] if isinstance(one, str) else one)]
 
 
 def is_same(path: str, changed_ns: int, size: int, checksum: str) -> bool:

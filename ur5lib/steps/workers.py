@@ -1,45 +1,46 @@
-"""The warm processes of a run: one for each simultaneous job."""
+"""The warm processes of a run: one for each simultaneous job, with the packages that it has loaded.
+
+`python -m ur5lib.steps.workers` is such a process.
+"""
 
 import atexit
+import contextlib
 import hashlib
 import os
 import queue
+import select
+import signal
 import subprocess
 import sys
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from threading import Thread
+from typing import Any, TypeVar
 
 from ur5lib.steps.absent import delete_results, left_out, reason_to_skip, without, write_stamp
-from ur5lib.steps.chains import Chains, End
-from ur5lib.steps.job import BadInput, Job, Names, Setting, StepError
-from ur5lib.steps.upkeep import delete_parts, paths, run_or_restore
+from ur5lib.steps.job import BadInput, Job, Names, Setting, StepError, paths
+from ur5lib.steps.upkeep import End, known, run_here, run_or_restore
+
+Work = TypeVar("Work")
+Answer = TypeVar("Answer")
 
 
 class Worker:
-    """A process of `ur5lib.steps.worker`, and the connection to it.
+    """A warm process, and the connection to it.
 
     It uses a single core, since jobs run in parallel.
     """
 
     def __init__(self) -> None:
         self.connection, other = Pipe()
-        command = [sys.executable, "-m", "ur5lib.steps.worker", str(other.fileno())]
+        command = [sys.executable, "-m", "ur5lib.steps.workers", str(other.fileno())]
         environment = os.environ | {"OMP_NUM_THREADS": "1"}
         self.process = subprocess.Popen(
             command, env=environment, stdin=subprocess.DEVNULL, pass_fds=[other.fileno()]
         )
         other.close()
-
-    def run(self, job: Job | Chains) -> str | dict[str, End]:
-        """Run a job; return its error as one sentence, empty on success.
-
-        Of chains, how they ended, or why their process did.
-        """
-        self.connection.send(job)
-        answer: str | dict[str, End] = self.connection.recv()
-        return answer
 
     def end(self) -> None:
         """End the process, so that its processor time is added to that of this one."""
@@ -98,38 +99,41 @@ def run_without(absent: Mapping[str, str], job: Job, is_kept: bool) -> None:
 
 
 def run_job(job: Job) -> None:
-    """Run a job in a warm process. Raises StepError with one sentence if it fails."""
-    delete_parts(job)
-    if error := in_warm_process(job):
+    """Run a job in a warm process. Raises StepError with one sentence if it fails.
+
+    A large job has a process of its own: what others have left in memory would be added to its own.
+    """
+    read = sum(os.path.getsize(path) for path in paths(job.input) if os.path.exists(path))
+    error = in_warm_process(Job.run, job, alone=read > MUCH_READ)
+    if error is None:
+        error = ended_early(job)
+    if error:
         raise StepError(error)
 
 
-def in_warm_process(job: Job | Chains) -> str | dict[str, End]:
-    """Return the answer of a warm process to a job, see `Worker.run`.
-
-    A large job has one of its own: what earlier jobs have left in memory would be added to its own.
-    """
-    alone = is_large(job)
+def in_warm_process(
+    run: Callable[[Work], Answer], work: Work, alone: bool = False
+) -> Answer | None:
+    """Return what a function answers in a warm process, or one of its own; None if that ended."""
     try:
         worker = Worker() if alone else IDLE.get_nowait()
     except queue.Empty:
         worker = Worker()
     try:
-        answer = worker.run(job)
-        if alone:
-            worker.end()
-        else:
-            IDLE.put(worker)
+        worker.connection.send((run, work))
+        answer: Answer = worker.connection.recv()
     except (EOFError, OSError):
-        last = job.next()
-        answer = f"{last.step}: its process ended early, perhaps for lack of memory; see {last.log}"
+        return None
+    if alone:
+        worker.end()
+    else:
+        IDLE.put(worker)
     return answer
 
 
-def is_large(job: Job | Chains) -> bool:
-    """Return whether a job reads much at once."""
-    read = paths(job.input) if isinstance(job, Job) else []
-    return sum(os.path.getsize(path) for path in read if os.path.exists(path)) > MUCH_READ
+def ended_early(job: Job) -> str:
+    """Return the error of a job whose process was killed."""
+    return f"{job.step}: its process ended early, perhaps for lack of memory; see {job.log}"
 
 
 def run_batch(
@@ -168,11 +172,13 @@ def run_batch(
 
 def run_chains(jobs: dict[str, list[Job]]) -> dict[str, End]:
     """Run the steps of recordings in one process, or if that is killed, of each in its own."""
-    answer = in_warm_process(Chains(jobs)) if jobs else {}
-    if not isinstance(answer, str):
-        return answer
+    ends = in_warm_process(run_here, jobs) if jobs else {}
+    if ends is not None:
+        return ends
     if len(jobs) == 1:
-        return {name: End(error=answer) for name in jobs}
+        ((name, chain),) = jobs.items()
+        last = next((job for job in chain if known(job) is None), chain[-1])
+        return {name: End(error=ended_early(last))}
     alone = (run_chains({name: chain}) for name, chain in jobs.items())
     return {name: end for ended in alone for name, end in ended.items()}
 
@@ -198,3 +204,25 @@ def plain(value: Any) -> Any:
     if isinstance(value, Iterable):
         return [plain(item) for item in value]
     return value
+
+
+def serve(connection: Connection) -> None:
+    """Answer calls of functions, one after the other, until the other side closes."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    Thread(target=end_with, args=[connection], daemon=True).start()
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            run, work = connection.recv()
+            connection.send(run(work))
+
+
+def end_with(connection: Connection) -> None:
+    """End this process and its job with the other side: another run may write its files next."""
+    closed = select.poll()
+    closed.register(connection, 0)  # no event but the end
+    closed.poll()
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    serve(Connection(int(sys.argv[1])))
