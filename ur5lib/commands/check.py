@@ -1,6 +1,5 @@
 """A study's recordings looked through, without the workflow."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -30,7 +29,7 @@ from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 
 SEVERE = ("stop", "error")
-WORST = (*SEVERE, "warning", "note")
+WORST = [*SEVERE, "warning", "note", "nothing"]
 FEW = 3  # recordings of a finding that are named, and reasons of one that are stated
 MANY = 20  # names of recordings that are proposed
 COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
@@ -137,15 +136,11 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     stops = stop_signs(intake.robot, arm, load.configured, load.payload, fitted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
-    if recording.role != "contact" and (sensor := _force_of(intake)) is not None:
+    sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
+    if recording.role != "contact" and sensor is not None:
         doubts += touched(sensor, load.mass)
     findings = [*stops, *intake.quality.findings, *doubts]
     return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
-
-
-def _force_of(intake: Intake) -> pd.DataFrame | None:
-    """Return the force sensor's table, or the robot's where it holds the sensor's channels."""
-    return intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
 
 
 def unfiltered(study: Study, period: float) -> list[Finding]:
@@ -176,22 +171,14 @@ def settled(
     study: Study, qualities: Mapping[str, Quality], own: Mapping[str, Mapping[str, OwnClock]]
 ) -> dict[str, dict[str, SettledClock]]:
     """Return each recording's clocks from the devices' own ones."""
-    free = [recording for recording in study.recordings if recording.role != "contact"]
-    drifts = {
-        robot: pool_drifts(
-            {r.name: own[r.name] for r in free if r.arm.known_as == robot and r.name in own},
-            study.devices_of_hosts(),
-        )
-        for robot in study.arms()
-    }
+    read = [recording for recording in study.recordings if recording.name in own]
+    drifts = {}
+    for robot in study.arms():
+        free = [r.name for r in read if r.arm.known_as == robot and r.role != "contact"]
+        drifts[robot] = pool_drifts({name: own[name] for name in free}, study.devices_of_hosts())
     return {
-        recording.name: settle_clocks(
-            own[recording.name],
-            drifts[recording.arm.known_as],
-            qualities[recording.name].duration_s,
-        )
-        for recording in study.recordings
-        if recording.name in own
+        r.name: settle_clocks(own[r.name], drifts[r.arm.known_as], qualities[r.name].duration_s)
+        for r in read
     }
 
 
@@ -208,8 +195,7 @@ def _print_by_finding(console: Console, quality: pd.DataFrame, names: list[str])
         if more:
             console.print(f"{title}{concerned(more, names)}, for other reasons", style=style)
     unsound = {*quality["recording"]}
-    sound = [name for name in names if name not in unsound]
-    if sound:
+    if sound := [name for name in names if name not in unsound]:
         console.print(f"nothing found in {concerned(sound, names)}")
     console.print("`ur5 check <study> <recording>` shows a recording's findings in detail")
 
@@ -219,31 +205,27 @@ def by_month(months: Mapping[str, str], qualities: Mapping[str, Quality]) -> Tab
 
     months: of recordings, as 2026-03.
     """
-    table = Table("month", "recordings", *WORST, "nothing", title="The worst finding, by month")
-    for month in sorted({*months.values()}):
-        worst = Counter(worst_of(qualities[name]) for name in months if months[name] == month)
-        counts = [worst[severity] for severity in (*WORST, "nothing")]
-        table.add_row(month, *map(str, (worst.total(), *counts)))
+    table = Table("month", "recordings", *WORST, title="The worst finding, by month")
+    worst = {
+        name: min((one.severity for one in quality.findings), key=WORST.index, default="nothing")
+        for name, quality in qualities.items()
+    }
+    counts = pd.crosstab(pd.Series(months), pd.Series(worst)).reindex(columns=WORST, fill_value=0)
+    for month, row in counts.iterrows():
+        table.add_row(str(month), *map(str, (row.sum(), *row)))
     return table
-
-
-def worst_of(quality: Quality) -> str:
-    """Return the worst severity among the findings of a recording, or "nothing"."""
-    found = {finding.severity for finding in quality.findings}
-    return next((severity for severity in WORST if severity in found), "nothing")
 
 
 def concerned(some: Sequence[str], names: Sequence[str]) -> str:
     """Return which recordings a finding concerns: their number, and names where they are few."""
-    those = {*some}
-    others = [name for name in names if name not in those]
-    count = f"{len(some)} of {len(names)} recordings"
     if len(some) == 1:
         return some[0]
-    if not others:
+    if len(some) == len(names):
         return f"all {len(names)} recordings"
-    if len(some) > FEW >= len(others):
-        return f"{count}: all but {', '.join(others)}"
+    count = f"{len(some)} of {len(names)} recordings"
+    if len(some) > FEW >= len(names) - len(some):
+        those = {*some}
+        return f"{count}: all but {', '.join(name for name in names if name not in those)}"
     more = f" and {len(some) - FEW} more" if len(some) > FEW else ""
     return f"{count}: {', '.join(some[:FEW])}{more}"
 

@@ -25,23 +25,13 @@ INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
 class Contents:
     """A recording's tables by name.
 
-    start: time zero in seconds since 1970, None where unknown; tables: with the common index `time`
-    [s], and the columns' units in `attrs["units"]`.
+    start: time zero in seconds since 1970, None where unknown; tables: those that are not empty,
+    with the common index `time` [s], and the columns' units in `attrs["units"]`.
     """
 
     name: str
     start: float | None
     tables: dict[str, pd.DataFrame]
-
-
-def contents(study: FinishedStudy, name: str) -> Contents:
-    """Return the tables of a recording that are not empty.
-
-    Raises InputError where the study lacks the recording or one of its tables.
-    """
-    frames = {table: study.frame(name, table) for table in TABLES}
-    filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
-    return Contents(name, study.start(name), filled)
 
 
 def channels(columns: list[str]) -> dict[str, list[str]]:
@@ -76,21 +66,12 @@ def write_mat(contents: Contents, path: Path) -> None:
     from scipy.io.matlab import MatWriteError
 
     start = np.nan if contents.start is None else contents.start
-    structures = {name: _structure(table) for name, table in contents.tables.items()}
-    variables = {"recording": contents.name, "start_epoch_s": start, **structures}
-
-    def write(aside: Path) -> None:
-        savemat(
-            aside,
-            variables,
-            appendmat=False,
-            long_field_names=True,
-            do_compression=True,
-            oned_as="column",
-        )
-
+    variables = {"recording": contents.name, "start_epoch_s": start}
+    for name, table in contents.tables.items():
+        variables[name] = _structure(table)
+    form = {"appendmat": False, "long_field_names": True, "do_compression": True}
     try:
-        write_aside(path, write)
+        write_aside(path, lambda aside: savemat(aside, variables, oned_as="column", **form))
     except MatWriteError as error:
         raise InputError(
             f"{path}: {contents.name} is too long for a MAT file; export it with --to mcap"
@@ -126,27 +107,23 @@ def write_mcap(contents: Contents, path: Path) -> None:
 
 def _write_messages(writer: Any, contents: Contents) -> None:
     """Write the samples of all tables in the order of their time stamps, as players expect."""
-    topics = {name: _add_topic(writer, name, table) for name, table in contents.tables.items()}
+    topics = [_add_topic(writer, name, table) for name, table in contents.tables.items()]
     rows = [_messages(table) for table in contents.tables.values()]
     first = next(iter(contents.tables.values()))
     stamps = [round(1e9 * (time + (contents.start or 0.0))) for time in first.index]
     for number, (stamp, *messages) in enumerate(zip(stamps, *rows, strict=True)):
-        for topic, message in zip(topics.values(), messages, strict=True):
+        for topic, message in zip(topics, messages, strict=True):
             writer.add_message(topic, stamp, message, stamp, number)
 
 
 def _add_topic(writer: Any, name: str, table: pd.DataFrame) -> int:
-    schema = json.dumps(schema_of(table)).encode()
+    """Add a table's topic, in whose schema each column's description is its unit."""
+    kinds = {column: "boolean" if table[column].dtype == bool else "number" for column in table}
+    units = table.attrs["units"]
+    properties = {c: {"type": kind, "description": units[c]} for c, kind in kinds.items()}
+    schema = json.dumps({"type": "object", "properties": properties}).encode()
     number = writer.register_schema(f"ur5lib.{name}", "jsonschema", schema)
     return int(writer.register_channel(f"/{name}", "json", number))
-
-
-def schema_of(table: pd.DataFrame) -> dict[str, str | dict[str, dict[str, str]]]:
-    """Return the JSON schema of a table's messages; each column's description is its unit."""
-    units = table.attrs["units"]
-    kinds = {name: "boolean" if table[name].dtype == bool else "number" for name in table}
-    properties = {name: {"type": kinds[name], "description": units[name]} for name in table}
-    return {"type": "object", "properties": properties}
 
 
 def _messages(table: pd.DataFrame) -> Iterator[bytes]:
@@ -178,6 +155,8 @@ def write_recordings(
         raise InputError(f"unknown format {to!r}; available: {', '.join(WRITERS)}")
     study, (ending, write) = FinishedStudy(results), WRITERS[to]
     for name in names or study.recordings:
+        frames = {table: study.frame(name, table) for table in TABLES}
+        filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
         path = (into or results / "exported") / f"{name}{ending}"
-        write(contents(study, name), path)
+        write(Contents(name, study.start(name), filled), path)
         yield path

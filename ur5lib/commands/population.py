@@ -19,6 +19,7 @@ from ur5lib.tables import write_text
 from ur5lib.timeseries.arrays import Array
 
 CLEAR = 2.0  # standard errors, from which on a value's logarithm is nearly normal
+HEAD = "# Torque constants and friction of measured arms, by `ur5 population --write`; SI units.\n"
 AS_TORQUE = "currents from torques"  # finding of recordings of torques in place of currents
 UNITS = condition.UNITS | {"torque_constant": "of the family's", "load": ""}
 
@@ -33,10 +34,18 @@ def population_lines(results: Sequence[Path], file: Path | None, write: Path | N
     if write is not None:
         if not new:
             raise InputError("--write needs results of studies in which friction was fitted")
-        _write(Measured(arms=new), write)
+        arms = Measured(arms=new).model_dump(exclude_none=True)
+        write_text(
+            HEAD + yaml.safe_dump(arms, sort_keys=False, default_flow_style=None, width=120), write
+        )
         return [f"{write} written: {', '.join(f'{arm.arm} of {arm.study}' for arm in new)}"]
     known = read_measured(file or POPULATION)
-    lines = [*_listed(known), "", *_table(fit_population(known))]
+    lines = [
+        f"{arm.arm}: {len(arm.joints)} joints, {arm.days} day{'s' * (arm.days > 1)}, "
+        f"{arm.minutes:g} min ({arm.source})"
+        for arm in known.arms
+    ]
+    lines += ["", *_table(fit_population(known))]
     if new:
         studies = {arm.study for arm in new}
         kept = [arm for arm in known.arms if arm.study not in studies]
@@ -107,23 +116,6 @@ def _values(friction: Friction, unit: Array | None) -> dict[int, dict[Trait, tup
                 pair = float(f"{found[0]:.4g}"), float(f"{found[1]:.2g}")
                 values.setdefault(row.joint, {})[name] = pair
     return values
-
-
-def _write(measured: Measured, path: Path) -> None:
-    """Write a file of measured arms, a joint a line for each trait."""
-    head = (
-        "# Torque constants and friction of measured arms, by `ur5 population --write`; SI units.\n"
-    )
-    text = yaml.safe_dump(
-        measured.model_dump(exclude_none=True), sort_keys=False, default_flow_style=None, width=120
-    )
-    write_text(head + text, path)
-
-
-def _listed(measured: Measured) -> Iterator[str]:
-    for arm in measured.arms:
-        days = f"{arm.days} day{'s' * (arm.days > 1)}"
-        yield f"{arm.arm}: {len(arm.joints)} joints, {days}, {arm.minutes:g} min ({arm.source})"
 
 
 def _table(population: Population) -> Iterator[str]:
