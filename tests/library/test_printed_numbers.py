@@ -22,7 +22,6 @@ from ur5lib.report.reference import (
     Erratum,
     Lookup,
     LoopError,
-    Printed,
     PrintedTable,
     Reference,
     read_reference,
@@ -57,7 +56,7 @@ def reference(**more: object) -> Reference:
     }
     table = PrintedTable.model_validate(known | more)
     erratum = Erratum(place="Table 1", error="2 % less", choice="none")
-    return Reference(printed=Printed(torque_mae=table), errata=(erratum,))
+    return Reference(printed={"torque_mae": table}, errata=(erratum,))
 
 
 def statuses(own: list[float], said: list[float] | None = None, **more: object) -> list[str]:
@@ -178,10 +177,9 @@ def test_nothing_is_said_without_published_numbers() -> None:
 
 def test_what_errata_of_the_thesis_explain_is_printed() -> None:
     thesis = read_reference(THESIS)
-    tables = thesis.printed.tables()
     for erratum in thesis.errata:
         for way in erratum.explains:
-            assert way.row in dict(tables[way.printed].values)
+            assert way.row in dict(thesis.printed[way.printed].values)
             assert (way.closed_loop is None) != (way.acceleration is None)
     assert thesis.explained() <= thesis.recordings()
 

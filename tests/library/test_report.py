@@ -204,11 +204,11 @@ def test_published_values_stand_at_their_recording_only() -> None:
         rebuilt=Lookup(table="torque_mae", value="mae"),
         values={"A": tuple(range(6)), "old": (9,) * 6},
     )
-    rows = torque_errors("run", Printed(torque_mae=printed))
+    rows = torque_errors("run", {"torque_mae": printed})
     at_target = rows[(rows["model"] == "A") & (rows["motion"] == "target")]
     assert at_target["printed"].tolist() == [*range(6)]
     assert rows[rows["model"] == "old"]["mae"].isna().all()
-    elsewhere = torque_errors("other", Printed(torque_mae=printed))
+    elsewhere = torque_errors("other", {"torque_mae": printed})
     assert elsewhere["printed"].isna().all()
 
 
@@ -346,7 +346,7 @@ def force_results() -> Results:
     rebuilt = Lookup(table="force_mae", value="mae")
     values = {"Fu": (1.0,) * 6}
     printed = PrintedTable(source="6.1", recording="run", rebuilt=rebuilt, values=values)
-    rows = table("force_mae", Printed(force_mae=printed), forces={"run": force_summary()})
+    rows = table("force_mae", {"force_mae": printed}, forces={"run": force_summary()})
     return Results({}, {"force_mae": rows}, Path())
 
 

@@ -1,6 +1,7 @@
 """Every published number beside the rebuilt one, and whether an erratum explains a difference."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -27,17 +28,39 @@ def compared(
     reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[Explained]
 ) -> Iterator[dict[str, object]]:
     """Yield a row for each published number of the recordings in the study's tables (by name)."""
-    for name, table in reference.printed.tables().items():
-        for row, printed in dict(table.values).items():
+    for name, table in reference.printed.items():
+        for row in dict(table.values):
+            about = {
+                "source": table.sources.get(row, table.source),
+                "quantity": table.quantity or name,
+                "recording": table.recording,
+                "row": row,
+            }
             ways = [way for way in explained if (way.printed, way.row) == (name, row)]
-            for number in _beside(table, tables, row, printed, ways):
-                yield {
-                    "source": table.sources.get(row, table.source),
-                    "quantity": table.quantity or name,
-                    "recording": table.recording,
-                    "row": row,
-                    **number,
-                }
+            by_erratum = {way.erratum: way.numbers for way in ways}
+            yield from (about | number for number in _beside(table, tables, row, by_erratum))
+
+
+def _beside(
+    table: PrintedTable,
+    tables: Mapping[str, pd.DataFrame],
+    row: str,
+    by_erratum: Mapping[int, Array],
+) -> Iterator[dict[str, object]]:
+    """Yield the numbers of one published row; a single one is compared with the largest of six."""
+    printed = dict(table.values)[row]
+    rebuilt = _found(table.rebuilt, tables, table.recording, row)
+    right = _found(table.right, tables, table.recording, row)
+    if len(printed) == 1 and len(rebuilt):
+        rebuilt, right = (pd.Series({"largest": numbers.max()}) for numbers in (rebuilt, right))
+        by_erratum = {key: np.array([numbers.max()]) for key, numbers in by_erratum.items()}
+    last_digit = 10.0 ** -_decimals(table)
+    for place, (number, value) in enumerate(rebuilt.items()):
+        candidates = {erratum: float(numbers[place]) for erratum, numbers in by_erratum.items()}
+        least = table.below_one if abs(printed[place]) < 1 else 0.0
+        tolerance = max(table.relative * abs(printed[place]), 0.5 * last_digit, least)
+        status = judged(printed[place], value, candidates, tolerance)
+        yield {"number": number, **status, "right": right.get(number)}
 
 
 def judged(
@@ -48,40 +71,16 @@ def judged(
     by_erratum: the number with each erratum's error; the nearest to the print is shown, and
     explains it if equal. tolerance: largest difference that counts as equal.
     """
-    gaps = {abs(number - printed): erratum for erratum, number in by_erratum.items()}
-    shown: dict[str, object] = {}
+    found = {"printed": printed, "rebuilt": rebuilt, "ratio": rebuilt / printed}
     status = UNEXPLAINED
-    if gaps:
-        nearest = gaps[min(gaps)]
-        shown = {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
-        if min(gaps) <= tolerance:
+    if by_erratum:
+        nearest = min(by_erratum, key=lambda erratum: abs(by_erratum[erratum] - printed))
+        found |= {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
+        if abs(by_erratum[nearest] - printed) <= tolerance:
             status = f"erratum {nearest}"
     if abs(rebuilt - printed) <= tolerance:  # also false where nothing could be rebuilt
         status = EQUAL
-    ratio = rebuilt / printed
-    return {"printed": printed, "rebuilt": rebuilt, "ratio": ratio, **shown, "status": status}
-
-
-def _beside(
-    table: PrintedTable,
-    tables: Mapping[str, pd.DataFrame],
-    row: str,
-    printed: Sequence[float],
-    ways: Sequence[Explained],
-) -> Iterator[dict[str, object]]:
-    """Yield the numbers of one published row; a single one is compared with the largest of six."""
-    rebuilt = _found(table.rebuilt, tables, table.recording, row)
-    right = _found(table.right, tables, table.recording, row)
-    by_erratum = {way.erratum: way.numbers for way in ways}
-    if len(printed) == 1 and len(rebuilt):
-        rebuilt, right = (pd.Series({"largest": numbers.max()}) for numbers in (rebuilt, right))
-        by_erratum = {key: np.array([numbers.max()]) for key, numbers in by_erratum.items()}
-    digits = _decimals(table)
-    for place, (number, value) in enumerate(rebuilt.items()):
-        candidates = {erratum: float(numbers[place]) for erratum, numbers in by_erratum.items()}
-        tolerance = _tolerance(table, printed[place], digits)
-        status = judged(printed[place], value, candidates, tolerance)
-        yield {"number": number, **status, "right": right.get(number)}
+    return found | {"status": status}
 
 
 def _found(
@@ -91,20 +90,15 @@ def _found(
     if lookup is None:
         return pd.Series(dtype=float)
     table = tables[lookup.table]
+    column, cells = lookup.of(row)
     key = {"recording": recording} if "recording" in table else {}  # a fit is of several
-    for column, value in (key | lookup.cells(row)).items():
-        table = table[table[column] == value]
-    return table.set_index(lookup.number)[lookup.column(row)]
-
-
-def _tolerance(table: PrintedTable, printed: float, decimals: int) -> float:
-    """Return the difference that counts as equal: some per cent, or half of the last digit."""
-    least = table.below_one if abs(printed) < 1 else 0.0
-    return max(table.relative * abs(printed), 0.5 * 10**-decimals, least)
+    for name, value in (key | cells).items():
+        table = table[table[name] == value]
+    return table.set_index(lookup.number)[column]
 
 
 def _decimals(table: PrintedTable) -> int:
     """Return the most decimals of a table's numbers."""
-    rows = dict(table.values).values()
-    shown = [np.format_float_positional(number, trim="-") for row in rows for number in row]
+    numbers = chain.from_iterable(dict(table.values).values())
+    shown = (np.format_float_positional(number, trim="-") for number in numbers)
     return max(len(text.partition(".")[2]) for text in shown)

@@ -59,18 +59,14 @@ class Lookup(Strict):
     number: str = "joint"
     where: dict[str, str | dict[str, str]] = Field(default_factory=dict)
 
-    def column(self, row: str) -> str:
-        """Return the column that holds the numbers of a published row."""
-        return _of_row(self.value, row)
+    def of(self, row: str) -> tuple[str, dict[str, str]]:
+        """Return the column of a published row's numbers, and what other columns hold there."""
 
-    def cells(self, row: str) -> dict[str, str]:
-        """Return the values of the columns that identify a published row."""
-        values = {column: _of_row(value, row) for column, value in self.where.items()}
-        return values | ({self.row: row} if self.row else {})
+        def own(value: str | dict[str, str]) -> str:
+            return value if isinstance(value, str) else value[row]
 
-
-def _of_row(value: str | dict[str, str], row: str) -> str:
-    return value if isinstance(value, str) else value[row]
+        cells = {column: own(value) for column, value in self.where.items()}
+        return own(self.value), cells | ({self.row: row} if self.row else {})
 
 
 class PrintedTable(Strict):
@@ -100,22 +96,11 @@ class PrintedTable(Strict):
         return values
 
 
-class Printed(Strict):
-    """The published tables that are compared with."""
-
-    closed_loop_q: PrintedTable | None = None
-    closed_loop_qd: PrintedTable | None = None
-    torque_mae: PrintedTable | None = None
-    acceleration_mae: PrintedTable | None = None
-    force_mae: PrintedTable | None = None
-    force_max: PrintedTable | None = None
-    current_torque: PrintedTable | None = None
-    closed_loop_q_max: PrintedTable | None = None
-    closed_loop_qd_max: PrintedTable | None = None
-
-    def tables(self) -> dict[str, PrintedTable]:
-        """Return the published tables by name."""
-        return {name: table for name, table in self if table is not None}
+OfLoop = Literal["closed_loop_q", "closed_loop_qd", "closed_loop_q_max", "closed_loop_qd_max"]
+OfStudy = Literal["torque_mae", "acceleration_mae", "force_mae", "force_max", "current_torque"]
+Name = OfLoop | OfStudy
+Printed = dict[Name, PrintedTable]
+"""The published tables that are compared with."""
 
 
 class Published(NamedTuple):
@@ -124,16 +109,16 @@ class Published(NamedTuple):
     printed: Printed
     recording: str
 
-    def values(self, table: str) -> dict[str, tuple[float, ...]]:
+    def values(self, table: Name) -> dict[str, tuple[float, ...]]:
         """Return a table's printed values of this recording; empty for any other recording."""
-        found: PrintedTable | None = getattr(self.printed, table)
-        return dict(found.values) if found and found.recording == self.recording else {}
+        found = self.printed.get(table)
+        return found.values if found and found.recording == self.recording else {}
 
 
 class Explanation(Strict):
     """How an erratum explains numbers: a published table's row, and the way to compute it."""
 
-    printed: str
+    printed: Name
     row: str
     closed_loop: LoopError | None = None
     acceleration: AccelerationError | None = None
@@ -151,34 +136,32 @@ class Erratum(Strict):
 class Reference(Strict):
     """Published values of the recordings of a study."""
 
-    printed: Printed = Printed()
+    printed: Printed = Field(default_factory=dict)
     errata: tuple[Erratum, ...] = ()
 
-    def recordings(self, *names: str) -> set[str]:
+    def recordings(self, *names: Name) -> set[str]:
         """Return the recordings with published values, in some tables or, without names, in any."""
-        tables = self.printed.tables()
-        return {tables[name].recording for name in names or tables if name in tables}
+        return {one.recording for name, one in self.printed.items() if not names or name in names}
 
     def of_older_model(self) -> set[str]:
         """Return the names of the recordings with published values of the older model."""
-        tables = self.printed.tables().values()
+        tables = self.printed.values()
         return {table.recording for table in tables if OLDER_MODEL in table.values}
 
     def tables(self) -> list[str]:
         """Return the names of the study's tables that hold rebuilt and right numbers."""
-        lookups = ((table.rebuilt, table.right) for table in self.printed.tables().values())
+        lookups = ((table.rebuilt, table.right) for table in self.printed.values())
         return sorted({lookup.table for pair in lookups for lookup in pair if lookup})
 
     def explained(self) -> set[str]:
         """Return the names of the recordings whose published values an erratum explains."""
-        tables = self.printed.tables()
         ways = (way for erratum in self.errata for way in erratum.explains)
-        return {tables[way.printed].recording for way in ways}
+        return {self.printed[way.printed].recording for way in ways}
 
     def explained_accelerations(self) -> dict[str, AccelerationError]:
         """Return, by recording, the error by which an erratum explains printed accelerations."""
-        tables = self.printed.tables()
         ways = (way for erratum in self.errata for way in erratum.explains)
+        tables = self.printed
         return {tables[way.printed].recording: way.acceleration for way in ways if way.acceleration}
 
 

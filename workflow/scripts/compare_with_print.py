@@ -26,10 +26,9 @@ def compare_with_print(input: Any, output: Any, params: Any) -> None:
 
 def explained(reference: Reference, input: Any, params: Any) -> Iterator[Explained]:
     """Yield the numbers of the errata's explanations, of the recordings of this study."""
-    published = reference.printed.tables()
     for number, erratum in enumerate(reference.errata, 1):
         for way in erratum.explains:
-            recording = published[way.printed].recording
+            recording = reference.printed[way.printed].recording
             if recording not in params.recordings:
                 continue
             place = params.recordings.index(recording)

@@ -16,7 +16,7 @@ STDS = ("Fx_std", "Fy_std", "Fz_std")
 
 def force_mae(forces: Compared, published: Published) -> Iterator[Row]:
     """Yield the errors of the force estimates against the sensor."""
-    tables = {figure: published.values(f"force_{figure}") for figure in ("mae", "max")}
+    tables = {"mae": published.values("force_mae"), "max": published.values("force_max")}
     for kind, estimates in forces.errors.items():
         for estimate, periods in estimates.items():
             determined = _determined(periods.get("contact"))

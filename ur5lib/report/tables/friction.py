@@ -104,7 +104,7 @@ def torque_constants(constants: PublishedConstants, published: Published) -> Ite
     """Yield torque constants and offsets of moving joints by the thesis's regression and by its
     reverse, and the printed ones; none without published constants.
     """
-    compared = published.printed.current_torque is not None
+    compared = "current_torque" in published.printed
     printed = published.values("current_torque")
     for regression, line in constants.lines.items() if compared else ():
         columns = vars(constants) | {

@@ -90,7 +90,7 @@ def make_table(
 
     def given(need: str, owner: str) -> Any:
         if need == "published":
-            return Published(printed or Printed(), owner)
+            return Published(printed or {}, owner)
         return owners if need == "every" else kinds[need].get(owner)
 
     rows = [

@@ -30,8 +30,8 @@ def closed_loop_mae(
     if not closed_loop.qd:
         return
     received = ~signals.interpolated
-    for quantity in ("q", "qd"):
-        printed = published.values(f"closed_loop_{quantity}")
+    tables = {"q": published.values("closed_loop_q"), "qd": published.values("closed_loop_qd")}
+    for quantity, printed in tables.items():
         actual = getattr(signals, f"actual_{quantity}")[received]
         target = {"target": getattr(signals, f"target_{quantity}")}
         for model, states in (getattr(closed_loop, quantity) | target).items():
