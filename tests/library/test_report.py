@@ -382,11 +382,11 @@ def test_the_headline_sets_contact_beside_free() -> None:
 
 
 def test_the_summary_never_averages_contact_and_free() -> None:
-    force = force_results().tables["force_mae"]
-    assert stated(in_contact(force)) == [
+    results = force_results()
+    assert stated(in_contact(results)) == [
         [*[4.0] * 3, *[3.0, 5.0] * 3, *[10.0] * 3, *[90] * 3, *[0.1] * 3]
     ]
-    (told,) = undetermined_moments(force)
+    (told,) = undetermined_moments(results)
     assert "ny, nz" in told
 
 
@@ -395,7 +395,7 @@ def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
     results = Results({}, {"force_mae": force[force["during"] != "contact"]}, Path())
     assert shown_table("forces.headline", results).rows == []
     assert shown_table("forces.summary", results).rows == []
-    assert [*in_contact(results.tables["force_mae"])] == []
+    assert [*in_contact(results)] == []
 
 
 def test_contacts_are_counted_by_their_force() -> None:

@@ -131,8 +131,7 @@ class Results:
 
     def printed(self, table: str, column: str = "printed") -> list[str]:
         """Return the names of the recordings with printed values in a table."""
-        rows = self.tables[table]
-        return [*rows.loc[rows[column].notna(), "recording"].unique()]
+        return [*self.tables[table].dropna(subset=column)["recording"].unique()]
 
     @property
     def of_thesis(self) -> bool:
@@ -146,10 +145,10 @@ class Results:
     @cached_property
     def _moving(self) -> dict[str, set[int]]:
         """Return the moving joints by recording; cached, as views ask for them row by row."""
-        rows = self.tables["recordings"].dropna(subset="moving_joints")
+        moving = self.tables["recordings"].set_index("recording")["moving_joints"].dropna()
         return {
-            row.recording: {int(float(joint)) for joint in str(row.moving_joints).split()}
-            for row in rows.itertuples()
+            str(recording): {int(float(joint)) for joint in str(joints).split()}
+            for recording, joints in moving.items()
         }
 
     def stopped(self) -> bool:
@@ -185,10 +184,10 @@ class Results:
         return [name for name in dict.fromkeys(names) if name in self.drawn][:most]
 
     def rows(self, table: str, **values: Any) -> pd.DataFrame:
-        """Return the rows of a table with these values."""
+        """Return the rows of a table with these values, in each column one or a list of them."""
         rows = self.tables.get(table, OPTIONAL.get(table))
         for column, value in values.items():
-            rows = rows[rows[column] == value]
+            rows = rows[rows[column].isin(value if isinstance(value, list) else [value])]
         return rows
 
 

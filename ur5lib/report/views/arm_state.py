@@ -15,6 +15,7 @@ from ur5lib.report.sentences import say
 
 LEAST = 0.5  # %, smallest effect of temperature that is mentioned
 DRIFT = "Drift over time"  # topic
+ALONG = [f"smallest_push_95_{axis}" for axis in "xyz"]
 
 
 def dates(results: Results) -> Iterator[Sentence]:
@@ -71,22 +72,18 @@ def steps(results: Results) -> Iterator[Sentence]:
 
 
 def detectable(results: Results) -> Iterator[Sentence]:
-    """Report at which speeds pushes on an arm are detected best and worst, and by axis."""
+    """Report at which speeds pushes on an arm are detected best and worst, and the smallest push
+    along each axis that is detected, at rest and in motion.
+    """
     for robot in results.listed("observability", "robot"):
         rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
         if len(rows) > 1:
             ends = rows.loc[rows["value"].idxmin()], rows.loc[rows["value"].idxmax()]
             yield say("observed.pushes", robot=robot, best=ends[0], worst=ends[1], most=MOST)
-        yield from _by_axis(results, robot)
-
-
-def _by_axis(results: Results, robot: str) -> Iterator[Sentence]:
-    """Report the smallest push along each axis that is detected, at rest and in motion."""
-    rows = results.rows("observability", robot=robot)
-    rows = rows[rows["quantity"].str.startswith("smallest_push_95_")]  # and the axis
-    limits = [(slowest, [*part.itertuples()]) for slowest, part in rows.groupby("speed_low")]
-    if limits:
-        yield say("observed.missed", robot=robot, limits=limits, most=MOST)
+        by_axis = results.rows("observability", robot=robot, quantity=ALONG)
+        limits = [(slowest, [*part.itertuples()]) for slowest, part in by_axis.groupby("speed_low")]
+        if limits:
+            yield say("observed.missed", robot=robot, limits=limits, most=MOST)
 
 
 def pushes(results: Results) -> pd.DataFrame:
@@ -124,6 +121,9 @@ def judge_drift(results: Results) -> Verdict | None:
     dates = results.tables["health"]
     if dates.empty:
         return None
+    tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
+    span = days(dates["date"].min(), dates["date"].max(), "to")
+    words = {"days": dates["date"].nunique(), "span": span, "tested": tested}
     changes = ranked(results)
     worst = changes.groupby("joint")["share"].max()
     joints = range(1, int(dates["joint"].max()) + 1)
@@ -134,16 +134,7 @@ def judge_drift(results: Results) -> Verdict | None:
         topic=DRIFT,
         state="usable" if len(changes) else "good",
         sentence=sentence,
-        evidence=_evidence(results, len(changes)),
+        evidence=say("health.evidence", changes=len(changes), **words),
         drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),
         caption=say("health.caption"),
     )
-
-
-def _evidence(results: Results, changes: int) -> Sentence:
-    """Return the number of dates, tests and changes, and the chance of a false one."""
-    dates = results.tables["health"]
-    tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
-    first, last = dates["date"].min(), dates["date"].max()
-    words = {"days": dates["date"].nunique(), "span": days(first, last, "to"), "tested": tested}
-    return say("health.evidence", changes=changes, **words)

@@ -13,6 +13,8 @@ WORDS = {"scale": "the scale", "drift": "the drift", "shift": "the shift by a co
 LIMITS = {"scale": "5 %", "drift": "1 N/min", "shift": "1 N"}
 DIGITS = {"N": 2, "N/min": 2, "Nm": 3, "Nm/min": 3, "°": 2, "1": 4, "kg": 3, "m": 4}
 CERTAIN = 0.1  # largest relative error of a mass that the report proposes to declare
+Audit = dict[str, pd.DataFrame]
+"""The rows of audit.csv of one recording by quantity, each by component."""
 
 
 def audited(results: Results) -> list[str]:
@@ -45,45 +47,37 @@ def values(results: Results, recording: str) -> pd.DataFrame:
 
 def verdicts(rows: pd.DataFrame) -> Iterator[Sentence]:
     """Yield sentences about one recording's sensor, from its rows of audit.csv."""
-    audit = rows.fillna({"component": "", "verdict": ""}).set_index(["quantity", "component"])
-    if len(audit) == 1:
-        yield say("sensor.short", seconds=audit["value"].iloc[0])
+    known = rows.fillna({"component": "", "verdict": ""}).set_index("component")
+    audit = dict([*known.groupby("quantity")])
+    if len(known) == 1:
+        yield say("sensor.short", seconds=known["value"].iloc[0])
         return
-    quantities = audit.index.get_level_values(0)
-    if "mass" in quantities:
+    if "mass" in audit:
         yield from _sensor(audit)
-    yield from _controller(audit)
+    if "zero" in audit:
+        zero, left = audit["zero"], audit["left_mass"].loc[""]
+        force = say("sensor.vector", values=zero["value"][:3])
+        yield say("sensor.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
+        if left.verdict == "wrong":
+            yield say("sensor.left", left=_with_error(left))
 
 
-def _sensor(audit: pd.DataFrame) -> Iterator[Sentence]:
+def _sensor(audit: Audit) -> Iterator[Sentence]:
     """Yield sentences about the raw reading, axis by axis and as a whole."""
-    quantities = audit.index.get_level_values(0)
     for axis in "xyz":
-        parts = ("scale", axis), ("drift", f"F{axis}"), ("shift", f"F{axis}")
-        judged = [_judged(audit.loc[part], part[0]) for part in parts if part[0] in quantities]
+        parts = {"scale": axis, "drift": f"F{axis}", "shift": f"F{axis}"}
+        judged = []
+        for quantity, component in parts.items():
+            if quantity in audit:
+                row = audit[quantity].loc[component]
+                words = {"word": WORDS[quantity], "limit": LIMITS[quantity]}
+                judged.append(say("sensor.judged", row=row, value=_with_error(row), **words))
         yield say("sensor.axis", axis=axis, parts=judged)
-    if "scale" not in quantities:
+    if "scale" not in audit:
         yield say("sensor.no scale")
-    if "shift" not in quantities:
+    if "shift" not in audit:
         yield say("sensor.no shift")
-    yield from _turn(audit)
-    yield from _payload(audit)
-
-
-def _judged(row: pd.Series, quantity: str) -> str:
-    """Return a value in words, with the verdict on it."""
-    words = {"word": WORDS[quantity], "limit": LIMITS[quantity]}
-    return say("sensor.judged", row=row, value=_with_error(row), **words)
-
-
-def _with_error(row: pd.Series) -> Sentence:
-    """Return a value with its standard error and its unit."""
-    unit = "" if row.unit == "1" else row.unit
-    return say("sensor.value", row=row, digits=DIGITS[row.unit], unit=unit)
-
-
-def _turn(audit: pd.DataFrame) -> Iterator[Sentence]:
-    turn = audit.loc["turn"]
+    turn = audit["turn"]
     vector = say("sensor.vector", values=turn["value"])
     if (turn["verdict"] == "unknown").any():
         yield say("sensor.turn unknown")
@@ -92,36 +86,28 @@ def _turn(audit: pd.DataFrame) -> Iterator[Sentence]:
         yield say("sensor.turn wrong", size=size, vector=vector, typed=vector.replace("−", "-"))
     else:
         yield say("sensor.turn right", vector=vector)
+    yield from _payload(audit)
 
 
-def _payload(audit: pd.DataFrame) -> Iterator[Sentence]:
-    """Yield the mass on the sensor beside the declared one, and the command that declares it."""
-    mass, center = audit.loc[("mass", "")], audit.loc["center_of_mass"]
+def _with_error(row: pd.Series) -> Sentence:
+    """Return a value with its standard error and its unit."""
+    unit = "" if row.unit == "1" else row.unit
+    return say("sensor.value", row=row, digits=DIGITS[row.unit], unit=unit)
+
+
+def _payload(audit: Audit) -> Iterator[Sentence]:
+    """Yield the mass on the sensor beside the declared one, and the command that declares it.
+
+    It differs from the declared one where none is declared, or the centre of mass is another, which
+    no wrong scale of the sensor explains.
+    """
+    mass, center = audit["mass"].loc[""], audit["center_of_mass"]
     declared = None if pd.isna(mass.expected) else mass.expected
     certain = 0 < mass.std_error < CERTAIN * mass.value
     place = ""
-    if certain and _is_other(audit):
+    if certain and ("scale" not in audit or (center["verdict"] == "wrong").any()):
         place = ", ".join(fixed(value, 3).replace("−", "-") for value in center["value"])
     words = {"mass": _with_error(mass), "kg": mass.value, "declared": declared, "place": place}
     yield say("sensor.payload", **words)
-    if ("mass_by_currents", "") in audit.index:
-        yield say("sensor.by currents", by=audit.loc[("mass_by_currents", "")])
-
-
-def _is_other(audit: pd.DataFrame) -> bool:
-    """Return whether the payload differs from the declared one: none is declared, or the centre of
-    mass is another, which no wrong scale of the sensor explains.
-    """
-    wrong = audit.loc["center_of_mass", "verdict"] == "wrong"
-    return "scale" not in audit.index.get_level_values(0) or bool(wrong.any())
-
-
-def _controller(audit: pd.DataFrame) -> Iterator[Sentence]:
-    """Yield the reading of the controller's force when nothing touches the arm."""
-    if "zero" not in audit.index.get_level_values(0):
-        return
-    zero, left = audit.loc["zero"], audit.loc[("left_mass", "")]
-    force = say("sensor.vector", values=zero["value"][:3])
-    yield say("sensor.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
-    if left.verdict == "wrong":
-        yield say("sensor.left", left=_with_error(left))
+    if "mass_by_currents" in audit:
+        yield say("sensor.by currents", by=audit["mass_by_currents"].loc[""])

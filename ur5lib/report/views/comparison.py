@@ -1,7 +1,6 @@
 """Results beside those of other studies, published numbers, and the truth of simulations."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -44,21 +43,20 @@ def rebuilt(results: Results) -> Iterator[Sentence]:
         yield say("printed.found", equal=equal, count=len(rows), left=left)
 
 
-def unexplained(results: Results) -> list[str]:
-    """Return each unexplained number with its table and row, and the difference in per cent."""
-    rows = results.rows("printed")
-    return [_missed(row) for row in rows[rows["status"] == UNEXPLAINED].itertuples()]
-
-
-def _missed(row: Any) -> str:
-    """Return how far the erratum's number, or else the rebuilt one, is from the printed one."""
-    nearest, source = row.rebuilt, "rebuilt"
-    if not np.isnan(row.as_erratum_says):
-        nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
-    gap = 100 * (nearest / row.printed - 1)
-    place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
-    words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}
-    return say("printed.missed", row=row, place=place, **words)
+def unexplained(results: Results) -> list[Sentence]:
+    """Return each unexplained number with its table and row, and the difference in per cent: that
+    of the erratum's number, or else of the rebuilt one.
+    """
+    found = []
+    for row in results.rows("printed", status=UNEXPLAINED).itertuples():
+        nearest, source = row.rebuilt, "rebuilt"
+        if not np.isnan(row.as_erratum_says):
+            nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
+        gap = 100 * (nearest / row.printed - 1)
+        place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
+        words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}
+        found.append(say("printed.missed", row=row, place=place, **words))
+    return found
 
 
 def intervals(results: Results) -> pd.DataFrame:
@@ -70,8 +68,7 @@ def intervals(results: Results) -> pd.DataFrame:
 
 def single(results: Results) -> pd.DataFrame:
     """Return the single values: those fitted to several recordings, and of a recording's clocks."""
-    rows = results.rows("truth")
-    return rows[rows["quantity"].isin(names("truth"))]
+    return results.rows("truth", quantity=[*names("truth")])
 
 
 def over_time(results: Results) -> pd.DataFrame:

@@ -13,16 +13,8 @@ from ur5lib.report.formats import Sentence, joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import (
-    PUSHES,
-    leading,
-    leading_of_each,
-    likely,
-    pushes_found,
-    searched,
-)
+from ur5lib.report.views.forces import FORCES, PUSHES, leading, likely, pushes_found, searched
 
-FORCES = ["Fx", "Fy", "Fz"]
 FLANGE = 6  # the link that carries flange and tool
 CLAIMED, OURS, AXIS = "F*", "Fmap", "Fz"
 TOPIC = "Force in contact"
@@ -31,35 +23,31 @@ UNCALIBRATED = "static"  # the estimate without any fit
 
 def sentences(results: Results) -> list[str]:
     """Return sentences about errors in contact, bands, contacts and alarms."""
-    force = results.tables["force_mae"]
     return [
-        *in_contact(force),
-        *bands_held(force),
+        *in_contact(results),
+        *bands_held(results),
         *largest_contacts(results),
         *detection(results),
     ]
 
 
-def in_contact(force: pd.DataFrame) -> Iterator[Sentence]:
+def in_contact(results: Results) -> Iterator[Sentence]:
     """Report the errors of the leading estimate, in contact and free."""
-    forces = _forces(force)
-    touched = forces[forces["during"] == "contact"]
-    names = touched["recording"].unique()
-    for name in names[:MOST_SHOWN]:
-        rows = forces[forces["recording"] == name]
-        contact, free = (rows[rows["during"] == during] for during in ("contact", "free"))
-        yield _errors_in_contact(str(name), leading(contact), contact, leading(free))
-    if len(names) > MOST_SHOWN:
-        means = leading_of_each(touched).groupby("recording")[["mae", "mean_force"]].mean()
-        better = int((means["mae"] < means["mean_force"]).sum())
-        yield say("contacts.better", better=better, count=len(names))
+    rows = results.rows("force_mae", kind="compensated", component=FORCES)
+    touched = dict([*rows[rows["during"] == "contact"].groupby("recording", sort=False)])
+    free = rows[rows["during"] == "free"]
+    for name, contact in [*touched.items()][:MOST_SHOWN]:
+        yield _errors_in_contact(contact, leading(free[free["recording"] == name]))
+    if len(touched) > MOST_SHOWN:
+        means = [leading(own)[["mae", "mean_force"]].mean() for own in touched.values()]
+        better = sum(mean["mae"] < mean["mean_force"] for mean in means)
+        yield say("contacts.better", better=better, count=len(touched))
 
 
-def _errors_in_contact(
-    recording: str, lead: pd.DataFrame, contact: pd.DataFrame, free: pd.DataFrame
-) -> Sentence:
+def _errors_in_contact(contact: pd.DataFrame, free: pd.DataFrame) -> Sentence:
     """Report one recording's errors in contact, with intervals and bands, and its free errors."""
-    name = lead["estimate"].iloc[0]
+    lead = leading(contact)
+    recording, name = lead[["recording", "estimate"]].iloc[0]
     ends = lead[["mae_low", "mae_high"]].dropna().to_numpy()
     plain = contact.loc[contact["estimate"] == "least_squares", "mae"]
     return say(
@@ -74,9 +62,9 @@ def _errors_in_contact(
     )
 
 
-def undetermined_moments(force: pd.DataFrame) -> Iterator[Sentence]:
+def undetermined_moments(results: Results) -> Iterator[Sentence]:
     """Report the moments that the leading estimate determines on no recording."""
-    rows = leading(force[(force["kind"] == "compensated") & (force["during"] == "contact")])
+    rows = leading(results.rows("force_mae", kind="compensated", during="contact"))
     moments = rows[rows["component"].str.startswith("n")]
     determined = {*moments.loc[moments["determined"] == "yes", "component"]}
     names = [name for name in moments["component"].unique() if name not in determined]
@@ -85,9 +73,9 @@ def undetermined_moments(force: pd.DataFrame) -> Iterator[Sentence]:
         yield say("contacts.undetermined", moments=names, **words)
 
 
-def bands_held(force: pd.DataFrame) -> Iterator[Sentence]:
+def bands_held(results: Results) -> Iterator[Sentence]:
     """Report the coverage of the stated bands, in contact and free."""
-    rows = _forces(force)
+    rows = results.rows("force_mae", kind="compensated", component=FORCES)
     held = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
     if {"contact", "free"} <= {*held}:
         known = held.dropna(subset=["contact", "free"])
@@ -96,7 +84,7 @@ def bands_held(force: pd.DataFrame) -> Iterator[Sentence]:
 
 def found_without_sensor(results: Results) -> dict[str, int]:
     """Return the number of contacts that F̂ᵐᵃᵖ finds, by contact recording without a sensor."""
-    searched = {*results.rows("detection", estimate="Fmap")["recording"].unique()}
+    searched = {*results.rows("detection", estimate="Fmap")["recording"]}
     without = searched.difference(results.listed("force_mae"))
     contacts = results.rows("contacts", estimate="Fmap", kind="contact")["recording"]
     names = [name for name in results.with_role("contact") if name in without]
@@ -105,8 +93,7 @@ def found_without_sensor(results: Results) -> dict[str, int]:
 
 def felt_while_fitted(results: Results) -> list[str]:
     """Return the recordings of the role fit on which F̂ᵐᵃᵖ finds contacts, by a fit without them."""
-    rows = results.rows("contacts", estimate="Fmap", kind="contact")
-    found = {*rows["recording"].unique()}
+    found = {*results.rows("contacts", estimate="Fmap", kind="contact")["recording"]}
     return [name for name in results.with_role("fit") if name in found]
 
 
@@ -138,37 +125,30 @@ def elsewhere(results: Results) -> Iterator[Sentence]:
 
 
 def detection(results: Results) -> Iterator[Sentence]:
-    """Report the contacts found by their force, and the smallest push detected along each axis."""
+    """Report the contacts found by their force, those of the weakest that past samples alone show,
+    and the smallest push detected along each axis.
+    """
     rows, name = results.rows("detection", estimate="Fmap"), ESTIMATES["Fmap"]
     by_class = rows.groupby("force_class_n")[["found", "contacts"]].sum()
     if len(by_class):
         yield say("contacts.found", name=name, classes=[*by_class.itertuples()])
-        yield from _causal(rows[rows["force_class_n"] == rows["force_class_n"].min()])
+        weakest = rows[rows["force_class_n"] == rows["force_class_n"].min()]
+        rated = weakest.dropna(subset="causal_found")
+        if len(rated):
+            found, count = (int(rated[column].sum()) for column in ("causal_found", "contacts"))
+            delays = [*rated["causal_delay_s"].dropna()]
+            words = {"found": found, "count": count, "delays": delays, "most": MOST_SHOWN}
+            yield say("contacts.causal", **words)
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield say("contacts.smallest", name=name, forces=smallest)
 
 
-def _causal(rows: pd.DataFrame) -> Iterator[Sentence]:
-    """Report the contacts found from past samples only; rows: those of the weakest contacts."""
-    rated = rows.dropna(subset="causal_found")
-    if len(rated):
-        found, count = (int(rated[name].sum()) for name in ("causal_found", "contacts"))
-        delays = [*rated["causal_delay_s"].dropna()]
-        words = {"found": found, "count": count, "delays": delays, "most": MOST_SHOWN}
-        yield say("contacts.causal", **words)
-
-
 def quiet(results: Results) -> pd.DataFrame:
     """Return the alarms of F̂ᵐᵃᵖ on validate recordings without an undeclared load."""
-    rows = results.rows("detection", estimate="Fmap")
-    rows = rows[rows["recording"].isin(results.with_role("validate"))]
+    validated = results.with_role("validate")
+    rows = results.rows("detection", estimate="Fmap", recording=validated)
     return rows[~rows["recording"].isin(loaded(results)["recording"])]
-
-
-def _forces(force: pd.DataFrame) -> pd.DataFrame:
-    """Return the errors of the forces against the compensated sensor."""
-    return force[(force["kind"] == "compensated") & force["component"].str.startswith("F")]
 
 
 class Score(NamedTuple):
@@ -193,9 +173,10 @@ def score(results: Results, estimate: str) -> Score | None:
 
     Pushes are counted on recordings with printed errors, time above on validate recordings.
     """
-    rows = results.rows("fixed_threshold", component=AXIS, estimate=estimate)
-    pushed = rows[rows["recording"].isin(results.printed("force_mae", "printed_mae"))]
-    free = rows[rows["recording"].isin(results.with_role("validate"))]
+    printed, validated = results.printed("force_mae", "printed_mae"), results.with_role("validate")
+    rows = {"component": AXIS, "estimate": estimate}
+    pushed = results.rows("fixed_threshold", recording=printed, **rows)
+    free = results.rows("fixed_threshold", recording=validated, **rows)
     if pushed.empty or free.empty:
         return None
     found, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
@@ -241,8 +222,7 @@ def uncalibrated(results: Results) -> Iterator[Sentence]:
 
 def errors_in_contact(results: Results) -> pd.DataFrame:
     """Return the leading estimate's errors along x, y, z on recordings that no fit has seen."""
-    rows = results.rows("force_mae", kind="compensated", during="contact")
-    rows = rows[rows["component"].str.startswith("F")]
+    rows = results.rows("force_mae", kind="compensated", during="contact", component=FORCES)
     rows = leading(rows[~rows["recording"].isin(results.with_role("fit"))])
     return rows.assign(axis=rows["component"].str[1:])
 

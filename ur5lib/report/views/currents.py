@@ -92,8 +92,7 @@ def in_motion(results: Results, names: Set[str]) -> pd.DataFrame:
 
     zero: the error of a constant current, its standard deviation: R² = 1 − RMSE² / zero².
     """
-    rows = results.tables["current_rmse"]
-    rows = rows[rows["recording"].isin(names)]
+    rows = results.rows("current_rmse", recording=[*names])
     joints = zip(rows["recording"], rows["joint"], strict=True)
     moves = [joint in results.moving(recording) for recording, joint in joints]
     rows = rows[np.array(moves, dtype=bool)]
@@ -110,8 +109,7 @@ def unseen_errors(results: Results) -> pd.DataFrame:
 
 def prediction(results: Results, recording: str) -> pd.DataFrame:
     """Return the errors on a recording of the models that the report compares."""
-    rows = results.rows("current_rmse", recording=recording)
-    return rows[rows["model"].isin([*names("model")])]
+    return results.rows("current_rmse", recording=recording, model=[*names("model")])
 
 
 def cross_validation(results: Results, robot: str) -> pd.DataFrame:
@@ -132,8 +130,7 @@ def cross_validation(results: Results, robot: str) -> pd.DataFrame:
 
 def loaded(results: Results) -> pd.DataFrame:
     """Return the undeclared loads that are certain by the currents."""
-    payload = results.tables["payload"]
-    return payload[payload["taken"] == "yes"]
+    return results.rows("payload", taken="yes")
 
 
 def rebuilt(results: Results, recording: str) -> pd.DataFrame:
@@ -215,6 +212,10 @@ def judge_constants(results: Results) -> Verdict | None:
     farthest = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     known, contradicted = ([*rows.loc[where, "joint"].unique()] for where in (determined, refused))
+    number = Number(
+        "torque constant", float(farthest["value"]), "Nm/A", f"joint {farthest['joint']}"
+    )
+    number = number.within(farthest["low"], farthest["high"], "95 %")
     return Verdict(
         topic=CONSTANTS,
         state="good" if determined.all() and not refused.any() else "usable",
@@ -222,14 +223,7 @@ def judge_constants(results: Results) -> Verdict | None:
         evidence=say("constants.evidence", row=farthest),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
-        numbers=(_number(farthest),),
-    )
-
-
-def _number(row: pd.Series) -> Number:
-    constant = Number("torque constant", float(row["value"]), "Nm/A", f"joint {row['joint']}")
-    return constant.within(row["low"], row["high"], "95 %").beside(
-        row["known"], "the known constant"
+        numbers=(number.beside(farthest["known"], "the known constant"),),
     )
 
 
@@ -239,7 +233,9 @@ def judge_currents(results: Results) -> Verdict:
     rows = rows[rows["model"] == "fitted"]
     against = AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT)
     if against.errors.empty:
-        return Verdict(CURRENTS, "not determined", say(f"currents.{_reason(results)}"))
+        reason = "no motion" if results.with_role("validate") else "no validate"
+        reason = "no friction" if results.tables["friction"].empty else reason
+        return Verdict(CURRENTS, "not determined", say(f"currents.{reason}"))
     least = rows.loc[rows["coverage95"].idxmin()]
     held = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
@@ -253,10 +249,3 @@ def judge_currents(results: Results) -> Verdict:
         caption=say("error.bars", zero=CONSTANT),
         numbers=(*against.numbers("RMSE below 2 Hz"), share),
     )
-
-
-def _reason(results: Results) -> str:
-    """Return the name of the sentence on why currents are not judged."""
-    if results.tables["friction"].empty:
-        return "no friction"
-    return "no motion" if results.with_role("validate") else "no validate"

@@ -1,7 +1,7 @@
 """The first screen: verdicts, one figure, the next steps for the user, and the findings."""
 
 from collections.abc import Callable, Iterator
-from itertools import islice
+from itertools import chain, islice
 
 import pandas as pd
 from scipy.special import bdtr, bdtrc
@@ -71,109 +71,70 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
 MOST = 3  # steps that a reader remembers
 NARROWER = 0.95  # of the band of forces, from which on a recording is worth naming
 MANY_LOST = 0.1  # share of lost frames from which a recording is worth repeating
-CONTRADICTIONS = ("unlikely constant", "current against constant")  # codes of remarks
-ASKING = ("no motion", "one path", "few paths")  # codes of remarks that ask for a recording
+CONTRADICTIONS = ["unlikely constant", "current against constant"]  # codes of remarks
+ASKING = ["no motion", "one path", "few paths"]  # codes of remarks that ask for a recording
 
 
 def next_steps(results: Results) -> list[str]:
     """Return the most urgent steps: errors of the set-up first, then files, then recordings."""
-    return [*islice(_all(results), MOST)] or [say("steps.none")]
-
-
-def _all(results: Results) -> Iterator[Sentence]:
-    """Yield every step, the most urgent first."""
-    yield from corrections(results)
-    yield from touched_while_fitted(results)
-    yield from payloads(results)
-    yield from contradictions(results)
-    yield from lossy_files(results)
-    yield from doubted_sensors(results)
-    yield from arm_state.steps(results)
-    yield from missing_recordings(results)
+    of_files = faulty_files(results), arm_state.steps(results)
+    steps = chain(corrections(results), *of_files, missing_recordings(results))
+    return [*islice(steps, MOST)] or [say("steps.none")]
 
 
 def corrections(results: Results) -> Iterator[Sentence]:
-    """Ask to correct the file or the entry that contradicts the study."""
+    """Ask to correct what contradicts the study: stop signs, contacts in fit recordings, payloads
+    that only the currents show, and fitted constants beside prior knowledge.
+    """
     for row in results.rows("quality", severity="stop")[:1].itertuples():
         yield say("steps.stop recording", file=results.file_of(row.recording), row=row)
     for row in results.rows("remarks", step=STOP)[:1].itertuples():
         yield say("steps.stop arm", row=row)
-
-
-def touched_while_fitted(results: Results) -> Iterator[Sentence]:
-    """Name fit recordings on which the force sensor reads a contact."""
-    touched = {*results.rows("force_mae", during="contact")["recording"]}
-    names = [name for name in results.with_role("fit") if name in touched]
-    if names:
-        yield say("steps.touched", some=_some(names))
-    if felt := [name for name in contacts.felt_while_fitted(results) if name not in names]:
+    sensed = {*results.rows("force_mae", during="contact")["recording"]}
+    if touched := [name for name in results.with_role("fit") if name in sensed]:
+        yield say("steps.touched", some=_some(touched))
+    if felt := [name for name in contacts.felt_while_fitted(results) if name not in touched]:
         yield say("steps.felt", some=_some(felt))
-
-
-def payloads(results: Results) -> Iterator[Sentence]:
-    """Ask for the payload that currents show and the study does not declare."""
     loads = currents.loaded(results)
     for row in loads[:1].itertuples():
         mass = {"mass": row.configured + row.mass, "std": row.std_error}
         some = _some([*loads["recording"]])
         yield say("steps.payload", some=some, recording=row.recording, **mass)
+    for robot, rows in results.rows("remarks", code=CONTRADICTIONS).groupby("robot", sort=False):
+        yield say("steps.contradiction", robot=robot, numbers=rows["joint"])
 
 
-def contradictions(results: Results) -> Iterator[Sentence]:
-    """Ask to check arms whose fitted constants contradict prior knowledge."""
-    rows = results.tables["remarks"].query("code in @CONTRADICTIONS")
-    for robot, part in rows.groupby("robot", sort=False):
-        yield say("steps.contradiction", robot=robot, numbers=part["joint"])
-
-
-def lossy_files(results: Results) -> Iterator[Sentence]:
-    """Name the recordings that lost many frames."""
-    lost = {
-        name: share for name, share in recordings.lost_shares(results).items() if share >= MANY_LOST
-    }
+def faulty_files(results: Results) -> Iterator[Sentence]:
+    """Name recordings that lost many frames, and those whose force sensor's bias is in doubt."""
+    shares = recordings.lost_shares(results)
+    lost = {name: share for name, share in shares.items() if share >= MANY_LOST}
     if lost:
         names = sorted(lost, key=lambda name: -lost[name])
         worst = {"share": lost[names[0]], "file": results.file_of(names[0])}
         yield say("steps.lossy", some=_some(names), **worst)
-
-
-def doubted_sensors(results: Results) -> Iterator[Sentence]:
-    """Ask for a quiet start where the force sensor's bias is in doubt."""
-    rows = results.rows("quality", device="force", severity="warning")
-    doubts = [*rows.loc[rows["finding"] == "offset", "recording"]]
-    if doubts:
-        yield say("steps.doubted", some=_some(doubts))
+    doubts = results.rows("quality", device="force", severity="warning", finding="offset")
+    if len(doubts):
+        yield say("steps.doubted", some=_some([*doubts["recording"]]))
 
 
 def missing_recordings(results: Results) -> Iterator[Sentence]:
-    """Ask for recordings that would determine the undetermined."""
+    """Ask for recordings that would determine the undetermined or narrow the band of forces."""
     for row in results.tables["excitation"].dropna(subset="motion").itertuples():
         motion = row.motion[0].lower() + row.motion[1:]
         yield say("steps.advised", robot=row.robot, motion=motion)
-    yield from other_motions(results)
-    if not results.with_role("fit"):
-        yield say("steps.fit")
-    if not results.with_role("validate"):
-        yield say("steps.validate")
+    remarks = results.rows("remarks", code=ASKING)
+    for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
+        words = {"robot": robot, "numbers": part["joint"], "several": len(part) > 1, "few": FEW}
+        yield say(f"steps.{code}", **words)
+    for role in ("fit", "validate"):
+        if not results.with_role(role):
+            yield say(f"steps.{role}")
     if results.tables["force_mae"].empty and not contacts.touched(results):
         yield say("steps.pushes")
-    yield from narrowing(results)
-
-
-def narrowing(results: Results) -> Iterator[Sentence]:
-    """Name the recording of each arm that would narrow the band of forces most, if by enough."""
     for robot, rows in results.tables["next_recordings"].groupby("robot", sort=False):
         now, best = rows[rows["after"] == "now"].iloc[0], rows.loc[rows["force"].idxmin()]
         if best["force"] < NARROWER * now["force"]:
             yield say("steps.narrower", robot=robot, now=now, best=best)
-
-
-def other_motions(results: Results) -> Iterator[Sentence]:
-    """Ask for the motions that are missing by the remarks of the fits."""
-    rows = results.tables["remarks"].query("code in @ASKING")
-    for (robot, code), part in rows.groupby(["robot", "code"], sort=False):
-        words = {"robot": robot, "numbers": part["joint"], "several": len(part) > 1, "few": FEW}
-        yield say(f"steps.{code}", **words)
 
 
 def _some(names: list[str]) -> Sentence:
@@ -203,7 +164,7 @@ def findings(results: Results) -> list[Sentence]:
         *contacts.readings(results),
         *_detection(results),
         *contacts.claim(results),
-        *contacts.undetermined_moments(results.tables["force_mae"]),
+        *contacts.undetermined_moments(results),
         *wrist_sensor_faults(results),
         *beside_truth(results.rows("truth")),
         *comparison.changes(results),
@@ -230,7 +191,12 @@ def _each(template: str, rows: pd.DataFrame) -> Iterator[Sentence]:
 
 def left_out(results: Results) -> list[Sentence]:
     """Return results that the study's data do not allow or leave in doubt, with the reasons."""
-    return [*results.left_out, *left_out_fits(results), *_not_compared(results)]
+    reasons = [*results.left_out, *left_out_fits(results)]
+    if len(results.tables["friction"]) and not results.with_role("validate"):
+        reasons.append(say("findings.not predicted"))
+    if len(searched(results)) and results.tables["sensed"].empty:
+        reasons.append(say("findings.not compared"))
+    return reasons
 
 
 def left_out_fits(results: Results) -> list[Sentence]:
@@ -238,14 +204,6 @@ def left_out_fits(results: Results) -> list[Sentence]:
     remarks = results.tables["remarks"]
     rows = remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples()
     return [say("findings.left out fit", row=row) for row in rows]
-
-
-def _not_compared(results: Results) -> Iterator[Sentence]:
-    """Report estimates that cannot be compared, for want of recordings or of a sensor."""
-    if len(results.tables["friction"]) and not results.with_role("validate"):
-        yield say("findings.not predicted")
-    if len(searched(results)) and results.tables["sensed"].empty:
-        yield say("findings.not compared")
 
 
 def nearest_model(results: Results) -> Iterator[Sentence]:

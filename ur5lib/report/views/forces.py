@@ -13,22 +13,22 @@ from ur5lib.report.sentences import say
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.views.currents import loaded
 
+FORCES = ["Fx", "Fy", "Fz"]
 PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
+RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # in the report's order
 
 
 def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
-    drawn = {*searched(results)["recording"].unique()}
+    drawn = {*searched(results)["recording"]}
     touched = [name for name in results.with_role("contact") if name in drawn]
     beside = [*results.listed("force_mae"), *results.listed("sensed")]
-    printed = results.printed("force_mae", "printed_mae")
-    return results.shown([*printed, *beside, *touched])
+    return results.shown([*results.printed("force_mae", "printed_mae"), *beside, *touched])
 
 
 def searched(results: Results) -> pd.DataFrame:
     """Return the detections by the estimates of this study, without published ones."""
-    rows = results.tables["detection"]
-    return rows[rows["estimate"].isin(GATED)]
+    return results.rows("detection", estimate=GATED)
 
 
 def published(results: Results) -> Iterator[Sentence]:
@@ -39,21 +39,13 @@ def published(results: Results) -> Iterator[Sentence]:
 
 def leading(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the leading estimate: the first in the report's order."""
-    available = {*rows["estimate"].unique()}
-    first = next((name for name in [*NEW, *PUBLISHED] if name in available), None)
-    return rows[rows["estimate"] == first]
-
-
-def leading_of_each(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of each recording's own leading estimate."""
-    rank = rows["estimate"].map({name: k for k, name in enumerate([*NEW, *PUBLISHED])})
-    return rows[rank == rank.groupby(rows["recording"]).transform("min")]
+    rank = rows["estimate"].map(RANK)
+    return rows[rank == rank.min()]
 
 
 def headline(results: Results) -> pd.DataFrame:
     """Return the leading estimate's errors of forces in contact, with those in free motion."""
-    rows = leading(results.rows("force_mae", kind="compensated"))
-    return _beside_free(rows[rows["component"].str.startswith("F")])
+    return _beside_free(leading(results.rows("force_mae", kind="compensated", component=FORCES)))
 
 
 def bands(results: Results, recording: str) -> pd.DataFrame:
@@ -85,8 +77,7 @@ def contact_errors(results: Results, recording: str) -> pd.DataFrame:
 def contacts(results: Results, recording: str) -> pd.DataFrame:
     """Return the contacts that F̂ᵐᵃᵖ finds, with their likely links."""
     rows = results.rows("contacts", recording=recording, estimate="Fmap")
-    links = [numbered(likely(row)) or "–" for _, row in rows.iterrows()]
-    return rows.assign(links=links)
+    return rows.assign(links=[numbered(likely(row)) or "–" for _, row in rows.iterrows()])
 
 
 def likely(row: "pd.Series[float]") -> list[int]:
@@ -99,16 +90,12 @@ def likely(row: "pd.Series[float]") -> list[int]:
 def smallest_pushes(results: Results) -> pd.DataFrame:
     """Return the smallest push along each axis that is detected, in motion and at rest."""
     rows = pushes_found(results)
-    parts = [
-        rows[["recording"]].assign(
-            state=state,
-            axis=axis,
-            force=rows[f"smallest_force_95_{prefix}{axis}"],
-            std=rows[f"smallest_force_std_{prefix}{axis}"],
-        )
-        for prefix, state in (("", "in motion"), ("rest_", "at rest"))
-        for axis in "xyz"
-    ]
+    parts = []
+    for prefix, state in (("", "in motion"), ("rest_", "at rest")):
+        for axis in "xyz":
+            force, std = (rows[f"smallest_force_{of}_{prefix}{axis}"] for of in ("95", "std"))
+            part = {"state": state, "axis": axis, "force": force, "std": std}
+            parts.append(rows[["recording"]].assign(**part))
     return pd.concat([part for part in parts if part["force"].notna().any()] or parts[:1])
 
 

@@ -116,16 +116,11 @@ def compare(results: Results) -> Comparison | None:
     rows = unseen if len(unseen) else rows
     rows = rows[rows["motion"] == rows["motion"].iloc[0]]
     mean = rows.pivot_table("mae", "joint", "model", aggfunc="mean")
-    close = near_the_best(mean)
+    above = mean.sub(mean.min(axis="columns"), axis="index")
+    close = above[above.max(axis="columns") > SMALLEST_DIFFERENCE] <= SMALLEST_DIFFERENCE
     counts = close.sum()
     best = [*counts[counts == counts.max()].index]
     return Comparison(rows, len(unseen) > 0, best, int(counts.max()), len(close))
-
-
-def near_the_best(mean: pd.DataFrame) -> pd.DataFrame:
-    """Return whether a model (column) equals the best one, on joints (rows) where they differ."""
-    above = mean.sub(mean.min(axis="columns"), axis="index")
-    return above[above.max(axis="columns") > SMALLEST_DIFFERENCE] <= SMALLEST_DIFFERENCE
 
 
 def named(model: str) -> str:
