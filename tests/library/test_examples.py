@@ -4,7 +4,7 @@ import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
+from unittest.mock import MagicMock
 
 import numpy as np
 import pandas as pd
@@ -102,23 +102,15 @@ def test_moves_are_possible(example: Example, tmp_path: Path) -> None:
 
 def record(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a stand-in for ur_rtde's interface, which is not installed here."""
-    called = []
-
-    class Interface:
-        def __init__(self, hostname: str) -> None:  # noqa: ARG002
-            called.append("connected")
-
-        def startFileRecording(self, filename: str) -> None:  # noqa: N802
-            called.append(filename)
-
-        def stopFileRecording(self) -> None:  # noqa: N802
-            called.append("stopped")
-
-    module = ModuleType("rtde_receive")
-    module.RTDEReceiveInterface = Interface  # type: ignore[attr-defined]
+    module = MagicMock()
     monkeypatch.setitem(sys.modules, "rtde_receive", module)
-    exec(code, {"input": called.append})
-    assert called == ["connected", "free.csv", "recording; press Enter to stop", "stopped"]
+    exec(code, {"input": module.input})
+    assert [args for _, args, _ in module.mock_calls[1:]] == [
+        ("free.csv",),
+        ("recording; press Enter to stop",),
+        (),
+    ]
+    module.RTDEReceiveInterface.return_value.stopFileRecording.assert_called_once_with()
 
 
 def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -145,18 +145,13 @@ def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
         if not isinstance(wanted, Repeated):
             yield from _single(wanted, results)
             continue
-        for name in _names(wanted.each, results):
+        each, *arguments = wanted.each.split()
+        listed = partial(view(each), results) if "." in each else getattr(results, each)
+        for name in listed(*arguments):
             drafts = [draft for block in wanted.blocks for draft in _single(block, results, name)]
             if wanted.heading and any(map(_is_evidence, drafts)):
                 yield Heading(wanted.heading.format(of=name))
             yield from drafts
-
-
-def _names(each: str, results: Results) -> Iterator[str]:
-    """Yield what blocks are repeated for; each: as of `Repeated`."""
-    name, *arguments = each.split()
-    listed = partial(view(name), results) if "." in name else getattr(results, name)
-    yield from listed(*arguments)
 
 
 def _single(
@@ -176,7 +171,8 @@ def _single(
             if items:
                 yield replace(wanted, items=items)
         case DeclaredTable():
-            listed = results.many and not name and wanted.names_recordings()
+            by_recording = "recording" in {*wanted.lines, *wanted.across, *wanted.columns.values()}
+            listed = results.many and not name and by_recording
             body = Body([], []) if listed else body_of(wanted, results, name)
             if body.rows:
                 yield _table(wanted, body, results, name)

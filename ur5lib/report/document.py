@@ -133,10 +133,6 @@ class DeclaredTable(FromContents):
     last: dict[str, str] = field(default_factory=dict)
     marked: str = ""
 
-    def names_recordings(self) -> bool:
-        """Return whether each recording has a row or a column."""
-        return "recording" in {*self.lines, *self.across, *self.columns.values()}
-
 
 @dataclass(frozen=True)
 class Picture(FromContents):

@@ -75,21 +75,19 @@ def _blocks(data: dict[str, Any], kind: str) -> list[dict[str, Any]]:
 
 
 def _drawn(equations: list[str]) -> list[Markup]:
-    """Render equations as SVG in the colour of the surrounding text."""
+    """Render equations as SVG with unique names, in the colour of the surrounding text."""
     if not equations:
         return []
     pages = "\n#pagebreak()\n".join(f"$ {equation} $" for equation in equations)
     drawn = typst.compile((EQUATION_PAGES + pages).encode(), format="svg")
     images = [drawn] if isinstance(drawn, bytes) else drawn
-    return [Markup(_coloured(image.decode(), i)) for i, image in enumerate(images)]
-
-
-def _coloured(svg: str, index: int) -> str:
-    """Return an equation's SVG with unique names, in the text's colour."""
-    svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>equation{index}-", svg)
-    return svg.replace('fill="#000000"', 'fill="currentColor"').replace(
-        'stroke="#000000"', 'stroke="currentColor"'
-    )
+    coloured = []
+    for i, image in enumerate(images):
+        svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>equation{i}-", image.decode())
+        for part in ("fill", "stroke"):
+            svg = svg.replace(f'{part}="#000000"', f'{part}="currentColor"')
+        coloured.append(Markup(svg))
+    return coloured
 
 
 def _data_uri(path: str) -> str:
