@@ -30,7 +30,7 @@ from benchmarks.stand_seeds import SECONDS, SEEDS, SETTINGS, Taken, plans, taken
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import in_contact, is_free
 from ur5lib.force.external_torque import SETTLING, finite_rows, joint_states
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import Record, path_of
 from ur5lib.pipeline.carried import Carried, carried
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
@@ -50,7 +50,7 @@ from ur5lib.signals.imu_calibration import ImuCalibration, calibrate
 from ur5lib.signals.imu_fusion import smooth_with_imu
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.trajectories import PathStates, group_by_path
+from ur5lib.timeseries.trajectories import group_by_path
 
 RESULTS = Path("results")
 TABLE, THESIS = RESULTS / "accelerometer.csv", RESULTS / "thesis"
@@ -69,7 +69,6 @@ IN_MOTION = {
     "moving_nm": "the external torque where no joint stands [Nm]",
     "moving_false_n": "the force by J^-T there [N]",
 }
-EVERY = 0.1  # s between the samples by which paths are compared
 
 
 @dataclass(frozen=True)
@@ -258,7 +257,8 @@ def thesis_rows(folder: Path) -> Iterator[dict[str, Any]]:
     """Yield the figures of a built study's contact-free recordings with an IMU, by motion."""
     plan = yaml.safe_load((folder / "configuration.yaml").read_text())
     runs = [recorded(folder, own) for own in plan["recordings"] if own["role"] != "contact"]
-    paths = group_by_path([passed(run.motion(ENCODERS)) for run in runs])
+    encoders = [run.motion(ENCODERS) for run in runs]
+    paths = group_by_path([path_of(own.q, own.qd, own.period) for own in encoders])
     for name, fitted in fits(runs, [ENCODERS, FUSED]):
         rows = zip(runs, paths, judged(runs, fitted), strict=True)
         yield from (
@@ -287,11 +287,6 @@ def recorded(folder: Path, entry: Mapping[str, Any]) -> Run:
         entry["role"] == "fit",
         np.zeros((len(signals.time), 6)),
     )
-
-
-def passed(motion: Motion) -> PathStates:
-    """Return a motion's states, by which paths are compared."""
-    return PathStates.from_motion(motion.q, motion.qd, max(1, round(EVERY / motion.period)))
 
 
 def rms(values: Array) -> float:

@@ -20,14 +20,11 @@ import torch
 from benchmarks.harness.links import link_table
 from benchmarks.harness.options import asked
 from benchmarks.harness.pushes import FORCES, LASTS, PAUSE, push
-from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, plans, taken
+from benchmarks.stand_seeds import Taken, currents, fitted_map, plans, residuals_of, taken
 from ur5lib.dynamics.flange import link_frames
 from ur5lib.force.contact_link import TOOL, likely_links, touched_link
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.residual_model import ResidualModel
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.touched_links import middle_half, probabilities
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.tables import write_csv
@@ -99,21 +96,14 @@ def located(seed: int, each: int, seconds: float) -> Iterator[dict[str, Any]]:
 def links_of(fitted: list[Taken], pushed: Taken, starts: list[float]) -> Iterator[dict[int, float]]:
     """Yield the probability of each link at the contacts that start at some times [s]."""
     friction = fitted_map(fitted)
-    model = residual_model(friction, fitted)
+    model = residuals_of(friction, fitted).tau_ext
     own = currents(friction, pushed)
+    assert model is not None
     assert own.external_torque is not None
     run, time = force_input(pushed.motion, own.external_torque, own), pushed.signals.time
     for start in starts:
         rows = middle_half(run, time, start, start + LASTS)
         yield probabilities(pushed.robot, run, model, PRIOR, rows)
-
-
-def residual_model(friction: Friction, free: list[Taken]) -> ResidualModel:
-    """Return what is left of the torque without contact."""
-    known = [(currents(friction, own), own.motion) for own in free]
-    model = residual_models(known, friction, CURRENTS.cutoff).tau_ext
-    assert model is not None
-    return model
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import SLOW, is_still
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Residuals
-from ur5lib.identification.samples import apart_from
+from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.pipeline.contacts import alarms_by_odds, strongest
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.currents import Currents, Prediction
@@ -48,7 +48,7 @@ from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.trajectories import PathStates, group_by_path
+from ur5lib.timeseries.trajectories import group_by_path
 
 STEPS = [
     "fit_friction",
@@ -64,7 +64,6 @@ MARGIN = 0.5  # s at the end of a recording, of which a low-pass knows one side 
 TABLES = ("signals", "motion", "torques")
 PAYLOAD = {"payload": "payload.json", "regressor": "load_regressor.parquet"}
 ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations"]
-EVERY = 0.1  # s between the samples by which paths are compared
 MOVES = 2.0  # s, for which a joint moves at least where its friction is judged
 INSIDE = 0.9  # share of a push above which it has come on
 
@@ -152,10 +151,7 @@ def read_study(folder: Path, robot: str, roles: Sequence[str] = ("fit", "validat
     ]
     folders = [folder / "recordings" / entry["name"] for entry in entries]
     motions = [Motion.read(own / "motion.parquet") for own in folders]
-    passed = [
-        PathStates.from_motion(own.q, own.qd, max(1, round(EVERY / own.period))) for own in motions
-    ]
-    labels = group_by_path(passed).tolist()
+    labels = group_by_path([path_of(own.q, own.qd, own.period) for own in motions]).tolist()
     recordings = [*map(Recording, entries, folders, labels)]
     settings = Settings.model_validate(plan["settings"])
     return Study(folder / "parameters" / robot / "arm.yaml", settings, recordings)

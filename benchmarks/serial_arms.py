@@ -21,22 +21,17 @@ import pandas as pd
 import torch
 
 from benchmarks.harness.options import options_of
-from benchmarks.stand_seeds import CURRENTS, SETTINGS, Taken, currents, fitted_map
+from benchmarks.stand_seeds import CURRENTS, SETTINGS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarm_threshold, alarms, match, spans
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.currents import BETWEEN_DAYS, BETWEEN_RUNS
 from ur5lib.pipeline.force_estimates import direct_problems
-from ur5lib.pipeline.records.truth import TrueParameters, Truth
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.recordings.entries import RtdeFiles
-from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Motor, Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.stand.layout import ROBOT_FILES
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import simulate
-from ur5lib.tables import read_record
 
 FIRST, SEEDS, SECONDS, QUICK = 2, 20, 20.0, 10.0  # on seeds 0 and 1, `BLUR` was chosen
 MOTION = {"kind": "fourier", "period_s": 20, "harmonics": 10, "amplitude_rad": 0.5}
@@ -120,12 +115,9 @@ def vector(random: np.random.Generator, least: float, most: float) -> list[float
 
 def taken(robot: Robot, plan: dict[str, Any], folder: Path) -> Taken:
     """Return a recording that was simulated in a folder and read as a real one is."""
-    truth, file = folder / "truth", ROBOT_FILES["rtde-csv"]
-    simulate(robot, SimulatedRecording.model_validate(plan), "rtde-csv", folder, truth)
+    file = ROBOT_FILES["rtde-csv"]
     entry = RtdeFiles(format="rtde-csv", folder=str(folder), file=file)
-    intake = read_and_repair(entry, robot, SETTINGS.frames.max_gap_s)
-    true = read_record(TrueParameters, f"{truth}.json"), Truth.read(f"{truth}.parquet")
-    return Taken(robot, intake, *true)
+    return simulated(robot, plan, entry)
 
 
 def figures(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:

@@ -21,6 +21,7 @@ import torch
 from benchmarks.harness.options import asked
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import carried
@@ -42,7 +43,7 @@ from ur5lib.pipeline.records.truth import TrueParameters, Truth
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
-from ur5lib.recordings.entries import ThesisFiles
+from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.report import truth_rows
 from ur5lib.report.truth_rows import Row
@@ -152,15 +153,19 @@ class Taken:
 
 
 def taken(plan: dict[str, Any], folder: Path) -> Taken:
-    """Simulated in a folder, and read as a real recording is."""
-    robot = load_robot(robot_path("ur5"))
-    wanted = SimulatedRecording.model_validate(plan | {"imu": {}})
-    truth, entry = folder / "truth", ThesisFiles(format="thesis-csv", folder=str(folder))
-    simulate(robot, wanted, "thesis-csv", folder, truth)
+    """A recording of a UR5 with an IMU, simulated in a folder, and read as a real one is."""
+    entry = ThesisFiles(format="thesis-csv", folder=str(folder))
+    return simulated(load_robot(robot_path("ur5")), plan | {"imu": {}}, entry)
+
+
+def simulated(robot: Robot, plan: dict[str, Any], entry: ThesisFiles | RtdeFiles) -> Taken:
+    """A recording simulated as an entry's files, and read as a real one is."""
+    folder = Path(entry.folder)
+    wanted, truth = SimulatedRecording.model_validate(plan), folder / "truth"
+    simulate(robot, wanted, entry.format, folder, truth)
     intake = read_and_repair(entry, robot, SETTINGS.frames.max_gap_s)
-    return Taken(
-        robot, intake, read_record(TrueParameters, f"{truth}.json"), Truth.read(f"{truth}.parquet")
-    )
+    true = read_record(TrueParameters, f"{truth}.json"), Truth.read(f"{truth}.parquet")
+    return Taken(robot, intake, *true)
 
 
 def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
@@ -220,10 +225,15 @@ def currents(friction: Friction, own: Taken) -> Currents:
     return predicted_currents(own.record, fit, no_load, own.torques, Smoother(*CURRENTS))
 
 
+def residuals_of(friction: Friction, free: list[Taken]) -> Residuals:
+    """What is left of the torque without contact."""
+    known = [(currents(friction, own), own.motion) for own in free]
+    return residual_models(known, friction, CURRENTS.cutoff)
+
+
 def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterator[Row]:
     """F^map beside the truth, over all of a recording and over what is in contact."""
-    known = [(currents(friction, own), own.motion) for own in free]
-    residuals = residual_models(known, friction, CURRENTS.cutoff)
+    residuals = residuals_of(friction, free)
     found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
     prior = ContactPrior(force=SETTINGS.contact.force_n)
     fmap = found["Fmap"]

@@ -12,7 +12,7 @@ C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT
 import torch
 from scipy.optimize import minimize
 
-from benchmarks.harness.learned_residual import Predict, Samples, Scale, on_top
+from benchmarks.harness.learned_residual import Predict, Samples, on_top
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent
@@ -49,15 +49,12 @@ def negative_log_likelihood(
 
 def train(learnt: Samples, _: Samples) -> Predict:
     """Fit the process; the path that is left out is not needed."""
-    of_inputs, of_torque = Scale.of(learnt.inputs), Scale.of(learnt.torque)
-    points = torch.as_tensor(of_inputs.normalised(learnt.inputs), dtype=torch.float64)
-    values = torch.as_tensor(of_torque.normalised(learnt.torque), dtype=torch.float64)
+    points, values = map(torch.as_tensor, learnt)
     logs = most_likely(points, values)
     weights = torch.cholesky_solve(values, factor(points, logs))
 
     def predict(new: Array) -> Array:
-        at = torch.as_tensor(of_inputs.normalised(new), dtype=torch.float64)
-        return of_torque.restored((kernel(at, points, logs) @ weights).numpy())
+        return (kernel(torch.as_tensor(new), points, logs) @ weights).numpy()
 
     return predict
 

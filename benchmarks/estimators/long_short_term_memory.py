@@ -30,7 +30,7 @@ from torch.nn.functional import mse_loss
 
 from benchmarks.estimators.least_squares import TIME_CONSTANTS, LowPassed
 from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.learned_residual import Predict, Samples, Scale, cross_fitted
+from benchmarks.harness.learned_residual import Predict, Samples, cross_fitted
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.tuning import tuned
 from ur5lib.errors import InputError
@@ -45,7 +45,7 @@ PATIENCE = 200  # steps without a smaller error on the path left, after which tr
 
 
 class Tensors(NamedTuple):
-    """Inputs (n, M) and torques (n, 6), in units of their standard deviations."""
+    """Inputs (n, M) and torques (n, 6), standardised."""
 
     inputs: torch.Tensor
     torque: torch.Tensor
@@ -70,8 +70,10 @@ class Memory(nn.Module):
 
 def train(learnt: Samples, left_out: Samples) -> Predict:
     """Minimise the squared error; keep the weights that predict the path left out best."""
-    scales = Scale.of(learnt.inputs), Scale.of(learnt.torque)
-    seen, unseen = (normalised(own, *scales) for own in (learnt, left_out))
+    seen, unseen = (
+        Tensors(*(torch.as_tensor(values, dtype=torch.float32) for values in own))
+        for own in (learnt, left_out)
+    )
     layers = Memory(learnt.inputs.shape[1] // PAST)
     optimiser = torch.optim.Adam(layers.parameters(), lr=RATE)
     drawn = torch.Generator().manual_seed(0)
@@ -89,20 +91,12 @@ def train(learnt: Samples, left_out: Samples) -> Predict:
         mse_loss(layers(seen.inputs[batch]), seen.torque[batch]).backward()
         optimiser.step()
     layers.load_state_dict(kept)
-    return partial(predict, layers, *scales)
 
+    def predict(new: Array) -> Array:
+        with torch.no_grad():
+            return layers(torch.as_tensor(new, dtype=torch.float32)).double().numpy()
 
-def normalised(own: Samples, of_inputs: Scale, of_torque: Scale) -> Tensors:
-    """Return inputs and torques as the network uses them."""
-    inputs, torque = of_inputs.normalised(own.inputs), of_torque.normalised(own.torque)
-    return Tensors(*(torch.as_tensor(values, dtype=torch.float32) for values in (inputs, torque)))
-
-
-def predict(layers: nn.Module, of_inputs: Scale, of_torque: Scale, new: Array) -> Array:
-    """Return the torque (N, 6) [Nm] at inputs (N, M)."""
-    inputs = torch.as_tensor(of_inputs.normalised(new), dtype=torch.float32)
-    with torch.no_grad():
-        return of_torque.restored(layers(inputs).double().numpy())
+    return predict
 
 
 def motion(run: Run, *, with_error: bool) -> Samples:

@@ -12,7 +12,7 @@ network learns the whole torque; here, what friction and model leave of it.
 import torch
 from torch import nn
 
-from benchmarks.harness.learned_residual import Predict, Samples, Scale, on_top
+from benchmarks.harness.learned_residual import Predict, Samples, on_top
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.1  # s between samples
@@ -35,8 +35,7 @@ def network() -> nn.Sequential:
 
 def train(learnt: Samples, left_out: Samples) -> Predict:
     """Minimise the squared error; keep the weights that predict the path left out best."""
-    scales = Scale.of(learnt.inputs), Scale.of(learnt.torque)
-    learnt_pair, left_pair = (_normalised(own, *scales) for own in (learnt, left_out))
+    learnt_pair, left_pair = (tuple(map(torch.as_tensor, own)) for own in (learnt, left_out))
     layers = network()
     optimiser = torch.optim.AdamW(layers.parameters(), lr=RATE, weight_decay=DECAY)
     best, kept = float("inf"), layers.state_dict()
@@ -49,23 +48,12 @@ def train(learnt: Samples, left_out: Samples) -> Predict:
         _error(layers, learnt_pair).backward()
         optimiser.step()
     layers.load_state_dict(kept)
-    return _predictor(layers, *scales)
-
-
-def _predictor(layers: nn.Module, of_inputs: Scale, of_torque: Scale) -> Predict:
-    """Return the network between quantities in their own units."""
 
     def predict(new: Array) -> Array:
         with torch.no_grad():
-            return of_torque.restored(layers(torch.as_tensor(of_inputs.normalised(new))).numpy())
+            return layers(torch.as_tensor(new)).numpy()
 
     return predict
-
-
-def _normalised(own: Samples, of_inputs: Scale, of_torque: Scale) -> tuple[torch.Tensor, ...]:
-    """Return inputs and torques as the network uses them."""
-    pair = of_inputs.normalised(own.inputs), of_torque.normalised(own.torque)
-    return tuple(torch.as_tensor(values, dtype=torch.float64) for values in pair)
 
 
 def _error(layers: nn.Module, pair: tuple[torch.Tensor, ...]) -> torch.Tensor:

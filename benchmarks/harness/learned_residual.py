@@ -27,9 +27,10 @@ class Samples(NamedTuple):
 
 
 Predict = Callable[[Array], Array]
-"""Returns the torque (N, 6) [Nm] at inputs (N, M)."""
+"""Returns the torque (N, 6) at inputs (N, M)."""
 Train = Callable[[Samples, Samples], Predict]
-"""Takes the samples to learn from, and those of a path that is left out, to stop by."""
+"""Takes the samples to learn from, and those of a path that is left out, to stop by; all are
+standardised."""
 
 
 Learnable = Callable[[Run], Samples]
@@ -52,6 +53,25 @@ def samples(runs: Sequence[Run], step: float, of: Learnable) -> Samples:
     return Samples(*(np.concatenate(own) for own in zip(*parts, strict=True)))
 
 
+def standardised(train: Train, learnt: Samples, left_out: Samples) -> Predict:
+    """Train on samples less their mean, over their standard deviation; return the prediction in
+    their own units. A column that does not vary keeps its unit.
+    """
+    mean = Samples(*(values.mean(axis=0) for values in learnt))
+    spread = [values.std(axis=0) for values in learnt]
+    std = Samples(*(np.where(own > 1e-9, own, 1.0) for own in spread))
+    seen, unseen = (
+        Samples((own.inputs - mean.inputs) / std.inputs, (own.torque - mean.torque) / std.torque)
+        for own in (learnt, left_out)
+    )
+    predict = train(seen, unseen)
+
+    def predicted(new: Array) -> Array:
+        return predict((new - mean.inputs) / std.inputs) * std.torque + mean.torque
+
+    return predicted
+
+
 def cross_fitted(
     train: Train, runs: Sequence[Run], step: float, of: Learnable = residual
 ) -> TorqueEstimate:
@@ -64,7 +84,8 @@ def cross_fitted(
     if len(paths) < 2:
         raise InputError("a learnt residual needs two paths to fit on; record another")
     without = {
-        path: train(
+        path: standardised(
+            train,
             samples([run for run in runs if run.path != path], step, of),
             samples([run for run in runs if run.path == path], step, of),
         )
@@ -103,24 +124,3 @@ def on_top(name: str, source: str, train: Train, step: float) -> list[Estimator]
         Estimator(f"least squares + {name}", source, False, learn_offline),
         Estimator(f"momentum observer + {name}", source, True, learn_observed),
     ]
-
-
-class Scale(NamedTuple):
-    """Mean and standard deviation of each column, (M,) each."""
-
-    mean: Array
-    std: Array
-
-    @classmethod
-    def of(cls, values: Array) -> "Scale":
-        """Return those of values (N, M); a column that does not vary keeps its unit."""
-        std = values.std(axis=0)
-        return cls(values.mean(axis=0), np.where(std > 1e-9, std, 1.0))
-
-    def normalised(self, values: Array) -> Array:
-        """Return the values in units of the deviations."""
-        return (values - self.mean) / self.std
-
-    def restored(self, values: Array) -> Array:
-        """Return normalised values in their own unit."""
-        return values * self.std + self.mean

@@ -17,6 +17,7 @@ from ur5lib.identification.currents import (
     load_loss,
     torque_constants,
 )
+from ur5lib.identification.samples import path_of
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents, Prediction
@@ -27,9 +28,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import read_record
-from ur5lib.timeseries.trajectories import PathStates, group_by_path
-
-EVERY = 0.1  # s between the samples by which paths are compared
+from ur5lib.timeseries.trajectories import group_by_path
 
 
 @dataclass(frozen=True)
@@ -131,8 +130,6 @@ def ready_estimates(folder: Path) -> dict[str, Estimate]:
 
 def label_paths(runs: list[Run]) -> list[Run]:
     """Return the runs with the labels of their trajectories."""
-    passed = [
-        PathStates.from_motion(run.q, run.qd, max(1, round(EVERY / run.period))) for run in runs
-    ]
+    passed = [path_of(run.q, run.qd, run.period) for run in runs]
     labels = group_by_path(passed) if runs else np.empty(0, int)
     return [replace(run, path=int(label)) for run, label in zip(runs, labels, strict=True)]

@@ -24,7 +24,7 @@ from benchmarks.estimators.recursive_least_squares import ForgettingLeastSquares
 from benchmarks.estimators.sliding_mode_observer import SlidingMode
 from benchmarks.harness import page, tuning
 from benchmarks.harness.estimator import Learned
-from benchmarks.harness.learned_residual import samples
+from benchmarks.harness.learned_residual import samples, standardised
 from benchmarks.harness.momentum import LinearObserver
 from benchmarks.harness.outside import check
 from benchmarks.harness.run import Estimate, Run
@@ -179,7 +179,7 @@ def test_a_network_learns_the_torque_of_an_arm_that_it_knows_nothing_of(
     monkeypatch.setattr(long_short_term_memory, "ROUNDS", 200)
     run = synthetic_run(noise=0.3)
     known = samples([run], 0.04, partial(motion, with_error=False))
-    error = train(known, known)(known.inputs) - known.torque
+    error = standardised(train, known, known)(known.inputs) - known.torque
     assert (error.std(axis=0) < 0.2 * known.torque.std(axis=0) + 0.3).all()
 
 
