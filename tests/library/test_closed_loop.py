@@ -122,15 +122,6 @@ def test_the_simulation_is_scipys(position: list[float], velocity: list[float]) 
 # Estimation
 
 
-def test_gains_come_back_from_a_leap() -> None:
-    for joint in estimated_gains(seed=0):
-        for gain, truth in ((joint.position, 400.0), (joint.velocity, 30.0)):
-            assert gain.determined
-            assert gain.low < truth < gain.high
-            assert gain.best == pytest.approx(truth, abs=4 * gain.std_error)
-            assert gain.std_error < 0.1 * truth
-
-
 @pytest.mark.parametrize("seed", [0, 7])
 def test_smooth_targets_determine_no_gain(seed: int) -> None:
     """Nothing then depends on the gains; the range holds what they are. A loop that rings fits the
@@ -143,12 +134,13 @@ def test_smooth_targets_determine_no_gain(seed: int) -> None:
         assert joint.cost == pytest.approx(joint.stiff, rel=0.05)
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.9])
-def test_standard_errors_and_ranges_hold_what_they_promise(memory: float) -> None:
+@pytest.mark.parametrize(("memory", "most"), [(0.0, 0.1), (0.9, 0.3)])
+def test_standard_errors_and_ranges_hold_what_they_promise(memory: float, most: float) -> None:
     """Noise that remembers widens them: 24 estimates of the same two gains."""
     estimates = [joint for seed in range(4) for joint in estimated_gains(seed, memory)]
     for name, truth in (("position", 400.0), ("velocity", 30.0)):
         gains = [getattr(joint, name) for joint in estimates]
+        assert all(gain.determined and gain.std_error < most * truth for gain in gains)
         scores = np.array([(gain.best - truth) / gain.std_error for gain in gains])
         assert 0.4 < np.sqrt(np.mean(scores**2)) < 1.6
         assert np.mean([gain.low < truth < gain.high for gain in gains]) > 0.9
