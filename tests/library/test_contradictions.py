@@ -40,14 +40,19 @@ from ur5lib.recordings.quality import Contradictions, contradiction
 from ur5lib.report.findings import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import left_out_fits, stop_signs
+from ur5lib.timeseries.arrays import Array
 
 WRONG = "another arm"
 
 
 @pytest.fixture(scope="module")
-def fit() -> CurrentFit:
-    records = [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2)]
-    return fit_currents(records, smooth, prior(), PLAIN)
+def records() -> list[Record]:
+    return [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2, 3)]
+
+
+@pytest.fixture(scope="module")
+def fit(records: list[Record]) -> CurrentFit:
+    return fit_currents(records[:2], smooth, prior(), PLAIN)
 
 
 def known(factor: float, width: float) -> Prior:
@@ -61,25 +66,18 @@ def test_known_constants_are_accepted(fit: CurrentFit) -> None:
     require_known_constants(fit, known(2.2, 0.3))  # hardly known
 
 
-def contradicting(sign: ContradictionError) -> list[int]:
-    """The joints whose constants a stop sign names."""
-    said = asdict(sign.remark)
+@pytest.mark.parametrize("factor", [2.2, 0.4])
+def test_constants_of_a_larger_or_smaller_arm_are_a_stop_sign(
+    records: list[Record], fit: CurrentFit, factor: float
+) -> None:
+    other = known(factor, 0.1)
+    if factor < 1:
+        fit = fit_currents(records[:2], smooth, other, PLAIN)
+    with pytest.raises(ContradictionError) as sign:
+        require_known_constants(fit, other)
+    said = asdict(sign.value.remark)
     assert said["code"] == "contradicting constants"
-    return [each["values"]["joint"] for each in said["values"]["each"]]
-
-
-def test_constants_of_a_larger_arm_are_a_stop_sign(fit: CurrentFit) -> None:
-    with pytest.raises(ContradictionError) as sign:
-        require_known_constants(fit, known(2.2, 0.1))
-    assert contradicting(sign.value)[0] == 1
-
-
-def test_constants_of_a_smaller_arm_are_a_stop_sign() -> None:
-    records = [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2)]
-    smaller = known(0.4, 0.1)
-    with pytest.raises(ContradictionError) as sign:
-        require_known_constants(fit_currents(records, smooth, smaller, PLAIN), smaller)
-    assert contradicting(sign.value)[0] == 1
+    assert said["values"]["each"][0]["values"]["joint"] == 1
 
 
 def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
@@ -91,29 +89,24 @@ def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
     assert sign.value.remark == remark("contradicting recordings", names=["b"])
 
 
-def led_by_a_hand(seed: int) -> Record:
-    """A motion whose currents follow the hand that leads the arm, and not its torque."""
-    record = make_record(seed, seconds=12.0)
-    other = make_record(seed + 100, seconds=12.0)
-    return with_noise(replace(record, current=-other.current), seed)
-
-
-def test_fits_to_other_paths_explain_the_currents_of_a_free_arm() -> None:
-    records = [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2, 3)]
-    shares = explained_by_others(
-        records, fit_without_each_path(records, smooth, prior(), PLAIN), smooth
-    )
+def shares_of(records: list[Record]) -> Array:
+    """The share of the currents' variance that fits to other paths explain."""
+    fits = fit_without_each_path(records, smooth, prior(), PLAIN)
+    shares = explained_by_others(records, fits, smooth)
     assert shares is not None
-    assert shares.min() > 0.5
+    return shares
+
+
+def test_fits_to_other_paths_explain_the_currents_of_a_free_arm(records: list[Record]) -> None:
+    assert shares_of(records).min() > 0.5
     assert explained_by_others(records[:1], [], smooth) is None
 
 
-def test_hand_led_currents_are_explained_by_none() -> None:
-    records = [led_by_a_hand(seed) for seed in (1, 2)]
-    shares = explained_by_others(
-        records, fit_without_each_path(records, smooth, prior(), PLAIN), smooth
-    )
-    assert shares is not None
+def test_hand_led_currents_are_explained_by_none(records: list[Record]) -> None:
+    """They follow the hand that leads the arm, and not its torque."""
+    others = [make_record(seed, seconds=12.0) for seed in (101, 102)]
+    pairs = zip(records[:2], others, strict=True)
+    shares = shares_of([replace(own, current=-other.current) for own, other in pairs])
     assert (shares <= 0).sum() > 3
     found = residual_models([], Friction(explained=shares), 2.0)
     assert found == Residuals(refused=found.refused)
