@@ -191,14 +191,6 @@ def test_noise_is_by_the_degrees_of_freedom_that_are_left() -> None:
 # Known arms
 
 
-def test_exact_torques_give_exact_base_parameters(ur5: Robot) -> None:
-    rows, truth = columns("ur5", *sines(30)), parameters(ur5, "A") + 0.1
-    found = fit(rows, rows @ truth, parameters(ur5, "C"))
-    groups = ur5_base().groups
-    np.testing.assert_allclose(groups @ found.parameters, groups @ truth, atol=1e-6)
-    assert found.determined(groups).all()
-
-
 def test_intervals_hold_the_truth(ur5: Robot) -> None:
     """200 runs with joint 6 at rest and a truth that the prior knows nothing better of than its
     widths; noise like a current's: correlated over a fifth of a second.

@@ -11,7 +11,6 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import (
     FEWEST,
     WORST,
-    Change,
     Series,
     coloured,
     explained_shares,
@@ -21,10 +20,10 @@ from ur5lib.timeseries.changes import (
     whitened,
 )
 
-DATES, SEEDS, JOINTS = 20, 20, 6
+DATES = 20
 SPREAD = 0.02  # between dates, of a value of 1
 DRIFT, JUMP, JUMPED = 0.15, 0.12, 11
-LEVEL = 0.05 / JOINTS
+LEVEL = 0.05 / 6  # of each joint
 
 
 def made_up(seed: int, dates: int = DATES) -> Series:
@@ -59,47 +58,38 @@ def jumping(series: Series, size: float = JUMP) -> Series:
     return replace(series, value=series.value + size * (series.day >= series.day[JUMPED]))
 
 
-def arm(seed: int) -> list[Series]:
-    """Six joints, of which the second drifts and the fifth jumps."""
-    joints = [made_up(100 * seed + joint) for joint in range(JOINTS)]
-    joints[1], joints[4] = drifting(joints[1]), jumping(joints[4])
-    return joints
-
-
-@pytest.fixture(scope="module")
-def found() -> list[list[list[Change]]]:
-    """The changes of each joint of twenty arms."""
-    with pytest.MonkeyPatch.context() as fewer:
-        fewer.setattr("ur5lib.timeseries.changes.DRAWS", 2000)
-        return [[find_changes(own, LEVEL) for own in arm(seed)] for seed in range(SEEDS)]
-
-
 def test_drifts_and_jumps_are_told_apart_and_jumps_are_dated(
-    found: list[list[list[Change]]],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    changes, jumps = ([joints[changing][0] for joints in found] for changing in (1, 4))
-    drifts = [change for change in changes if change.kind == "drift"]
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 2000)
+    series = [(drifting(made_up(100 * seed)), jumping(made_up(seed))) for seed in range(20)]
+    drifts, jumps = (
+        [find_changes(own, LEVEL)[0] for own in kind] for kind in zip(*series, strict=True)
+    )
+    drifts = [change for change in drifts if change.kind == "drift"]
     assert len(drifts) >= 18  # dates may leave open whether it was a jump
     assert all(abs(one.before - 1) < 5 * SPREAD for one in drifts)
-    assert [one.kind for one in jumps] == ["jump"] * SEEDS
-    days = [arm(seed)[4].day[JUMPED - 1 : JUMPED + 1] for seed in range(SEEDS)]
+    assert {one.kind for one in jumps} == {"jump"}
+    days = [jumping.day[JUMPED - 1 : JUMPED + 1] for _, jumping in series]
     dated = [one.first <= a and b <= one.last for one, (a, b) in zip(jumps, days, strict=True)]
     assert sum(dated) >= 17
 
 
-def test_intervals_hold_the_size_as_often_as_stated(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 500)
-    for change, size in ((drifting, DRIFT), (jumping, JUMP)):
-        found = [find_changes(change(made_up(seed)), LEVEL)[0] for seed in range(1000, 1100)]
-        assert 90 <= sum(one.low < size < one.high for one in found) <= 99
-
-
-def test_intervals_hold_the_size_among_slow_noise(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 200)
-    for change in (drifting, jumping):
-        series = [change(slow(seed, WORST), 0.3) for seed in range(100)]
-        found = [find_changes(own, LEVEL)[0] for own in series]
-        assert 90 <= sum(one.low < 0.3 < one.high for one in found) <= 99
+@pytest.mark.parametrize("among_slow_noise", [False, True])
+@pytest.mark.parametrize(("change", "size"), [(drifting, DRIFT), (jumping, JUMP)])
+def test_intervals_hold_the_size_as_often_as_stated(
+    change: Callable[[Series, float], Series],
+    size: float,
+    among_slow_noise: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 200 if among_slow_noise else 500)
+    if among_slow_noise:
+        size, series = 0.3, [slow(seed, WORST) for seed in range(100)]
+    else:
+        series = [made_up(seed) for seed in range(1000, 1100)]
+    found = [find_changes(change(own, size), LEVEL)[0] for own in series]
+    assert 90 <= sum(one.low < size < one.high for one in found) <= 99
 
 
 @pytest.mark.parametrize(("correlation", "most"), [(0.0, 5), (0.5, 10)])
@@ -121,12 +111,6 @@ def test_coloured_noise_has_its_correlation_and_whitens_again() -> None:
     powers = 0.4 ** np.abs(np.subtract.outer(np.arange(6), np.arange(6)))
     np.testing.assert_allclose(np.cov(slow_noise.T), powers, atol=0.03)
     np.testing.assert_allclose(whitened(slow_noise.T, 0.4).T, noise, atol=1e-12)
-
-
-def test_the_other_joints_have_not_changed(found: list[list[list[Change]]]) -> None:
-    """The stated rate of false alarms is 5 % of an arm, over all its joints."""
-    quiet = [sum(map(bool, (joints[j] for j in (0, 2, 3, 5)))) for joints in found]
-    assert sum(quiet) <= 3  # two thirds of one expected; four or more have a chance of 0.5 %
 
 
 def test_what_temperature_explains_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:

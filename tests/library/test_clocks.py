@@ -92,7 +92,7 @@ def test_no_sample_of_a_slow_robot_is_wasted() -> None:
     assert clock.offset == pytest.approx(OFFSET, abs=0.02)
 
 
-@pytest.mark.parametrize("offset", [-0.9, -0.45, 0.3, 0.45])
+@pytest.mark.parametrize("offset", [-0.55, -0.45, 0.3, 0.45])
 def test_a_wrong_stamp_is_mended_or_reported(offset: float) -> None:
     """Up to half a second, five standard errors, from the stamps; beyond, they stand."""
     clock, reason = record(trajectory, offset=offset).clock()
@@ -103,7 +103,7 @@ def test_a_wrong_stamp_is_mended_or_reported(offset: float) -> None:
         assert clock == STAMPS
         assert reason is not None
         assert reason.code == "implausible clock"
-        assert asdict(reason)["values"]["apart_s"] == pytest.approx(-0.87, abs=0.005)
+        assert asdict(reason)["values"]["apart_s"] == pytest.approx(-0.52, abs=0.005)
 
 
 @pytest.mark.parametrize(
@@ -176,18 +176,11 @@ def test_a_better_stamp_is_not_given_up() -> None:
     assert reason is not None
 
 
-def test_a_clock_is_believed_within_five_errors_of_its_stamps() -> None:
-    """And if it drifts by no more than a hundredth."""
+def test_a_clock_drifts_by_no_more_than_a_hundredth() -> None:
     own = record(trajectory)
-    for away, told in ((0.048, True), (0.052, False)):  # s, of stamps good to 10 ms
-        for side in (1, -1):
-            clock, reason = own.clock(clock_from_stamps(OFFSET + side * away, 0.01))
-            assert (reason is None) == told
-            assert (clock.method == "angular rate") == told
-    for drift, told in ((0.009, True), (0.0115, False)):
-        for side in (1, -1):
-            drifting = replace(own, device_time=own.device_time * (1 + DRIFT) / (1 + side * drift))
-            assert (drifting.clock()[1] is None) == told
+    for drift, told in ((0.009, True), (0.0115, False), (-0.009, True), (-0.0115, False)):
+        drifting = replace(own, device_time=own.device_time * (1 + DRIFT) / (1 + drift))
+        assert (drifting.clock()[1] is None) == told
 
 
 def test_joints_explain_four_fifths_of_what_a_gyroscope_feels() -> None:

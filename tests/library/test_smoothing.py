@@ -476,6 +476,10 @@ def test_the_system_is_what_its_equations_say(ur5: Robot) -> None:
     np.testing.assert_allclose(z, np.hstack([q, qd, readings - model.offset]))
     deviations = np.hstack([noise.position, noise.velocity, np.tile(IMU_NOISE, (count, 1))])
     np.testing.assert_allclose(R, deviations**2)
+    for of in (joints, system):
+        part, whole = of(slice(2, 5)), of(slice(None))
+        for name, values in vars(part).items():
+            np.testing.assert_array_equal(values, getattr(whole, name)[2:5])
 
 
 def sustained_vibration(frequency: float, damping: float) -> np.ndarray:
