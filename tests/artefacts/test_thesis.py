@@ -2,14 +2,16 @@
 
 import html
 import re
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from lxml.html import HtmlElement, fromstring
 
+import ur5lib
 from tests.artefacts.documents import (
     VIEWS,
     check_in_browser,
@@ -19,15 +21,19 @@ from tests.artefacts.documents import (
     page_texts,
 )
 from tests.conftest import PROJECT
+from ur5lib.finished import FinishedStudy
 from ur5lib.pipeline.estimators import PUBLISHED
 from ur5lib.report.reference import read_reference
-from ur5lib.tables import channel, read_csv, read_json, read_table
+from ur5lib.tables import channel, read_json, read_table
 
 TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"
 TABLE_5_7 = "Movement_No9_Singularity_Free_NoDist"
 TABLE_6_1 = "Movement_No9_Singularity_Free_ForceSensor"
 STANDSTILL = [f"Movement_No10_Standstill_ForceSensor_{name}" for name in ("All", "Fx")]
 WITH_SENSOR = [TABLE_6_1, *STANDSTILL]
+FORCES = ["Fx", "Fy", "Fz"]
+REFERENCE = read_reference(PROJECT / "workflow" / "studies" / "thesis_reference.yaml")
+ERRATA = {erratum.place: f"{erratum.error} {erratum.choice}" for erratum in REFERENCE.errata}
 
 # Rigid models at the target motion, computed independently of this project [Nm].
 INDEPENDENT = {
@@ -38,13 +44,18 @@ INDEPENDENT = {
 
 
 @pytest.fixture(scope="module")
-def torque(thesis_results: Path) -> pd.DataFrame:
-    return read_csv(thesis_results / "tables" / "torque_mae.csv")
+def study(thesis_results: Path) -> FinishedStudy:
+    return ur5lib.load(thesis_results)
 
 
 @pytest.fixture(scope="module")
-def force(thesis_results: Path) -> pd.DataFrame:
-    table = read_csv(thesis_results / "tables" / "force_mae.csv")
+def torque(study: FinishedStudy) -> pd.DataFrame:
+    return study.table("torque_mae")
+
+
+@pytest.fixture(scope="module")
+def force(study: FinishedStudy) -> pd.DataFrame:
+    table = study.table("force_mae")
     return table[table["recording"] == TABLE_6_1]
 
 
@@ -57,40 +68,13 @@ def test_torque_errors_agree_with_an_independent_computation(
     assert np.abs(rows["mae"].to_numpy() - INDEPENDENT[model]).max() < 0.002
 
 
-def test_printed_torque_errors_stand_beside(torque: pd.DataFrame) -> None:
-    rows = torque.query("recording == @TABLE_5_6 and motion == 'target'").set_index("model")
-    assert rows.loc[["A", "B", "C"], "printed"].notna().all()
-    assert rows.loc["C+rotors", "printed"].isna().all()
-    older = torque[torque["model"] == "[21]"]
-    assert older["printed"].tolist() == [0.7090, 25.8024, 14.2721, 1.2721, 0.2001, 0.0333]
-    assert older["mae"].isna().all()
-
-
-def test_printed_torque_errors_are_met_in_closed_loop(torque: pd.DataFrame) -> None:
-    """Table 5.6, joints 1 to 3."""
-    known = torque["mae"].notna() & torque["printed"].notna() & (torque["motion"] == "closed_loop")
-    rows = torque[known & (torque["joint"] <= 3)]
-    assert set(rows["model"]) == {"A", "B", "C"}
-    assert (rows["mae"] / rows["printed"] - 1).abs().max() < 0.06
-
-
-@pytest.mark.parametrize("model", ["A", "B"])
-def test_printed_closed_loop_errors_are_met(thesis_results: Path, model: str) -> None:
-    """Table 5.5: to the printed digit, or within 20 %."""
-    table = read_csv(thesis_results / "tables" / "closed_loop_mae.csv")
-    rows = table[(table["model"] == model) & table["printed"].notna()]
-    assert len(rows) == 12
-    rounded = rows["mae"].round(4) == rows["printed"]
-    assert (rounded | ((rows["mae"] / rows["printed"] - 1).abs() < 0.2)).all()
-
-
-def test_gains_are_numbers_only_where_they_are_determined(thesis_results: Path) -> None:
+def test_gains_are_numbers_only_where_they_are_determined(study: FinishedStudy) -> None:
     """Of (C.4), joints 1 to 3 do not fit, 4 to 6 fit as well as the best."""
-    gains = read_csv(thesis_results / "tables" / "gains.csv").query("recording == @TABLE_5_6")
+    gains = study.table("gains").query("recording == @TABLE_5_6")
     known = gains["determined"] == "yes"
     assert (gains["value"].notna() == known).all()
     assert gains[known][["joint", "gain"]].to_numpy().tolist() == [[2, "velocity"]]
-    published = read_csv(thesis_results / "tables" / "published_gains.csv")
+    published = study.table("published_gains")
     fits = published.query("recording == @TABLE_5_6 and model == 'C'")["fits"]
     assert fits.tolist() == ["no", "no", "no", "yes", "yes", "yes"]
 
@@ -104,10 +88,10 @@ ACCELERATION_LIMITS = {
 @pytest.mark.parametrize("recording", ACCELERATION_LIMITS)
 @pytest.mark.parametrize("estimate", ["encoders", "encoders+imu"])
 def test_joints_tell_what_the_imu_feels(
-    thesis_results: Path, recording: str, estimate: str
+    thesis_results: Path, study: FinishedStudy, recording: str, estimate: str
 ) -> None:
     """With the IMU's mounting, tilt and gyroscope bias from other recordings."""
-    table = read_csv(thesis_results / "tables" / "acceleration_mae.csv")
+    table = study.table("acceleration_mae")
     rows = table.query("recording == @recording and estimate == @estimate")
     limits = ACCELERATION_LIMITS[recording]
     assert (rows["mae"].to_numpy()[: len(limits)] <= limits).all()
@@ -115,9 +99,9 @@ def test_joints_tell_what_the_imu_feels(
     assert recording not in read_json(folder / "accelerations.json")["calibrated_on"]
 
 
-def test_the_smoother_is_nearer_to_the_imu_than_a_plain_filter(thesis_results: Path) -> None:
+def test_the_smoother_is_nearer_to_the_imu_than_a_plain_filter(study: FinishedStudy) -> None:
     """By the geometric mean over recordings, of each component."""
-    table = read_csv(thesis_results / "tables" / "acceleration_mae.csv")
+    table = study.table("acceleration_mae")
     mae = table.pivot_table("mae", ["recording", "component"], "estimate")
     times = np.log(mae["filterpy"] / mae["encoders"]).groupby("component").mean()
     assert len(times) == 6
@@ -125,13 +109,38 @@ def test_the_smoother_is_nearer_to_the_imu_than_a_plain_filter(thesis_results: P
 
 
 @pytest.fixture(scope="module")
-def printed(thesis_results: Path) -> pd.DataFrame:
-    return read_csv(thesis_results / "tables" / "printed.csv")
+def printed(study: FinishedStudy) -> pd.DataFrame:
+    return study.table("printed")
+
+
+MET = [  # numbers that are rebuilt: within a share, or half of the last of four decimals
+    ("Table 5.6", "MAE of τ̂ [Nm]", [*"ABC"], 3, 0.06),  # joints 1 to 3
+    ("Table 5.5", "MAE of q̂ [rad]", [*"AB"], 6, 0.2),
+    ("Table 5.5", "MAE of q̂̇ [rad/s]", [*"AB"], 6, 0.2),
+    ("Equations 6.5, 6.6", "k [Nm/A], b [Nm]", [*"kb"], 6, 0.05),  # offsets below 1 Nm: 0.1 Nm
+    ("Table 6.1", "MAE of the force [N, Nm]", ["Fu"], 6, 0.01),
+    ("Table 6.1", "MAE of the force [N, Nm]", ["F"], 6, 0.03),
+    ("Table 6.1", "MAE of the force [N, Nm]", ["F*"], 6, 0.13),
+    ("Table 6.2", "largest error of the force [N, Nm]", ["Fu"], 6, 0.04),
+    ("Table 6.2", "largest error of the force [N, Nm]", ["F"], 6, 0.006),  # by erratum 13
+    ("Table 6.2", "largest error of the force [N, Nm]", ["F*"], 6, 0.05),
+]
+
+
+@pytest.mark.parametrize(("source", "quantity", "rows", "count", "share"), MET)
+def test_printed_numbers_are_met(
+    printed: pd.DataFrame, source: str, quantity: str, rows: list[str], count: int, share: float
+) -> None:
+    found = printed.query("source == @source and quantity == @quantity and row in @rows")
+    found = found.groupby("row").head(count)
+    assert len(found) == count * len(rows)
+    size, gap = found["printed"].abs(), (found["rebuilt"] - found["printed"]).abs()
+    small = np.where((found["row"] == "b") & (size < 1), 0.1, 0.5e-4)
+    assert (gap <= np.maximum(share * size, small)).all()
 
 
 def test_every_printed_number_is_judged(printed: pd.DataFrame) -> None:
-    reference = read_reference(PROJECT / "workflow" / "studies" / "thesis_reference.yaml")
-    rows = [row for table in reference.printed.values() for row in dict(table.values).values()]
+    rows = [row for table in REFERENCE.printed.values() for row in dict(table.values).values()]
     assert printed["printed"].tolist() == [number for row in rows for number in row]
     assert {"Table 5.1", "Table 5.5", "Table 5.6", "Table 5.7", "Table 6.1", "Table 6.2"} <= {
         *printed["source"]
@@ -157,16 +166,15 @@ def test_equal_and_explained_numbers_are_near_the_print(printed: pd.DataFrame) -
 
 def test_every_erratum_that_explains_a_number_says_so(printed: pd.DataFrame) -> None:
     """It exists, explains the recording's row by a computation, and its text has numbers."""
-    errata = read_reference(PROJECT / "workflow" / "studies" / "thesis_reference.yaml").errata
     for row in printed[printed["status"].str.startswith("erratum")].itertuples():
-        erratum = errata[int(row.status.removeprefix("erratum ")) - 1]
+        erratum = REFERENCE.errata[int(row.status.removeprefix("erratum ")) - 1]
         assert row.row in {way.row for way in erratum.explains}
         assert re.search(r"\d+(\.\d+)? (%|s|mm|Nm|ms|above)", erratum.error)
 
 
 def test_errata_state_the_numbers_of_the_printed_tables(printed: pd.DataFrame) -> None:
     """As rounded there; 0.168 Nm is printed in Section 5.2."""
-    text, known = errata(), printed[["printed", "rebuilt", "as_erratum_says"]]
+    text, known = ERRATA, printed[["printed", "rebuilt", "as_erratum_says"]]
     torques = known[printed["source"].isin(["Table 5.1", "Table 5.6"])].to_numpy().ravel()
     for place in text:
         if place.startswith(("Table 5.6", "Table 5.1,")):
@@ -180,12 +188,6 @@ def test_errata_state_the_numbers_of_the_printed_tables(printed: pd.DataFrame) -
     ratio = printed[printed["source"] == "Table 5.7"].set_index("number")["ratio"]
     y, z = 100 * (1 - ratio[["y", "z"]])
     assert f"{y:.0f} and {z:.0f} % below" in text["Table 5.7, Section 5.5"]
-
-
-def errata() -> dict[str, str]:
-    """The text of each erratum by its place."""
-    found = read_reference(PROJECT / "workflow" / "studies" / "thesis_reference.yaml").errata
-    return {erratum.place: f"{erratum.error} {erratum.choice}" for erratum in found}
 
 
 def test_every_unexplained_number_is_a_finding(thesis_results: Path, printed: pd.DataFrame) -> None:
@@ -210,22 +212,12 @@ def test_table_5_7_follows_from_another_order_of_steps(printed: pd.DataFrame) ->
 
 
 @pytest.fixture(scope="module")
-def constants(thesis_results: Path) -> pd.DataFrame:
-    return read_csv(thesis_results / "tables" / "torque_constants.csv")
-
-
-def test_printed_torque_constants_are_met(constants: pd.DataFrame) -> None:
-    """Equation 6.5: within 5 %, offsets below 1 Nm within 0.1 Nm."""
-    rows = constants[constants["printed_offset"].notna()]
-    assert set(rows["recording"]) == {TABLE_5_7}
-    assert rows["joint"].tolist() == [1, 2, 3, 4, 5, 6]
-    assert (rows["torque_constant"] / rows["printed_torque_constant"] - 1).abs().max() < 0.05
-    gap, size = (rows["offset"] - rows["printed_offset"]).abs(), rows["printed_offset"].abs()
-    assert (gap < np.where(size < 1, 0.1, 0.05 * size)).all()
+def constants(study: FinishedStudy) -> pd.DataFrame:
+    return study.table("torque_constants")
 
 
 def test_the_printed_offset_of_joint_2_is_regression_to_the_mean(
-    thesis_results: Path, constants: pd.DataFrame
+    study: FinishedStudy, constants: pd.DataFrame
 ) -> None:
     """It follows the mean torque from run to run, and vanishes where the torque varies widely."""
     rows = constants.query("joint == 2").set_index(["regression", "recording"])
@@ -237,18 +229,18 @@ def test_the_printed_offset_of_joint_2_is_regression_to_the_mean(
     assert forward.loc[small, "offset"].abs().max() < 2
     assert forward.loc[small, "torque_constant"].between(9.9, 11.0).all()
     assert reverse.loc[TABLE_5_7, "offset"] < 5
-    friction = read_csv(thesis_results / "tables" / "friction.csv").query("joint == 2")
+    friction = study.table("friction").query("joint == 2")
     right = friction.set_index("parameter")
     assert abs(right.loc["offset", "value"]) < 2 * right.loc["offset", "std_error"]
 
 
 def test_the_erratum_on_joint_2_states_the_numbers_of_the_tables(
-    thesis_results: Path, constants: pd.DataFrame
+    study: FinishedStudy, constants: pd.DataFrame
 ) -> None:
     rows = constants.query("joint == 2").set_index(["regression", "recording"])
     forward, reverse = rows.loc["torque_on_current"], rows.loc["current_on_torque"].loc[TABLE_5_7]
     varied = forward[forward["mean_torque"].abs() < 20]
-    friction = read_csv(thesis_results / "tables" / "friction.csv").query("joint == 2")
+    friction = study.table("friction").query("joint == 2")
     fit = friction.set_index("parameter")
     ranges = [
         (forward["offset"], " Nm"),
@@ -259,12 +251,12 @@ def test_the_erratum_on_joint_2_states_the_numbers_of_the_tables(
     numbers = [f"{own.min():.1f} to {own.max():.1f}{unit}" for own, unit in ranges]
     numbers += [f"{reverse['offset']:.1f} Nm and {reverse['torque_constant']:.1f} Nm/A"]
     numbers += [f"{own['value']:.1f} ± {own['std_error']:.1f}{unit}" for own, unit in fitted]
-    text = errata()["Equations 6.5, 6.6"]
+    text = ERRATA["Equations 6.5, 6.6"]
     assert [number for number in numbers if number.replace("-", "−") not in text] == []
 
 
-def test_rotors_are_those_of_the_maker(thesis_results: Path) -> None:
-    rotors = read_csv(thesis_results / "tables" / "rotor_inertia.csv")
+def test_rotors_are_those_of_the_maker(study: FinishedStudy) -> None:
+    rotors = study.table("rotor_inertia")
     known = np.array([1.61, 1.62, 1.89, 0.159, 0.159, 0.160])
     np.testing.assert_allclose(rotors["value"], known, rtol=0.03)
     for term in ("offset", "coulomb", "viscous"):
@@ -286,9 +278,9 @@ CURRENT_LIMITS = {  # plain Coulomb + viscous + offset, computed independently [
 
 @pytest.mark.parametrize("recording", CURRENT_LIMITS)
 def test_currents_are_predicted_better_than_by_a_plain_fit(
-    thesis_results: Path, recording: str
+    study: FinishedStudy, recording: str
 ) -> None:
-    table = read_csv(thesis_results / "tables" / "current_rmse.csv")
+    table = study.table("current_rmse")
     rows = table.query("recording == @recording and model == 'fitted'")
     assert set(rows["fitted"]) == {"no"}
     limits = np.array(CURRENT_LIMITS[recording])
@@ -310,16 +302,21 @@ FORCE_LIMITS = {  # MAE in x, y, z over the whole run [N]
 @pytest.mark.parametrize(("estimate", "recording"), FORCE_LIMITS)
 @pytest.mark.parametrize("kind", ["corrected", "compensated"])
 def test_new_estimates_come_nearer_than_the_controllers_and_than_none(
-    thesis_results: Path, estimate: str, recording: str, kind: str
+    study: FinishedStudy, estimate: str, recording: str, kind: str
 ) -> None:
-    table = read_csv(thesis_results / "tables" / "force_mae.csv")
-    rows = table.query("recording == @recording and kind == @kind and during == 'all'")
-    rows = rows.set_index("component")
-    axes = ["Fx", "Fy", "Fz"]
-    ours = rows[rows["estimate"] == estimate].loc[axes]
+    rows = study.table("force_mae").query("recording == @recording and kind == @kind")
+    rows = rows.query("during == 'all' and component in @FORCES").set_index("estimate")
+    ours = rows.loc[estimate]
     assert (ours["mae"] <= FORCE_LIMITS[estimate, recording]).all()
-    assert (ours["mae"] < rows[rows["estimate"] == "Fu"].loc[axes, "mae"]).all()
+    assert (ours["mae"].to_numpy() < rows.loc["Fu", "mae"].to_numpy()).all()
     assert (ours["mae"] < ours["zero_mae"]).all()
+
+
+@pytest.fixture(scope="module")
+def errors(study: FinishedStudy) -> pd.DataFrame:
+    """Errors along x, y, z beside the compensated sensor."""
+    rows = study.table("force_mae").query("kind == 'compensated' and component in @FORCES")
+    return rows.set_index(["during", "recording", "estimate", "component"]).sort_index()
 
 
 IN_CONTACT = {  # MAE of F^map in x, y, z [N]
@@ -327,95 +324,70 @@ IN_CONTACT = {  # MAE of F^map in x, y, z [N]
     "Movement_No10_Standstill_ForceSensor_All": [4.5, 5.8, 4.0],
     "Movement_No10_Standstill_ForceSensor_Fx": [2.3, 6.6, 1.8],
 }
+PUSHED = [*product(IN_CONTACT, FORCES)]
+SMALL_ALONG_X = pytest.mark.xfail(
+    strict=True, reason="16 % too small along x: 3.10 N beside 2.95 N of least squares, slope 0.84"
+)
+NARROW = pytest.mark.xfail(reason="0.8998 of the force along x are inside, 1 sample too few")
+
+
+def pushed_but(recording: str, axis: str, mark: pytest.MarkDecorator) -> list[Any]:
+    """Every recording and axis, of which one is known to fail."""
+    return [
+        pytest.param(*place, marks=[mark] if place == (recording, axis) else []) for place in PUSHED
+    ]
 
 
 @pytest.mark.parametrize("recording", IN_CONTACT)
-def test_forces_are_right_where_there_is_a_contact(thesis_results: Path, recording: str) -> None:
+def test_forces_are_right_where_there_is_a_contact(errors: pd.DataFrame, recording: str) -> None:
     """Nearer than least squares without a prior, in a band that is worth its width."""
-    table = read_csv(thesis_results / "tables" / "force_mae.csv")
-    rows = table.query("recording == @recording and kind == 'compensated'")
-    rows = rows[rows["component"].isin(["Fx", "Fy", "Fz"])]
-    contact = rows[rows["during"] == "contact"].set_index(["estimate", "component"])
+    contact, free = (errors.loc[during, recording] for during in ("contact", "free"))
     ours, plain = contact.loc["Fmap"], contact.loc["least_squares"]
     assert (ours["mae"] <= IN_CONTACT[recording]).all()
     assert ours["mae"].mean() <= 1.05 * plain["mae"].mean()
     assert (ours["interval_score95"] < ours["zero_interval_score95"]).all()
-    free = rows.query("during == 'free' and estimate == 'Fmap'")
-    assert (free["mae"] <= 0.3).all()
-    assert (free["coverage95"] >= 0.97).all()
+    assert (free.loc["Fmap", "mae"] < 0.3).all()
+    assert (free.loc["Fmap", "coverage95"] >= 0.97).all()
 
 
-SMALL_ALONG_X = pytest.mark.xfail(
-    strict=True, reason="16 % too small along x: 3.10 N beside 2.95 N of least squares, slope 0.84"
-)
-AXES = [
-    pytest.param(recording, axis, marks=[SMALL_ALONG_X] if (recording, axis) == known else [])
-    for known in [(TABLE_6_1, "Fx")]
-    for recording in IN_CONTACT
-    for axis in ("Fx", "Fy", "Fz")
-]
-
-
-NARROW = pytest.mark.xfail(reason="0.8998 of the force along x are inside, 1 sample too few")
-
-
-@pytest.mark.parametrize("axis", ["Fx", "Fy", "Fz"])
-@pytest.mark.parametrize("recording", IN_CONTACT)
+@pytest.mark.parametrize(("recording", "axis"), pushed_but(STANDSTILL[0], "Fx", NARROW))
 def test_bands_hold_where_there_is_a_contact(
-    thesis_results: Path, request: pytest.FixtureRequest, recording: str, axis: str
+    errors: pd.DataFrame, recording: str, axis: str
 ) -> None:
-    if (recording, axis) == ("Movement_No10_Standstill_ForceSensor_All", "Fx"):
-        request.applymarker(NARROW)
-    table = read_csv(thesis_results / "tables" / "force_mae.csv")
-    [inside] = table.query(
-        "recording == @recording and kind == 'compensated' and during == 'contact' and "
-        "component == @axis and estimate == 'Fmap'"
-    )["coverage95"]
-    assert inside >= 0.90
+    assert errors.loc[("contact", recording, "Fmap", axis), "coverage95"] >= 0.90
 
 
-@pytest.mark.parametrize(("recording", "axis"), AXES)
+@pytest.mark.parametrize(("recording", "axis"), pushed_but(TABLE_6_1, "Fx", SMALL_ALONG_X))
 def test_a_prior_costs_no_axis_more_than_a_twentieth(
-    thesis_results: Path, recording: str, axis: str
+    errors: pd.DataFrame, recording: str, axis: str
 ) -> None:
     """Beside least squares, which has none."""
-    table = read_csv(thesis_results / "tables" / "force_mae.csv")
-    rows = table.query(
-        "recording == @recording and kind == 'compensated' and during == 'contact' and "
-        "component == @axis"
-    ).set_index("estimate")
-    assert rows.loc["Fmap", "mae"] <= 1.05 * rows.loc["least_squares", "mae"]
+    mae = errors.loc[("contact", recording), "mae"]
+    assert mae["Fmap", axis] <= 1.05 * mae["least_squares", axis]
 
 
 @pytest.mark.parametrize("axis", [pytest.param("Fx", marks=SMALL_ALONG_X), "Fz"])
-def test_slopes_against_the_sensor_are_near_one(thesis_results: Path, axis: str) -> None:
-    table = read_csv(thesis_results / "tables" / "force_mae.csv")
-    rows = table.query(
-        "recording == @TABLE_6_1 and kind == 'compensated' and during == 'contact' and "
-        "estimate == 'Fmap' and component == @axis"
-    )
-    assert rows["slope"].between(0.88, 1.1).all()
+def test_slopes_against_the_sensor_are_near_one(errors: pd.DataFrame, axis: str) -> None:
+    assert 0.88 <= errors.loc[("contact", TABLE_6_1, "Fmap", axis), "slope"] <= 1.1
 
 
 @pytest.mark.parametrize("recording", WITH_SENSOR)
-def test_errors_in_contact_stand_apart_from_free_ones(thesis_results: Path, recording: str) -> None:
+def test_errors_in_contact_stand_apart_from_free_ones(errors: pd.DataFrame, recording: str) -> None:
     """And each in its resampled interval; the whole run lies between."""
-    table = read_csv(thesis_results / "tables" / "force_mae.csv")
-    rows = table.query("recording == @recording and kind == 'compensated' and estimate == 'Fmap'")
-    mae = rows.pivot_table("mae", "component", "during").loc[["Fx", "Fy", "Fz"]]
-    assert (mae["free"] < 0.3).all()
-    assert (mae["free"] < mae["all"]).all()
-    assert (mae["all"] < mae["contact"]).all()
-    contact = rows[rows["during"] == "contact"]
+    contact, whole, free = (
+        errors.loc[during, recording, "Fmap"] for during in ("contact", "all", "free")
+    )
+    assert (free["mae"] < whole["mae"]).all()
+    assert (whole["mae"] < contact["mae"]).all()
     assert (contact["mae_low"] < contact["mae"]).all()
     assert (contact["mae"] < contact["mae_high"]).all()
     assert contact["mean_force"].equals(contact["zero_mae"])
-    assert rows[rows["during"] != "contact"]["mae_low"].isna().all()
+    assert pd.concat([whole, free])["mae_low"].isna().all()
 
 
-def test_errors_of_contacts_are_of_the_contacts_that_the_sensor_saw(thesis_results: Path) -> None:
-    errors = read_csv(thesis_results / "tables" / "contact_errors.csv")
-    detection = read_csv(thesis_results / "tables" / "detection.csv")
+def test_errors_of_contacts_are_of_the_contacts_that_the_sensor_saw(study: FinishedStudy) -> None:
+    errors = study.table("contact_errors")
+    detection = study.table("detection")
     seen = detection[detection["force_class_n"] == 5].set_index(["recording", "estimate"])
     for key, part in errors.groupby(["recording", "estimate"]):
         if key in seen.index:
@@ -425,8 +397,8 @@ def test_errors_of_contacts_are_of_the_contacts_that_the_sensor_saw(thesis_resul
     assert whole["start_s"].lt(whole["end_s"]).all()
 
 
-def test_contacts_are_found_and_none_made_up(thesis_results: Path) -> None:
-    table = read_csv(thesis_results / "tables" / "detection.csv")
+def test_contacts_are_found_and_none_made_up(study: FinishedStudy) -> None:
+    table = study.table("detection")
     sensed = table[table["force_class_n"].notna() & ~table["estimate"].isin(PUBLISHED)]
     assert {*sensed["recording"]} == {*WITH_SENSOR}
     assert (sensed["found"] <= sensed[["contacts", "alarms"]].min(axis=1)).all()
@@ -439,25 +411,24 @@ def test_contacts_are_found_and_none_made_up(thesis_results: Path) -> None:
     assert pushed["median_delay_s"] <= 0.25
 
 
-def test_the_published_estimates_are_judged_by_the_same_rule(thesis_results: Path) -> None:
+def test_the_published_estimates_are_judged_by_the_same_rule(study: FinishedStudy) -> None:
     """On the recordings to fit on, their thresholds allow no more than an alarm a minute."""
-    table = read_csv(thesis_results / "tables" / "detection.csv")
-    seconds = read_csv(thesis_results / "tables" / "recordings.csv").set_index("recording")
+    table = study.table("detection")
+    seconds = study.table("recordings").set_index("recording")
     rows = table[table["estimate"].isin(PUBLISHED)]
     assert {*rows["estimate"]} == {*PUBLISHED}
     assert {*WITH_SENSOR} <= {*rows["recording"]}
-    study = yaml.safe_load((PROJECT / "workflow/studies/thesis.yaml").read_text())
-    to_fit_on = [own["name"] for own in study["recordings"] if own["role"] == "fit"]
+    to_fit_on = [own.name for own in study.configuration().recordings if own.role == "fit"]
     fitted = rows[rows["recording"].isin(to_fit_on)]
     for _, own in fitted.groupby("estimate"):
         assert own["alarms"].sum() <= seconds.loc[own["recording"], "duration_s"].sum() / 60
 
 
-def test_the_claimed_threshold_is_counted(thesis_results: Path) -> None:
+def test_the_claimed_threshold_is_counted(study: FinishedStudy) -> None:
     """10 N along z: the thesis calls F̂*_z reliable from there on; it is neither always found nor
     never above it without contact, and F̂ᵐᵃᵖ is nearer to both.
     """
-    table = read_csv(thesis_results / "tables" / "fixed_threshold.csv")
+    table = study.table("fixed_threshold")
     along = table[table["component"] == "Fz"].set_index(["recording", "estimate"])
     pushed = along.loc[TABLE_6_1]
     assert pushed["pushes"].min() == pushed["pushes"].max() > 5
@@ -469,54 +440,33 @@ def test_the_claimed_threshold_is_counted(thesis_results: Path) -> None:
 
 @pytest.mark.parametrize("estimate", ["Fmap", "observer", "repeat"])
 def test_alarms_on_paths_that_were_left_out_are_as_few_as_asked(
-    thesis_results: Path, estimate: str
+    study: FinishedStudy, estimate: str
 ) -> None:
     """At most one a minute over all contact-free recordings: each by a fit without its path."""
-    table = read_csv(thesis_results / "tables" / "detection.csv")
-    seconds = read_csv(thesis_results / "tables" / "recordings.csv").set_index("recording")
-    study = yaml.safe_load((PROJECT / "workflow/studies/thesis.yaml").read_text())
-    free = [own["name"] for own in study["recordings"] if own["role"] != "contact"]
+    table = study.table("detection")
+    seconds = study.table("recordings").set_index("recording")
+    free = [own.name for own in study.configuration().recordings if own.role != "contact"]
     rows = table[table["recording"].isin(free) & (table["estimate"] == estimate)]
     minutes = seconds.loc[rows["recording"], "duration_s"].sum() / 60
     assert rows["alarms"].sum() <= minutes
 
 
-def test_an_arm_without_payload_carries_none(thesis_results: Path) -> None:
+def test_an_arm_without_payload_carries_none(study: FinishedStudy) -> None:
     """Beyond what is declared, in motion."""
-    payload = read_csv(thesis_results / "tables" / "payload.csv")
+    payload = study.table("payload")
     assert len(payload) == 12
     assert (payload["low"] < 0).all()
     assert (payload["high"] > 0).all()
     assert (payload["taken"] == "no").all()
 
 
-def test_the_controllers_model_is_recovered(torque: pd.DataFrame, thesis_results: Path) -> None:
+def test_the_controllers_model_is_recovered(torque: pd.DataFrame, study: FinishedStudy) -> None:
     rows = torque.query("motion == 'target' and model == 'identified'")
     assert rows["recording"].nunique() == 15
     assert rows["mae"].max() < 0.001
-    parameters = read_csv(thesis_results / "tables" / "parameters.csv")
+    parameters = study.table("parameters")
     assert len(parameters) == 40
     assert (parameters["determined"] == "yes").all()
-
-
-@pytest.mark.parametrize(
-    ("estimate", "within"),
-    [("Fu", 0.01), ("F", 0.03), ("F*", 0.13)],
-)
-def test_printed_force_errors_are_met(force: pd.DataFrame, estimate: str, within: float) -> None:
-    """Table 6.1."""
-    rows = force.query("kind == 'printed' and estimate == @estimate and during == 'all'")
-    assert len(rows) == 6
-    assert (rows["mae"] / rows["printed_mae"] - 1).abs().max() < within
-
-
-def test_printed_largest_errors_are_met(force: pd.DataFrame) -> None:
-    """Table 6.2; those of F need the Jacobian's lag (erratum 13)."""
-    rows = force.query("kind == 'printed' and during == 'all'")
-    gap = (rows["max"] / rows["printed_max"] - 1).abs().groupby(rows["estimate"]).max()
-    assert gap["Fu"] < 0.04
-    assert gap["F"] < 0.006
-    assert gap["F*"] < 0.05
 
 
 @pytest.mark.parametrize(
@@ -549,8 +499,8 @@ def test_tool_speed_is_the_jacobian_times_the_joint_speed(thesis_results: Path) 
 
 
 @pytest.fixture(scope="module")
-def clocks(thesis_results: Path) -> pd.DataFrame:
-    table = read_csv(thesis_results / "tables" / "clocks.csv")
+def clocks(study: FinishedStudy) -> pd.DataFrame:
+    table = study.table("clocks")
     return table.set_index(["recording", "device"])
 
 
@@ -566,12 +516,12 @@ POORLY = ["Movement_No4_Acc", "Movement_No8_Singularity_Free_1"]  # hardly any t
 
 
 @pytest.mark.parametrize("name", CLOCKS)
-def test_clocks_of_the_imu_are_found(thesis_results: Path, clocks: pd.DataFrame, name: str) -> None:
+def test_clocks_of_the_imu_are_found(study: FinishedStudy, clocks: pd.DataFrame, name: str) -> None:
     """Within 20 ms of the reference in the middle of the record, where it is known best; and
     throughout, but where the reference leaves more of the accelerometer's reading unexplained.
     """
     own, (offset, drift) = clocks.loc[(name, "imu")], CLOCKS[name]
-    recordings = read_csv(thesis_results / "tables" / "recordings.csv").set_index("recording")
+    recordings = study.table("recordings").set_index("recording")
     middle = recordings.loc[name, "duration_s"] / 2
     off, drift_off = own["offset_s"] - offset, own["drift_ppm"] - drift
     assert own["method"] == "angular rate"
@@ -710,7 +660,6 @@ def test_the_report_holds_what_was_promised(thesis_results: Path, page: HtmlElem
     assert "cutoff_hz: 1.454" in text
     assert "pytorch-kinematics" in text
     assert len([*page.iter("img")]) >= 3 * 2 + 6
-    assert (thesis_results / "report.html").stat().st_size < 6e6
 
 
 def test_the_pdf_says_the_same(thesis_results: Path, torque: pd.DataFrame) -> None:
@@ -722,12 +671,12 @@ def test_the_pdf_says_the_same(thesis_results: Path, torque: pd.DataFrame) -> No
 
 
 def test_the_readme_tells_the_numbers_of_the_tables(
-    thesis_results: Path, torque: pd.DataFrame, force: pd.DataFrame
+    study: FinishedStudy, torque: pd.DataFrame, force: pd.DataFrame
 ) -> None:
     readme = (PROJECT / "README.md").read_text()
     found = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'identified'")
     assert f"| | {found['mae'].iloc[1]:.4f} | |" in readme
-    table = read_csv(thesis_results / "tables" / "acceleration_mae.csv")
+    table = study.table("acceleration_mae")
     rows = table.query("recording == @TABLE_5_7 and component == 'x'").set_index("estimate")
     euler, ours = rows.loc["euler"], rows.loc["encoders"]
     assert f"| {euler['printed']:.2f} | {ours['mae']:.3f} | |" in readme
@@ -749,17 +698,17 @@ def test_the_readme_tells_the_numbers_of_the_tables(
 
 @pytest.mark.parametrize("during", ["motion", "rest"])
 def test_bands_of_accelerations_hold_on_recordings_that_they_have_not_seen(
-    thesis_results: Path, during: str
+    study: FinishedStudy, during: str
 ) -> None:
     """Encoders beside the IMU below 5 Hz: of each component, over recordings."""
-    table = read_csv(thesis_results / "tables" / "acceleration_bands.csv")
+    table = study.table("acceleration_bands")
     held = table[(table["range"] == "below 5 Hz") & (table["during"] == during)]
     shares = held.groupby("component")["held"].mean()
     assert shares.between(0.92, 0.98).all(), shares
 
 
-def test_encoders_tell_vibrations(thesis_results: Path) -> None:
+def test_encoders_tell_vibrations(study: FinishedStudy) -> None:
     """Above 5 Hz, at most 0.5 m/s² from the IMU; without vibrations it was up to 0.8 m/s²."""
-    table = read_csv(thesis_results / "tables" / "acceleration_bands.csv")
+    table = study.table("acceleration_bands")
     rows = table.query("recording == @TABLE_5_7 and range == '5 to 20 Hz' and during == 'motion'")
     assert (rows[rows["component"].isin(["x", "y", "z"])]["rms"] < 0.5).all()
