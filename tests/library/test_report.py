@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -32,7 +33,6 @@ from ur5lib.report.document import (
     Section,
     Table,
 )
-from ur5lib.report.formats import joints, significant
 from ur5lib.report.house_style import save
 from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
@@ -82,15 +82,11 @@ def document(picture: Path) -> Document:
     return Document(HOSTILE, HOSTILE, [Section(HOSTILE, blocks)], HOSTILE).numbered()
 
 
-def test_tables_and_figures_are_counted(document: Document) -> None:
-    numbers = [block.number for block in document.blocks() if isinstance(block, Table | Picture)]
-    assert numbers == [1, 1, 2]
-
-
-def test_mentions_tell_the_number(document: Document) -> None:
-    first = next(document.blocks())
+def test_tables_and_figures_are_counted_and_mentioned_by_their_number(document: Document) -> None:
+    first, *blocks = document.blocks()
     assert isinstance(first, Paragraph)
     assert first.spans[1] == Reference("later", "Table 2")
+    assert [block.number for block in blocks if isinstance(block, Table | Picture)] == [1, 1, 2]
 
 
 def test_a_mention_of_nothing_is_an_error() -> None:
@@ -109,6 +105,7 @@ def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path
     (image,) = page.iter("img")
     assert image.get("alt") == HOSTILE
     assert image.get("src").startswith("data:image/svg+xml,%3C?xml")
+    assert "▼ 0.5" in page.text_content()  # a mark is more than a colour
 
 
 def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) -> None:
@@ -117,11 +114,6 @@ def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) 
     assert pdf.startswith(b"%PDF")
     write_pdf(document, tmp_path / "again.pdf")
     assert (tmp_path / "again.pdf").read_bytes() == pdf
-
-
-def test_marks_are_more_than_colour(document: Document, tmp_path: Path) -> None:
-    write_html(document, tmp_path / "report.html")
-    assert "▼ 0.5" in (tmp_path / "report.html").read_text()
 
 
 def test_extremes_are_marked_where_values_differ() -> None:
@@ -142,21 +134,16 @@ def test_extremes_are_marked_where_values_differ() -> None:
         ("value | signed(2)", 0.5, "+0.50"),
         ("{{ value }} of 2", 1, "1 of 2"),
         ("value if value is known else none", math.nan, None),
+        ("value | significant(2)", 46771.7, "47000"),
+        ("value | significant(2)", 99.6, "100"),
+        ("value | significant(2)", 0.00134, "0.0013"),
+        ("value | joints", [2], "joint 2"),
+        ("value | joints", [4, 5], "joints 4, 5"),
+        ("value | joints", [1, 2, 3, 4, 5, 6], "joints 1 to 6"),
     ],
 )
-def test_cells_show_sign_and_absence(template: str, value: float, text: str | None) -> None:
+def test_cells_show_sign_absence_and_no_exponent(template: str, value: Any, text: str) -> None:
     assert cell(template, {"value": value}) == text
-
-
-def test_significant_digits_have_no_exponent() -> None:
-    assert [significant(x, 2) for x in (46771.7, 99.6, 2.649, 0.00134)] == [
-        "47000", "100", "2.6", "0.0013"
-    ]  # fmt: skip
-
-
-def test_joints_in_a_row_are_named_by_the_first_and_the_last() -> None:
-    told = [joints(numbers) for numbers in ([2], [1, 3], [4, 5], [1, 2, 3, 4, 5, 6])]
-    assert told == ["joint 2", "joints 1, 3", "joints 4, 5", "joints 1 to 6"]
 
 
 def test_columns_of_numbers_stand_right() -> None:
@@ -251,12 +238,14 @@ def test_a_recording_without_contacts_is_told_too() -> None:
     assert [*largest_contacts(results)] == []
 
 
+def alarm(start: float, force: list[float], **more: Any) -> dict[str, Any]:
+    """An alarm of 1 s, its largest force in the middle."""
+    times = {"start": start, "end": start + 1, "peak": start + 0.5}
+    return times | {"force": force, "force_std": [1, 2, 3]} | more
+
+
 def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
-    alarms = [
-        {"start": 1.0, "end": 2.0, "peak": 1.5, "force": [3.0, 0.0, -4.04], "force_std": [1, 2, 3]},
-        {"start": 7.0, "end": 8.0, "peak": 7.5, "force": [1.0, 0.0, 0.0], "force_std": [1, 2, 3]},
-    ]
-    rows = contact_rows("pushed", alarms)
+    rows = contact_rows("pushed", [alarm(1.0, [3.0, 0.0, -4.04]), alarm(7.0, [1.0, 0.0, 0.0])])
     results = searched("pushed", rows)
     assert stated(counted(results)) == [[2]]
     assert stated(largest_contacts(results)) == [[3.0, 1, 0.0, 2, -4.0, 3, 1.5]]
@@ -267,9 +256,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
 
 def on_links(*probabilities: list[float]) -> Results:
     """Contacts of 5 N, one after the other, with the probabilities of the links."""
-    force = {"force": [5.0, 0, 0], "force_std": [1] * 3}
-    starts = map(float, range(len(probabilities)))
-    alarms = [{"start": start, "end": start + 0.5, "peak": start + 0.2} | force for start in starts]
+    alarms = [alarm(float(k), [5.0, 0, 0]) for k in range(len(probabilities))]
     links = [{"start": float(k), "links": own} for k, own in enumerate(probabilities)]
     return searched("pushed", contact_rows("pushed", alarms, links))
 
@@ -279,19 +266,13 @@ FOREARM = [0.0, 0.01, 0.98, 0.01, 0, 0]
 
 
 def test_a_link_is_stated_only_where_the_torques_tell_it() -> None:
-    rows = on_links(FLANGE, OPEN, FOREARM).tables["contacts"]
+    results = on_links(FLANGE, OPEN, FOREARM)
+    rows = results.tables["contacts"]
     assert rows["link"].fillna(0).tolist() == [6, 0, 3]
     assert rows["on_link_6"].tolist() == [0.98, 0.4, 0.0]
-
-
-def test_a_contact_whose_links_are_unknown_has_none() -> None:
-    assert contact_rows("pushed", []).empty
-    assert likely(pd.Series(dict.fromkeys(LINKS, math.nan))) == []
-
-
-def test_the_listed_links_are_the_likely_ones() -> None:
-    cells = shown_table("forces.contacts", on_links(FLANGE, OPEN, FOREARM), "pushed").rows
+    cells = shown_table("forces.contacts", results, "pushed").rows
     assert [row[-1].text for row in cells] == ["6", "3 to 6", "3"]
+    assert likely(pd.Series(dict.fromkeys(LINKS, math.nan))) == []
 
 
 def test_contacts_off_the_flange_are_counted() -> None:
@@ -301,15 +282,9 @@ def test_contacts_off_the_flange_are_counted() -> None:
 
 
 def test_a_load_taken_up_is_no_contact() -> None:
-    alarm = {
-        "start": 4.0,
-        "end": 9.0,
-        "peak": 5.0,
-        "force": [0.0, 0.0, -20.0],
-        "force_std": [1] * 3,
-    }
-    load = alarm | {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
-    rows = contact_rows("grasp", [alarm, load])
+    lifted = {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
+    down = [0.0, 0.0, -20.0]
+    rows = contact_rows("grasp", [alarm(4.0, down), alarm(4.0, down, **lifted)])
     results = searched("grasp", rows)
     assert stated(counted(results)) == [[1]]
     taken_up = results.rows("contacts", kind="load")
@@ -351,43 +326,33 @@ def force_results() -> Results:
 
 
 def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
-    rows = force_results().rows("force_mae", kind="compensated", estimate="Fmap")
-    known = rows.groupby("component")["determined"].unique().map(list)
+    results = force_results()
+    rows = results.rows("force_mae", kind="compensated").set_index("estimate")
+    known = rows.loc["Fmap"].groupby("component")["determined"].unique().map(list)
     assert {name for name, told in known.items() if told == ["no"]} == {"ny", "nz"}
-    assert (
-        force_results()
-        .rows("force_mae", kind="compensated", estimate="Fu")["determined"]
-        .isna()
-        .all()
-    )
-    told = {row[1].text: row[3].text for row in shown_table("forces.summary", force_results()).rows}
+    assert rows.loc["Fu", "determined"].isna().all()
+    told = {row[1].text: row[3].text for row in shown_table("forces.summary", results).rows}
     assert told["ny [Nm]"] == told["nz [Nm]"] == "undetermined"
     assert told["Fx [N]"] == told["nx [Nm]"] == "4.00"
+    (undetermined,) = undetermined_moments(results)
+    assert "ny, nz" in undetermined
 
 
 def test_printed_errors_stand_beside_those_of_the_whole_run() -> None:
-    rows = force_results().tables["force_mae"]
-    printed = rows[rows["printed_mae"].notna()]
-    assert set(printed["kind"]) == {"printed"}
-    assert set(printed["during"]) == {"all"}
+    printed = force_results().tables["force_mae"].dropna(subset="printed_mae")
+    assert {*zip(printed["kind"], printed["during"], strict=True)} == {("printed", "all")}
 
 
-def test_the_headline_sets_contact_beside_free() -> None:
-    header, rows = shown_table("forces.headline", force_results())
+def test_contact_is_set_beside_free_and_never_averaged_with_it() -> None:
+    results = force_results()
+    (told,) = stated(in_contact(results))
+    assert told == [*[4.0] * 3, *[3.0, 5.0] * 3, *[10.0] * 3, *[90] * 3, *[0.1] * 3]
+    header, rows = shown_table("forces.headline", results)
     cells = dict(zip(header, (cell.text for cell in rows[0]), strict=True))
     assert cells["mean force"] == "10.0"
     assert cells["error (95 %)"] == "4.0 (3.0\u00a0to\u00a05.0)"
     assert cells["free: error"] == "0.10"
     assert len(rows) == 3
-
-
-def test_the_summary_never_averages_contact_and_free() -> None:
-    results = force_results()
-    assert stated(in_contact(results)) == [
-        [*[4.0] * 3, *[3.0, 5.0] * 3, *[10.0] * 3, *[90] * 3, *[0.1] * 3]
-    ]
-    (told,) = undetermined_moments(results)
-    assert "ny, nz" in told
 
 
 def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
