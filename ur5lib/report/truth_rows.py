@@ -1,7 +1,6 @@
 """The rows of the table of estimates beside the truth, which only simulated recordings have."""
 
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
-from functools import partial
 from operator import attrgetter
 from typing import Any, TypeVar
 
@@ -23,7 +22,7 @@ from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.stand.plan import Imu
 from ur5lib.tables import json_text, read_record
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
 from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 from ur5lib.timeseries.segments import by_segment
@@ -43,12 +42,18 @@ def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
     files: paths of the arm's results: described, rotors, identification, calibration, friction.
     """
     robot = load_robot(files["described"])
+
+    def true_rotors(truth: TrueParameters) -> Sequence[float]:
+        return robot.models[truth.model].rotor_inertias or (0.0,) * len(robot.joints)
+
+    def true_parameters(truth: TrueParameters) -> Array:
+        return LinkModel(robot, truth.model).parameters  # without a payload: it is known
+
     rotors = read_record(Rotors, files["rotors"])
-    if (inertias := shared(truths, rotors.from_, partial(true_rotors, robot))) is not None:
+    if (inertias := shared(truths, rotors.from_, true_rotors)) is not None:
         yield from rotor_rows(rotors, inertias)
     identified = read_record(Identification, files["identification"])
-    true = shared(truths, identified.from_, partial(true_parameters, robot))
-    if true is not None:
+    if (true := shared(truths, identified.from_, true_parameters)) is not None:
         yield from parameter_rows(identified, true)
     imu = read_record(dict[str, ImuCalibration], files["calibration"]).get("all")
     if imu and (plan := shared(truths, imu.from_, attrgetter("plan.imu"))):
@@ -67,7 +72,8 @@ def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> 
     motion, fused = Motion.read(files["motion"]), FusedMotion.read(files["fused"])
     true = Truth.read(files["truth"]).at(motion.time)
     robot = load_robot(files["described"])
-    acceleration = true_acceleration(robot, true, motion.segment, design)
+    exact = point_acceleration(robot, true.q, true.qd, true.qdd, np.array(robot.mounting.imu))
+    acceleration = by_segment(inner_lowpass, exact, motion.segment, 1 / true.period, *design)
     motions = {"encoders": motion, "encoders+imu": fused}
     return [
         *clock_rows(read_record(dict[str, SettledClock], files["clocks"]), truth),
@@ -79,11 +85,17 @@ def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> 
 
 
 def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Row]:
-    """Yield the RMSE of models' torques at the true motion, against those of the simulated arm."""
+    """Yield the RMSE of models' torques at the true motion, with gravity and payload as simulated,
+    against those of the simulated arm.
+    """
+    for payload in (truth.plan.payload, truth.plan.undeclared_payload):
+        robot = robot.carrying(payload)
     rigid = true.motor_torque - true.friction_torque + true.contact_torque
-    joints = joint_numbers(rigid)
-    for model, torque in rigid_torques(robot, truth, true).items():
-        yield from errors("torque", joints, "Nm", rigid, torque, f"Model {model}")
+    for name in (robot.chosen_model, "identified"):
+        if name in robot.models:
+            model = LinkModel(robot.mounted(truth.gravity), name)
+            torque = model.inverse_dynamics(true.q, true.qd, true.qdd)
+            yield from errors("torque", joint_numbers(rigid), "Nm", rigid, torque, f"Model {name}")
 
 
 def shared(
@@ -94,39 +106,6 @@ def shared(
         return None
     parts = [part(truths[name]) for name in recordings]
     return parts[0] if all(json_text(one) == json_text(parts[0]) for one in parts) else None
-
-
-def true_robot(robot: Robot, truth: TrueParameters) -> Robot:
-    """Return the arm as simulated: with its gravity and its payload."""
-    for payload in (truth.plan.payload, truth.plan.undeclared_payload):
-        robot = robot.carrying(payload)
-    return robot.mounted(truth.gravity)
-
-
-def true_rotors(robot: Robot, truth: TrueParameters) -> Sequence[float]:
-    """Return the simulated rotor inertias (n,) [kg m²]."""
-    return robot.models[truth.model].rotor_inertias or (0.0,) * len(robot.joints)
-
-
-def true_parameters(robot: Robot, truth: TrueParameters) -> Array:
-    """Return π (11 n,) of the simulated model, without a payload: the controller's is known."""
-    return LinkModel(robot, truth.model).parameters
-
-
-def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butterworth) -> Array:
-    """Return the end effector's at the IMU's place (N, 6), low-passed as its estimates are."""
-    exact = point_acceleration(robot, true.q, true.qd, true.qdd, np.array(robot.mounting.imu))
-    return by_segment(inner_lowpass, exact, segment, 1 / true.period, *design)
-
-
-def rigid_torques(robot: Robot, truth: TrueParameters, true: Truth) -> dict[str, Array]:
-    """Return models' torques (N, n) [Nm] at the true motion, with the arm's payload."""
-    carrying = true_robot(robot, truth)
-    return {
-        name: LinkModel(carrying, name).inverse_dynamics(true.q, true.qd, true.qdd)
-        for name in (robot.chosen_model, "identified")
-        if name in robot.models
-    }
 
 
 def rows(

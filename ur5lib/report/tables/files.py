@@ -1,6 +1,6 @@
 """Rows of tables about the recordings' files: their size, clocks and findings."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict
 
 import numpy as np
@@ -46,15 +46,11 @@ def clocks(clocks: dict[str, SettledClock]) -> Iterator[Row]:
             "device": device,
             "offset_s": clock.offset,
             "offset_std_s": clock.offset_std,
-            "drift_ppm": _ppm(clock.drift),
-            "drift_std_ppm": _ppm(clock.drift_std),
+            "drift_ppm": clock.drift and 1e6 * clock.drift,
+            "drift_std_ppm": clock.drift_std and 1e6 * clock.drift_std,
             "method": clock.method,
             "end_std_s": clock.end_std,
         }
-
-
-def _ppm(drift: float | None) -> float | None:
-    return None if drift is None else 1e6 * drift
 
 
 def quality(
@@ -63,48 +59,31 @@ def quality(
     clocks: dict[str, SettledClock] | None,
     forces: Compared | None,
 ) -> Iterator[Row]:
-    """Yield the findings about a recording's files, clocks and sensors."""
+    """Yield the findings about a recording's files, clocks without a measured drift, and a force
+    sensor that contradicts the motor currents or its tool's weight, or whose bias may be a push.
+
+    Each device's file has its checksum as detail; its count is 1 where it is used, else 0.
+    """
     contradictions = contradictions or Contradictions()
     yield from map(worded, contradictions.stop_signs)
     yield from map(worded, quality.findings)
     yield from map(worded, contradictions.findings)
-    yield from _device_files(quality)
-    yield from _poor_clocks(clocks or {})
-    yield from _doubted_sensor(forces)
-
-
-def _finding(device: str, finding: str, values: Row, severity: str = "warning") -> Row:
-    about = {"device": device, "finding": finding, "detail": sentence(finding, values)}
-    return about | {"severity": severity, "count": 1}
-
-
-def _poor_clocks(clocks: Mapping[str, SettledClock]) -> Iterator[Row]:
-    """Yield a warning for each clock without a measured drift."""
-    for device, clock in clocks.items():
+    for device, checksum in quality.files.items():  # `name_copies` keeps those of several
+        about = {"device": device, "finding": SAME, "severity": "note"}
+        yield about | {"count": int(device in quality.devices), "detail": checksum}
+    for sensor, clock in (clocks or {}).items():
         if clock.warning:
-            yield _finding(device, "clock by stamps alone", asdict(clock))
+            yield _finding(sensor, "clock by stamps alone", asdict(clock))
         elif clock.drift is None:
-            yield _finding(device, "unknown drift", asdict(clock))
-
-
-def _doubted_sensor(forces: Compared | None) -> Iterator[Row]:
-    """Yield a force sensor that contradicts the motor currents or its tool's weight, or whose bias
-    may be a push.
-    """
+            yield _finding(sensor, "unknown drift", asdict(clock))
     for doubted in ("mounting", "offset"):
         if doubt := getattr(forces, f"{doubted}_doubt", None):
             yield _finding("force", doubted, {"doubt": asdict(doubt)})
 
 
-def _device_files(quality: Quality) -> Iterator[Row]:
-    """Yield each device's file: `name_copies` says which are identical to those of others.
-
-    detail: its checksum; count: 1 where it is used, else 0.
-    """
-    for device, checksum in quality.files.items():
-        used = int(device in quality.devices)
-        about = {"device": device, "finding": SAME, "severity": "note"}
-        yield about | {"count": used, "detail": checksum}
+def _finding(device: str, finding: str, values: Row, severity: str = "warning") -> Row:
+    about = {"device": device, "finding": finding, "detail": sentence(finding, values)}
+    return about | {"severity": severity, "count": 1}
 
 
 def name_copies(quality: pd.DataFrame) -> pd.DataFrame:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.force.contact_link import touched_link
 from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
-from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared, Figures
+from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Row, transposed
 
@@ -19,7 +19,9 @@ def force_mae(forces: Compared, published: Published) -> Iterator[Row]:
     tables = {"mae": published.values("force_mae"), "max": published.values("force_max")}
     for kind, estimates in forces.errors.items():
         for estimate, periods in estimates.items():
-            determined = _determined(periods.get("contact"))
+            contact = periods.get("contact", {})  # determined: the skill there is above zero
+            skills = contact.get("skill_low", contact.get("skill", {}))
+            determined = {name: (skill or 0) > 0 for name, skill in skills.items()}
             for during, figures in periods.items():
                 printed = {
                     f"printed_{figure}": table[estimate]
@@ -34,14 +36,6 @@ def force_mae(forces: Compared, published: Published) -> Iterator[Row]:
                         **{name: values[component] for name, values in figures.items()},
                         **{name: values[i] for name, values in printed.items()},
                     }
-
-
-def _determined(in_contact: Figures | None) -> dict[str, bool]:
-    """Return which components are determined: the skill in contact is significantly above zero."""
-    if not in_contact:
-        return {}
-    skills = in_contact.get("skill_low", in_contact["skill"])
-    return {name: (skill or 0) > 0 for name, skill in skills.items()}
 
 
 def contact_errors(forces: Compared) -> Iterator[Row]:
@@ -78,30 +72,23 @@ def detection(detection: dict[str, Detected]) -> Iterator[Row]:
         if causal := found.causal:
             row["causal_false_alarms_per_min"] = causal.false_per_min
             row["causal_alarms_per_min"] = causal.alarms_per_min
-        pushes = _smallest_pushes(found)
-        yield from _by_class(row, found, pushes) if found.classes else [row | pushes]
-
-
-def _by_class(row: Row, found: Detected, pushes: Row) -> Iterator[Row]:
-    """Yield a row for each class of forces, the first with the smallest pushes."""
-    past = found.causal.classes if found.causal else [None] * len(found.classes)
-    for offline, online in zip(found.classes, past, strict=True):
-        yield row | {
-            **vars(offline),
-            "force_class_n": offline.force,
-            "median_delay_s": offline.median_delay,
-            "causal_delay_s": online and online.median_delay,
-            "causal_found": online and online.found,
-            **(pushes if offline is found.classes[0] else {}),
-        }
-
-
-def _smallest_pushes(found: Detected) -> Row:
-    return {
-        f"smallest_force_{kind}_{'' if push.speed_low else 'rest_'}{push.axis}": force
-        for push in found.smallest_force_95
-        for kind, force in (("95", push.force), ("std", push.std))
-    }
+        pushes: Row = {}  # in the first row alone
+        for push in found.smallest_force_95:
+            place = f"{'' if push.speed_low else 'rest_'}{push.axis}"
+            pushes |= {f"smallest_force_95_{place}": push.force}
+            pushes |= {f"smallest_force_std_{place}": push.std}
+        if not found.classes:
+            yield row | pushes
+        past = found.causal.classes if found.causal else [None] * len(found.classes)
+        for offline, online in zip(found.classes, past, strict=True):
+            yield row | {
+                **vars(offline),
+                "force_class_n": offline.force,
+                "median_delay_s": offline.median_delay,
+                "causal_delay_s": online and online.median_delay,
+                "causal_found": online and online.found,
+                **(pushes if offline is found.classes[0] else {}),
+            }
 
 
 def fixed_threshold(detection: dict[str, Detected]) -> Iterator[Row]:

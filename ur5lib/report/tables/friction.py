@@ -5,7 +5,6 @@ from dataclasses import asdict
 
 import numpy as np
 
-from ur5lib.identification.currents import Parameter
 from ur5lib.pipeline.published_constants import PublishedConstants
 from ur5lib.pipeline.records.currents import Prediction
 from ur5lib.pipeline.records.friction import Friction
@@ -18,39 +17,23 @@ AS_PRINTED = "torque_on_current"
 
 
 def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
-    """Yield torque constants, offsets and friction, beside the thesis's."""
-    published = _published(arm)
-    for row in friction.parameters:
-        low, high = row.interval
-        yield asdict(row) | {
-            "parameter": row.name,
-            "thesis": published[row.name][row.joint - 1] if row.name in published else None,
-            "low": low,
-            "high": high,
-            **_known(friction, row),
-        }
-
-
-def _known(friction: Friction, row: Parameter) -> Row:
-    """Return the prior torque constant, and the fitted one where that contradicts it."""
-    known, joint = friction.known_constants, row.joint - 1
-    if row.name != "torque_constant" or known is None:
-        return {}
-    return {
-        "known": known.value[joint],
-        "known_std": known.std_error[joint],
-        "contradicted": friction.fit.joints[joint].contradicted,
-    }
-
-
-def _published(arm: Robot) -> dict[str, Sequence[float]]:
-    values: dict[str, Sequence[float]] = {}
+    """Yield torque constants, offsets and friction, beside the thesis's; of a torque constant, also
+    the prior one, and the fitted one where that contradicts it.
+    """
+    published: dict[str, Sequence[float]] = {}
     if arm.current_to_torque is not None:
-        values["torque_constant"] = arm.current_to_torque.torque_constant
-        values["offset"] = arm.current_to_torque.offset
+        published["torque_constant"] = arm.current_to_torque.torque_constant
+        published["offset"] = arm.current_to_torque.offset
     if arm.friction is not None:
-        values |= {"coulomb": arm.friction.coulomb, "viscous": arm.friction.viscous}
-    return values
+        published |= {"coulomb": arm.friction.coulomb, "viscous": arm.friction.viscous}
+    for row in friction.parameters:
+        (low, high), joint, known = row.interval, row.joint - 1, friction.known_constants
+        thesis = published[row.name][joint] if row.name in published else None
+        found = asdict(row) | {"parameter": row.name, "thesis": thesis, "low": low, "high": high}
+        if row.name == "torque_constant" and known is not None:
+            found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
+            found |= {"contradicted": friction.fit.joints[joint].contradicted}
+        yield found
 
 
 def friction_reversal(friction: Friction) -> Iterator[Row]:
@@ -88,16 +71,11 @@ def payload(currents: Prediction) -> Iterator[Row]:
     """Yield the undeclared payload on the flange; none at rest."""
     if (load := currents.load) is not None:
         low, high = load.interval
-        yield asdict(load) | {
-            **dict(zip(_by_axis("center_of_mass"), load.center_of_mass, strict=True)),
-            **dict(zip(_by_axis("center_of_mass_std"), load.center_of_mass_std, strict=True)),
-            "low": low,
-            "high": high,
-        }
-
-
-def _by_axis(name: str) -> list[str]:
-    return [f"{name}_{axis}" for axis in "xyz"]
+        row = asdict(load) | {"low": low, "high": high}
+        for name in ("center_of_mass", "center_of_mass_std"):
+            values = zip("xyz", getattr(load, name), strict=True)
+            row |= {f"{name}_{axis}": value for axis, value in values}
+        yield row
 
 
 def torque_constants(constants: PublishedConstants, published: Published) -> Iterator[Row]:
