@@ -78,10 +78,6 @@ class Block:
         """Return whether the block is from a table without a header."""
         return self.names[0].startswith(NAMELESS)
 
-    def is_target(self) -> bool:
-        """Return whether it was commanded, not measured, by its name."""
-        return (self.meaning() or "").startswith("target")
-
     def stem(self) -> str:
         """Return the name of its quantity, a path in the file, without the joints' numbers."""
         return place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
@@ -172,11 +168,6 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
         if len(places) == len(joints) and place - min(places) in named
     }
     return [renamed.get(column, column) for column in columns]
-
-
-def names_joints(name: str) -> bool:
-    """Return whether a column's name contains the name of a joint, not only a number."""
-    return any(joint.search(name) for joint in JOINT_NAMES)
 
 
 def place_of(name: str) -> tuple[str, int]:

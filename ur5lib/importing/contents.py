@@ -22,7 +22,7 @@ from ur5lib.importing.blocks import (
 from ur5lib.recordings.array_files import ENDINGS
 from ur5lib.recordings.arrays import load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
-from ur5lib.recordings.entries import expand
+from ur5lib.recordings.entries import FACTORS, expand
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_columns import number_in
 from ur5lib.timeseries.arrays import Array
@@ -57,11 +57,32 @@ class Header:
 
 
 @dataclass(frozen=True)
+class Evidence:
+    """Sentences about a file; ambiguous: parts that the entry therefore leaves out.
+
+    left_out: names of blocks that contradict them.
+    """
+
+    proven: list[str] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    ambiguous: list[str] = field(default_factory=list)
+    left_out: list[tuple[str, ...]] = field(default_factory=list)
+
+    def lines(self) -> list[str]:
+        """Return the three lists as comments of a study."""
+        return [
+            f"# {kind}: {sentence}"
+            for kind in ("proven", "assumed", "ambiguous")
+            for sentence in getattr(self, kind)
+        ]
+
+
+@dataclass(frozen=True)
 class Contents:
     """A file's blocks, and its clocks: time stamps (N,) [s] by name.
 
     silent: blocks that are zero throughout; units: of the clocks that are not in seconds;
-    findings: of the reader; joints: of the arm.
+    findings: of the reader; joints: of the arm; evidence: for the meaning of the blocks.
     """
 
     path: Path
@@ -73,10 +94,7 @@ class Contents:
     units: dict[str, str]
     findings: list[Finding]
     joints: int = OF_UR
-
-    def time_base(self, clock: str) -> str:
-        """Return the time base of a clock, as a study has it."""
-        return "epoch_s" if self.clocks[clock][0] > EPOCH else "relative_s"
+    evidence: Evidence = field(default_factory=Evidence)
 
 
 def contents(path: Path) -> Contents:
@@ -93,17 +111,19 @@ def contents(path: Path) -> Contents:
         arrays = _table(path, header, findings)
     else:
         arrays = load_arrays(format, path, None, findings)
-    unnamed = header.columns[:1] == nameless(1)
+    unnamed = header.columns[:1] == [f"{NAMELESS}1"]
     joints = joints_of_nameless(len(arrays) - 1) if unnamed else joints_of(path, arrays)
     clocks, units = _clocks(arrays)
     if not clocks:
+        shown = [f"{name} {values.shape}" for name, values in arrays.items()]
+        listed = some(shown, 8) or "its arrays (it has none)"
         raise InputError(
-            f"{path}: none of {_listed(arrays)} increases like a clock; record the time, or write "
+            f"{path}: none of {listed} increases like a clock; record the time, or write "
             "the entry by hand (raw/README.md)"
         )
     every = [*_blocks(arrays, clocks, joints, unnamed)]
     silent = [block for block in every if not np.nan_to_num(block.rows).any()]
-    blocks = [block for block in every if not any(block is other for other in silent)]
+    blocks = [block for block in every if np.nan_to_num(block.rows).any()]
     return Contents(path, format, header, blocks, silent, clocks, units, findings, joints)
 
 
@@ -119,7 +139,7 @@ def read_header(path: Path) -> Header:
         nist = expand(NIST)
         if len(cells) == len(nist):
             return Header(nist, layout="NIST's UR5 degradation measurements")
-        return Header(nameless(len(cells)))
+        return Header([f"{NAMELESS}{k + 1}" for k in range(len(cells))])
     lists = [row[k] for k, name in enumerate(cells[: len(row)]) if NAMES.search(name)]
     cells = with_names(cells, re.findall(r"\w+", " ".join(lists)))
     first = {name: k for k, name in reversed([*enumerate(cells)])}
@@ -150,27 +170,16 @@ def is_unnamed(name: str) -> bool:
     return not name or name.startswith(AGAIN)
 
 
-def nameless(count: int) -> list[str]:
-    """Return names for columns without one."""
-    return [f"{NAMELESS}{k + 1}" for k in range(count)]
-
-
 def _clocks(arrays: dict[str, np.ndarray]) -> tuple[dict[str, Array], dict[str, str]]:
     """Return the increasing time stamps [s] by name, and the units of those not in seconds.
 
     Arrays with the name of a clock, or else the first array.
     """
-    clocks: dict[str, Array] = {}
-    units: dict[str, str] = {}
     named = [name for name in arrays if CLOCK.search(name)]
-    for name in named or [*arrays][:1]:
-        stamps = seconds_of(arrays[name])
-        unit = _unit(stamps)
-        if unit:
-            factor = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit]
-            clocks[name] = stamps * factor
-            units |= {name: unit} if unit != "s" else {}
-    return clocks, units
+    stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
+    units = {name: unit for name, values in stamps.items() if (unit := _unit(values))}
+    clocks = {name: stamps[name] * FACTORS.get(unit, 1.0) for name, unit in units.items()}
+    return clocks, {name: unit for name, unit in units.items() if unit != "s"}
 
 
 def _unit(stamps: Array) -> str | None:
@@ -230,29 +239,3 @@ def _shared(one: str, other: str) -> int:
     """Return the number of leading parts that two paths share."""
     pairs = zip(one.split("/"), other.split("/"), strict=False)
     return next((k for k, (a, b) in enumerate(pairs) if a != b), min(one.count("/"), 99))
-
-
-def _listed(arrays: dict[str, np.ndarray]) -> str:
-    shown = [f"{name} {values.shape}" for name, values in arrays.items()]
-    return some(shown, 8) or "its arrays (it has none)"
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """Sentences about a file; ambiguous: parts that the entry therefore leaves out.
-
-    left_out: names of blocks that contradict them.
-    """
-
-    proven: list[str] = field(default_factory=list)
-    assumed: list[str] = field(default_factory=list)
-    ambiguous: list[str] = field(default_factory=list)
-    left_out: list[tuple[str, ...]] = field(default_factory=list)
-
-    def lines(self) -> list[str]:
-        """Return the three lists as comments of a study."""
-        return [
-            f"# {kind}: {sentence}"
-            for kind in ("proven", "assumed", "ambiguous")
-            for sentence in getattr(self, kind)
-        ]

@@ -116,8 +116,9 @@ def name_efforts(
                 f"{block.title} is a target: it is as smooth as only a target is"
             )
             free = True
-        target = block is smooth or free if block.is_nameless() else block.is_target()
-        target |= free and block.meaning() == MEASURED_TORQUE
+        meaning = block.meaning() or ""
+        target = block is smooth or free if block.is_nameless() else meaning.startswith("target")
+        target |= free and meaning == MEASURED_TORQUE
         target = target and unit != FREE
         channel = CHANNELS[unit.replace("mA", "A"), target]
         if channel in channels:

@@ -7,6 +7,7 @@ from typing import Any
 from ur5lib.channels import JOINT_CHANNELS, SUFFIXES, suffixes
 from ur5lib.channels import columns as columns_of
 from ur5lib.importing.blocks import Block
+from ur5lib.importing.contents import EPOCH
 from ur5lib.importing.efforts import NAMED
 from ur5lib.importing.motion import TARGETS
 from ur5lib.importing.proposal import Proposal
@@ -114,5 +115,5 @@ def _units(proposal: Proposal) -> Entry:
 
 
 def _time(proposal: Proposal) -> dict[str, str]:
-    base = proposal.contents.time_base(proposal.clock)
-    return {"time": base} if base != "relative_s" else {}
+    first = proposal.contents.clocks[proposal.clock][0]
+    return {"time": "epoch_s"} if first > EPOCH else {}

@@ -52,8 +52,8 @@ def import_files(
         try:
             files.append(contents(path))
             proposal = propose(files[-1], arms, trusted)
-            proposed[path] = Imported(entry(proposal), proposal.evidence.lines())
-            if not proposal.evidence.ambiguous:
+            proposed[path] = Imported(entry(proposal), files[-1].evidence.lines())
+            if not files[-1].evidence.ambiguous:
                 whole[path] = proposed[path]
         except InputError as error:
             refused[path] = str(error)

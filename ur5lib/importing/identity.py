@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.importing.blocks import Block, names_joints
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.importing.serial import arms_of
 from ur5lib.recordings import readings
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.readings import IN_ORDER, OR_FREE, SURE, Order, Reading
+from ur5lib.recordings.readings import IN_ORDER, OR_FREE, SURE, Order, Reading, exchanged
+from ur5lib.recordings.rosbag import JOINT_NAMES
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
@@ -35,39 +35,35 @@ class Placed(NamedTuple):
     miss: float
 
 
-def placed(
+def fitting(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
 ) -> tuple[list[Placed], bool]:
-    """Return the readings, the best first, and whether the pose is that of the flange.
+    """Return the readings about as good as the best, and whether the pose is that of the flange.
 
     q: (N, 6) [rad], columns as in the file; position: (N, 3) [m], in the base frame. Otherwise, the
-    pose is taken as that of a tool with a constant offset from the flange.
+    pose is that of a tool with a constant offset from the flange; none where that fits neither.
     """
     rows = np.unique(np.linspace(0, len(q) - 1, POSTURES).astype(int))
-    bare = _misses(q[rows], position[rows], arms, orders, tool=False)
-    if bare[0].miss < FITS:
-        return bare, True
-    return _misses(q[rows], position[rows], arms, orders, tool=True), False
-
-
-def fitting(readings: Sequence[Placed]) -> list[Placed]:
-    """Return the readings about as good as the best; none if even that does not fit."""
-    best = readings[0].miss
-    return [] if best > FITS else [each for each in readings if each.miss <= WORSE * best + 1e-4]
+    for tool in (False, True):
+        ranked = _misses(q[rows], position[rows], arms, orders, tool)
+        best = ranked[0].miss
+        if best <= FITS:
+            return [each for each in ranked if each.miss <= WORSE * best + 1e-4], not tool
+    return [], False
 
 
 def _misses(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order], tool: bool
 ) -> list[Placed]:
+    """Return the readings, the best first. tool: whether an offset from the flange is fitted."""
     poses = []
     for arm in arms:
         postures = q[:, np.array(orders)].swapaxes(0, 1)
         rotation, origin = link_frames(arm, postures.reshape(-1, 6))
         away = position - origin[:, 6].reshape(*postures.shape[:2], 3)
         if tool:
-            turned = np.einsum(
-                "knij,kni->knj", rotation[:, 6].reshape(*postures.shape[:2], 3, 3), away
-            )
+            axes = rotation[:, 6].reshape(*postures.shape[:2], 3, 3)
+            turned = np.einsum("knij,kni->knj", axes, away)
             away = turned - turned.mean(axis=1, keepdims=True)
         miss = np.sqrt((away**2).sum(axis=2).mean(axis=1))
         poses += [Placed(arm.name, order, float(m)) for order, m in zip(orders, miss, strict=True)]
@@ -76,12 +72,20 @@ def _misses(
 
 @dataclass(frozen=True)
 class Case:
-    """What identifies an arm: a file, its motion, and means over blocks with all its efforts."""
+    """What identifies an arm: a file's motion, and means over blocks with all its efforts."""
 
-    file: Contents
     moving: ImportedMotion
     means: BlockMeans
-    evidence: Evidence
+
+    @property
+    def file(self) -> Contents:
+        """Return the file."""
+        return self.moving.file
+
+    @property
+    def evidence(self) -> Evidence:
+        """Return the evidence, to which is added."""
+        return self.moving.file.evidence
 
 
 def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Reading:
@@ -92,7 +96,7 @@ def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Readi
     they are ambiguous.
     """
     arms = _possible(case.file, names)
-    by_name = names_order(case.moving.position, case.file)
+    by_name = names_order(case.moving)
     orders = [IN_ORDER] if by_name else readings.ALL_ORDERS
     by_pose = _by_pose(case, arms, orders)
     weighed = case.means.currents and (by_name or not by_pose)
@@ -122,12 +126,13 @@ def ambiguous(file: Contents, what: str, best: str, rival: str, remedy: str) -> 
     )
 
 
-def names_order(position: Block, file: Contents) -> bool:
+def names_order(moving: ImportedMotion) -> bool:
     """Return whether names determine the joints' order: a driver's, or RTDE's."""
-    if file.format == "rosbag":
-        return not any(finding.finding == UNNAMED for finding in file.findings)
-    single = len(position.names) == 6
-    return single and (names_joints(position.names[0]) or position.names[0] == "actual_q_0")
+    if moving.file.format == "rosbag":
+        return not any(finding.finding == UNNAMED for finding in moving.file.findings)
+    first, *others = moving.position.names
+    named = first == "actual_q_0" or any(joint.search(first) for joint in JOINT_NAMES)
+    return named and len(others) == 5
 
 
 def _expect_agreement(
@@ -153,17 +158,15 @@ def _expect_agreement(
 def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list[Placed]:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
     file, moving, evidence = case.file, case.moving, case.evidence
-    clock = moving.position.clock
     pose = next((block for block in file.blocks if block.meaning() == "actual_TCP_pose"), None)
     if pose is None or len(pose.rows) != len(moving.position.rows):
         return []
-    if not np.allclose(file.clocks[pose.clock], file.clocks[clock], atol=1e-3):
+    if not np.allclose(file.clocks[pose.clock], moving.time, atol=1e-3):
         return []
-    ranked, bare = placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
-    good = fitting(ranked)
+    q, position = moving.in_si()["actual_q"], pose.rows[:, :3]
+    good, bare = fitting(q, position, arms, orders)
     if not good:
-        tried = placed(moving.in_si()["actual_q"], pose.rows[:, :3], _possible(file), orders)
-        if others := fitting(tried[0]):
+        if others := fitting(q, position, _possible(file), orders)[0]:
             raise InputError(
                 f"{file.path}: the arm is not {' or '.join(arm.name for arm in arms)}: "
                 f"{pose.title} is the flange of `robot: {others[0].arm}`, or a tool on it, within "
@@ -210,7 +213,7 @@ def _by_gravity(case: Case, likely: Sequence[Reading]) -> Order:
     order = likely[0].order
     base = readings.base_first(case.means, order)
     if base is False:
-        order = _exchanged(order)
+        order = exchanged(order, 0, 5)
     rival = _rival(likely)
     if rival is None and base is not None:
         case.evidence.proven.append(
@@ -218,12 +221,7 @@ def _by_gravity(case: Case, likely: Sequence[Reading]) -> Order:
             "as well; joint 1 bears the larger rotor"
         )
         return order
-    return _base_to_wrist(case, likely, rival.order if rival else _exchanged(order))
-
-
-def _exchanged(order: Order) -> Order:
-    """Return the order in which joints 1 and 6 are exchanged."""
-    return (order[5], *order[1:5], order[0])
+    return _base_to_wrist(case, likely, rival.order if rival else exchanged(order, 0, 5))
 
 
 def _base_to_wrist(case: Case, likely: Sequence[Reading], rival: Order) -> Order:
@@ -246,8 +244,7 @@ def _base_to_wrist(case: Case, likely: Sequence[Reading], rival: Order) -> Order
 
 def _rival(likely: Sequence[Reading]) -> Reading | None:
     """Return the likeliest reading with another order than the best, if it is about as likely."""
-    others = (one for one in likely if one.order != likely[0].order)
-    rival = next(others, None)
+    rival = next((one for one in likely if one.order != likely[0].order), None)
     return rival if rival and likely[0].score - rival.score < SURE else None
 
 

@@ -1,14 +1,14 @@
 """The blocks that are positions and velocities: the latter are derivatives of the former."""
 
 import itertools
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import Block, names_command
-from ur5lib.importing.contents import Contents, Evidence
+from ur5lib.importing.contents import Contents
 from ur5lib.recordings.checks import MOVES
 from ur5lib.timeseries.arrays import Array
 
@@ -30,12 +30,18 @@ NO_PAIR = (
 
 @dataclass(frozen=True)
 class ImportedMotion:
-    """Positions and velocities of the joints; units: by channel, those that are not SI."""
+    """Positions and velocities of a file's joints; units: by channel, those that are not SI."""
 
+    file: Contents
     position: Block
     velocity: Block | None
     targets: dict[str, Block]
     units: dict[str, str]
+
+    @property
+    def time(self) -> Array:
+        """Return the time stamps (N,) [s]."""
+        return self.file.clocks[self.position.clock]
 
     def measured(self) -> dict[str, Block]:
         """Return the blocks of positions and velocities by channel."""
@@ -46,14 +52,14 @@ class ImportedMotion:
         """Return all blocks by channel."""
         return {name: [block] for name, block in (self.measured() | self.targets).items()}
 
-    def beside(self, file: Contents, meanings: Collection[str]) -> list[Block]:
+    def beside(self, meanings: Collection[str]) -> list[Block]:
         """Return other blocks of the joints on the positions' clock, by meaning or nameless."""
         own = [id(block) for blocks in self.channels().values() for block in blocks]
         return [
             block
-            for block in file.blocks
+            for block in self.file.blocks
             if block.clock == self.position.clock
-            and block.rows.shape[1] == file.joints
+            and block.rows.shape[1] == self.file.joints
             and id(block) not in own
             and (block.meaning() in meanings or block.is_nameless())
         ]
@@ -108,7 +114,7 @@ def _ratio(slope: Array, rate: Array) -> float | None:
     return float(slope @ rate / (slope @ slope))
 
 
-def find_motion(file: Contents, evidence: Evidence) -> ImportedMotion:
+def find_motion(file: Contents) -> ImportedMotion:
     """Return the positions, the velocities, and the targets of both.
 
     By their names, and proven by the derivative; without names, by the derivative alone. Raises
@@ -118,28 +124,24 @@ def find_motion(file: Contents, evidence: Evidence) -> ImportedMotion:
     if "actual_q" in named:
         position = named["actual_q"]
         if others := [b.title for b in file.blocks if b.meaning() == "actual_q"][1:]:
-            evidence.assumed.append(
+            file.evidence.assumed.append(
                 f"{position.title} are the positions; left out: {', '.join(others)}, named like "
                 "positions, too"
             )
         velocity = _on_clock_of(position, named.get("actual_qd"))
     else:
         position, velocity = _nameless(file)
-    time = file.clocks[position.clock]
-    units = _units(file, position, velocity, time, evidence)
-    measured = ImportedMotion(position, velocity, {}, units)
+    measured = ImportedMotion(file, position, velocity, {}, _units(file, position, velocity))
     commanded = {name: _on_clock_of(position, named.get(name)) for name in TARGETS}
     targets = {name: block for name, block in commanded.items() if block is not None}
-    return _with_targets(measured, targets, time, evidence)
+    return _with_targets(measured, targets)
 
 
-def _with_targets(
-    measured: ImportedMotion, targets: dict[str, Block], time: Array, evidence: Evidence
-) -> ImportedMotion:
+def _with_targets(measured: ImportedMotion, targets: dict[str, Block]) -> ImportedMotion:
     """Return a motion with its targets in radians or degrees, without those of another size."""
-    kept, units = dict[str, Block](), dict(measured.units)
+    evidence, kept, units = measured.file.evidence, dict[str, Block](), dict(measured.units)
     for name, block in targets.items():
-        ratio = _size(measured.in_si(), name, block, time)
+        ratio = _size(measured, name, block)
         unit = DEGREES if "actual_q" in units else 1.0
         if ratio is not None:
             unit = DEGREES if abs(ratio) > np.sqrt(DEGREES) else 1.0
@@ -152,16 +154,16 @@ def _with_targets(
     return replace(measured, targets=kept, units=units)
 
 
-def _size(measured: dict[str, Array], name: str, block: Block, time: Array) -> float | None:
+def _size(measured: ImportedMotion, name: str, block: Block) -> float | None:
     """Return the ratio of a target to what it commands, None where nothing tells it.
 
     NaN where most joints that move do not follow; accelerations may be too small to tell.
     """
-    own = measured.get({"target_q": "actual_q"}.get(name, "actual_qd"))
+    own = measured.in_si().get({"target_q": "actual_q"}.get(name, "actual_qd"))
     if own is None:
         return None
     if name == "target_qdd":
-        ratios = column_ratios(replace(block, rows=own), block, time)
+        ratios = column_ratios(replace(block, rows=own), block, measured.time)
     else:
         both = zip((own - np.nanmean(own, axis=0)).T, block.rows.T, strict=True)
         ratios = [_ratio(*pair) for pair in both]
@@ -182,21 +184,14 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
     pairs = [pair[:2] for pair in ranked]
     if len(pairs) != 1 and not (pairs and ranked[0][2] < CLOSER * ranked[1][2]):
         several = " and ".join(f"{p.title} with {v.title}" for p, v in pairs[:2])
+        shown = [f"{block.title} ({block.rows.shape[1]})" for block in file.blocks]
+        held = some(shown, 6) or "nothing beside its clock"
+        none = NO_PAIR.format(COUNTS[file.joints], held)
         raise InputError(
             f"{file.path}: the columns of the positions are ambiguous: "
-            + (
-                f"{several} may be; name the columns"
-                if pairs
-                else NO_PAIR.format(COUNTS[file.joints], _listed(file.blocks))
-            )
+            + (f"{several} may be; name the columns" if pairs else none)
         )
     return pairs[0]
-
-
-def _listed(blocks: Sequence[Block]) -> str:
-    """Return the titles of the first blocks, and how many columns each has."""
-    shown = [f"{block.title} ({block.rows.shape[1]})" for block in blocks]
-    return some(shown, 6) or "nothing beside its clock"
 
 
 def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
@@ -205,18 +200,17 @@ def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
     whole = [block for block in every if not names_command(block.stem())]
     for position, velocity in itertools.permutations(whole, 2):
         if position.clock == velocity.clock:
-            share, ratio, count = agreement(position, velocity, file.clocks[position.clock])
+            stamps = file.clocks[position.clock]
+            share, ratio, count = agreement(position, velocity, stamps)
             if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:
-                stamps = file.clocks[position.clock]
                 slope, rate = slopes_and_rates(position.rows, velocity.rows, stamps)
                 missed = np.nansum((slope - rate) ** 2) / np.nansum(slope**2)
                 yield position, velocity, float(missed)
 
 
-def _units(
-    file: Contents, position: Block, velocity: Block | None, time: Array, evidence: Evidence
-) -> dict[str, str]:
+def _units(file: Contents, position: Block, velocity: Block | None) -> dict[str, str]:
     """Return the units of positions and velocities that are not SI."""
+    evidence = file.evidence
     reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
     degrees = float(np.median(reached)) > TURN
     units = {"actual_q": "deg"} if degrees else {}
@@ -225,7 +219,7 @@ def _units(
     if velocity is None:
         evidence.assumed.append("no velocities: differences of the positions take their place")
         return units
-    share, ratio, count = agreement(position, velocity, time)
+    share, ratio, count = agreement(position, velocity, file.clocks[position.clock])
     if not count:
         evidence.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
         return units

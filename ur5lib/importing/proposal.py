@@ -44,7 +44,7 @@ PUSHED = 10.0  # N; a wrench that changes by more is a contact
 
 @dataclass(frozen=True)
 class Proposal:
-    """A file's channels, and the evidence for them.
+    """A file's channels.
 
     clock: name of the robot's time stamps; order: columns of joints 1 to 6; channels: blocks of
     each; units: by channel, those that are not SI; sensor: blocks of the force sensor; opposite:
@@ -57,7 +57,6 @@ class Proposal:
     order: Order
     channels: dict[str, list[Block]]
     units: Units
-    evidence: Evidence
     sensor: list[Block] = field(default_factory=list)
     opposite: bool = False
     pushed: bool = False
@@ -69,19 +68,15 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
     arms: possible ones, by default all described; trusted: whether its names of joints are right.
     Raises InputError with the alternatives and a remedy where it is ambiguous.
     """
-    evidence = Evidence()
-    moving = find_motion(file, evidence)
-    possible = arms_of(file, arms)
+    evidence, moving, possible = file.evidence, find_motion(file), arms_of(file, arms)
     if file.joints != len(IN_ORDER):
-        return _of_serial_arm(file, possible, moving, evidence)
+        return _of_serial_arm(moving, possible)
     clock = moving.position.clock
-    efforts = {
-        f"effort{k}": as_amperes(block, evidence) for k, block in enumerate(_efforts(file, moving))
-    }
+    efforts = {f"effort{k}": as_amperes(b, evidence) for k, b in enumerate(_efforts(moving))}
     wrench = _wrench(file, clock)
-    means, loads = _means(file, moving, efforts, wrench)
+    means, loads = _means(moving, efforts, wrench)
     _turn(efforts, means, [described(name) for name in possible], evidence)
-    reading = identified(Case(file, moving, means, evidence), arms, trusted)
+    reading = identified(Case(moving, means), arms, trusted)
     channels, arm = moving.channels(), described(reading.arm)
     ordered = means.part(columns=reading.order)
     named = name_efforts(efforts, ordered, arm, evidence)
@@ -103,39 +98,37 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
         sensor = wrench if frame and frame.axes == "flange" else []
         channels |= {"actual_TCP_force": wrench} if frame and frame.axes == "base" else {}
         opposite = frame is not None and _opposite(frame, wrench, arm, evidence)
-    _report_columns(file, evidence)
+    _report_columns(file)
     if opposite and not sensor:
         units["actual_TCP_force"] = OPPOSITE
-    parts = file, clock, reading.arm, reading.order, channels, units, evidence
+    parts = file, clock, reading.arm, reading.order, channels, units
     return Proposal(*parts, sensor, opposite, pushed)
 
 
-def _efforts(file: Contents, moving: ImportedMotion) -> list[Block]:
+def _efforts(moving: ImportedMotion) -> list[Block]:
     """Return the efforts of a UR arm: by RTDE's names alone, where one is actual_current.
 
     Beside recorded channels, a file may hold what was computed from them.
     """
-    found = moving.beside(file, EFFORTS)
+    found = moving.beside(EFFORTS)
     names = [block.stem().strip("_").rpartition("/")[2] for block in found]
     if "actual_current" not in names:
         return found
     return [block for block, name in zip(found, names, strict=True) if name in NAMED]
 
 
-def _of_serial_arm(
-    file: Contents, arms: Sequence[str], moving: ImportedMotion, evidence: Evidence
-) -> Proposal:
+def _of_serial_arm(moving: ImportedMotion, arms: Sequence[str]) -> Proposal:
     """Return the proposal for a file of more joints than a UR arm has, in the file's order."""
-    arm, torque = arm_and_torque(file, arms, moving, evidence)
+    file, (arm, torque) = moving.file, arm_and_torque(moving, arms)
     channels, units = moving.channels(), Units(moving.units)
     if torque is not None:
         channels["actual_torque"] = [torque]
         units |= {"actual_torque": unit} if (unit := torque.unit()) else {}
-    evidence.assumed.append(f"the joints' order, as in {moving.position.title}: base to wrist")
-    _pushed([], evidence)
-    _report_columns(file, evidence)
+    file.evidence.assumed.append(f"the joints' order, as in {moving.position.title}: base to wrist")
+    _pushed([], file.evidence)
+    _report_columns(file)
     order = tuple(range(file.joints))
-    return Proposal(file, moving.position.clock, arm, order, channels, units, evidence)
+    return Proposal(file, moving.position.clock, arm, order, channels, units)
 
 
 def _turn(
@@ -171,7 +164,7 @@ def _wrench(file: Contents, clock: str) -> list[Block]:
 
 
 def _means(
-    file: Contents, moving: ImportedMotion, efforts: Mapping[str, Block], wrench: Sequence[Block]
+    moving: ImportedMotion, efforts: Mapping[str, Block], wrench: Sequence[Block]
 ) -> tuple[BlockMeans, Array]:
     """Return the means over blocks of time, columns as in the file, and those of the wrench."""
     values = {name: block.rows for name, block in efforts.items()} | moving.in_si()
@@ -179,16 +172,16 @@ def _means(
         rows = np.hstack([block.rows for block in wrench])
         values["wrench"] = np.pad(rows, ((0, 0), (0, 6 - rows.shape[1])))
     columns = {f"{name}_{k}": rows[:, k] for name, rows in values.items() for k in range(6)}
-    clock = moving.position.clock
-    stamps = file.clocks[clock]
+    stamps, path = moving.time, moving.file.path
     table = pd.DataFrame({"time": stamps - stamps[0], **columns})
     positions = [f"actual_q_{k}" for k in range(6)]  # in rad since `find_motion`
-    robot, timing, _ = repair_frames(table, None, 0.1, str(file.path), positions)
+    robot, timing, _ = repair_frames(table, None, 0.1, str(path), positions)
     means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
     if len(means.q) < FEWEST:
-        unit, step = file.units.get(clock, "s"), np.median(np.diff(stamps))
+        unit = moving.file.units.get(moving.position.clock, "s")
+        step = np.median(np.diff(stamps))
         raise InputError(
-            f"{file.path}: too short or with too many gaps to analyse: {len(means.q)} stretches of "
+            f"{path}: too short or with too many gaps to analyse: {len(means.q)} stretches of "
             f"0.1 s are complete, in {np.ptp(stamps):.3g} s with a median step of "
             f"{step:.3g} s, by stamps in {unit}; record "
             "two seconds or more, at 10 Hz or faster, with all digits of the stamps"
@@ -256,8 +249,9 @@ def _pushed(wrench: Sequence[Block], evidence: Evidence) -> bool:
     return False
 
 
-def _report_columns(file: Contents, evidence: Evidence) -> None:
+def _report_columns(file: Contents) -> None:
     """Add the columns that are left out, and the assumed layout of a table, to the evidence."""
+    evidence = file.evidence
     if file.header.layout:
         evidence.assumed.append(f"columns as of {file.header.layout}")
     if repeated := [name.split(AGAIN)[0] for name in file.header.repeated]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.contents import Contents, Evidence
+from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import SMOOTHED, ImportedMotion
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import SLOW, TINY
@@ -43,23 +43,27 @@ def arms_of(file: Contents, arms: Sequence[str]) -> list[str]:
     return found
 
 
-def arm_and_torque(
-    file: Contents, arms: Sequence[str], moving: ImportedMotion, evidence: Evidence
-) -> tuple[str, Block | None]:
+def arm_and_torque(moving: ImportedMotion, arms: Sequence[str]) -> tuple[str, Block | None]:
     """Return the arm, and the block of its joints' torques where gravity proves one.
 
     Raises InputError where several arms explain the torques as well, or nothing tells the arm.
     """
+    file, evidence = moving.file, moving.file.evidence
     tried = [
-        Explained(name, signed, left(described(name), *_means(file, moving, signed)))
+        Explained(name, signed, left(described(name), *_means(moving, signed)))
         for name in arms
-        for block in moving.beside(file, TORQUES)
+        for block in moving.beside(TORQUES)
         for signed in (block, block.scaled(np.full(file.joints, -1.0)))
     ]
     ranked = sorted(tried, key=lambda one: one.left)
     best = ranked[0] if ranked else None
     if best is not None and best.left < LEFT:
-        _expect_no_rival(file, ranked)
+        rival = next((one for one in ranked if one.arm != best.arm), None)
+        if rival is not None and rival.left < RIVAL * best.left:
+            raise InputError(
+                f"{file.path}: the arm is ambiguous: `robot: {best.arm}` and `robot: {rival.arm}` "
+                f"explain its torques as well; name it, as with --robot {best.arm}"
+            )
         sign = ", with the opposite sign" if best.torque.unit() == OPPOSITE else ""
         evidence.proven.append(
             f"{best.torque.title} is the torque of {best.arm}'s joints{sign}, gravity included: "
@@ -99,10 +103,10 @@ def left(arm: Robot, time: Array, q: Array, qd: Array, torque: Array) -> float:
     return float((rest**2).sum() / max((changes**2).sum(), TINY))
 
 
-def _means(file: Contents, moving: ImportedMotion, torque: Block) -> list[Array]:
+def _means(moving: ImportedMotion, torque: Block) -> list[Array]:
     """Return time, positions, velocities and torques, as `left` takes them, without gaps."""
-    si = moving.in_si()
-    time, q = file.clocks[moving.position.clock], si["actual_q"]
+    si, time = moving.in_si(), moving.time
+    q = si["actual_q"]
     qd = si.get("actual_qd", np.full_like(q, np.nan))
     if "actual_qd" not in si:
         qd[1:] = np.diff(q, axis=0) / np.maximum(np.diff(time), TINY)[:, None]
@@ -112,13 +116,3 @@ def _means(file: Contents, moving: ImportedMotion, torque: Block) -> list[Array]
     whole = len(table) // width * width
     means = table[:whole].reshape(-1, width, table.shape[1]).mean(axis=1)
     return [means[:, 0], *np.split(means[:, 1:], 3, axis=1)]
-
-
-def _expect_no_rival(file: Contents, ranked: Sequence[Explained]) -> None:
-    best, *others = ranked
-    rival = next((one for one in others if one.arm != best.arm), None)
-    if rival is not None and rival.left < RIVAL * best.left:
-        raise InputError(
-            f"{file.path}: the arm is ambiguous: `robot: {best.arm}` and `robot: {rival.arm}` "
-            f"explain its torques as well; name it, as with --robot {best.arm}"
-        )

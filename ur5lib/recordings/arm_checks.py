@@ -13,7 +13,7 @@ from ur5lib.errors import Remark, remark
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
 from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.recordings.readings import Order, in_order, readings
+from ur5lib.recordings.readings import exchanged, in_order, readings
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import link_frames, load_torque
 from ur5lib.tables import channel
@@ -117,15 +117,11 @@ def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     if CURRENT not in means.currents:
         return
     own, alone = in_order(arm), replace(means, currents={CURRENT: means.currents[CURRENT]})
-    orders = {_exchanged(own, *pair): pair for pair in combinations(own[:3], 2)}
+    orders = {exchanged(own, *pair): pair for pair in combinations(own[:3], 2)}
     scores = {one.order: one.score for one in readings(alone, [arm], [own, *orders])}
     for order, (j, k) in orders.items():
         if scores[order] - scores[own] > SURE_JOINTS:
             yield contradiction("exchanged joints", joint=j + 1, other=k + 1)
-
-
-def _exchanged(order: Order, j: int, k: int) -> Order:
-    return tuple({j: k, k: j}.get(joint, joint) for joint in order)
 
 
 def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:

@@ -45,6 +45,11 @@ def in_order(arm: Robot) -> Order:
     return tuple(range(len(arm.joints)))
 
 
+def exchanged(order: Order, j: int, k: int) -> Order:
+    """Return an order in which two joints, from 0, have each other's columns."""
+    return tuple(order[{j: k, k: j}.get(joint, joint)] for joint in range(len(order)))
+
+
 class Reading(NamedTuple):
     """An arm, an order of the joints and a unit of each effort, and their log-likelihood."""
 
