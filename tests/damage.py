@@ -10,11 +10,17 @@ import random
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+import pandas as pd
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
+from ur5lib.recordings.intake import Intake
+
 DRAWS = st.randoms(use_true_random=True)  # of which Hypothesis draws the seed
 FLIPPED = 7  # bytes at most
+FAR = 0.15  # share of a channel's span that filled or resampled values may be off by
+FLAGS = ("time", "segment", "interpolated")
 PAGE = b"<html><body>404 not found</body></html>\n"  # where a download failed
 STREAM_FAULTS = ["cut", "flip", "insert", "repeat", "drop"]
 
@@ -95,3 +101,32 @@ def damaged_file(data: bytes, draw: random.Random) -> Damaged:
     """The contents of a file after one fault."""
     (fault,) = draw.choices([*FILE_FAULTS], [weight for weight, _ in FILE_FAULTS.values()])
     return Damaged(fault, FILE_FAULTS[fault][1](data, draw), fault in ("garbled", "flipped head"))
+
+
+def findings(taken: Intake) -> set[tuple[str, int, str]]:
+    return {(f.finding, f.count, f.device) for f in taken.quality.findings}
+
+
+def compare(
+    robot: pd.DataFrame, whole: pd.DataFrame, start: float = 0.0, exact: bool = True
+) -> tuple[int, int]:
+    """Cells that differ from the undamaged recording's at their time, and frames fewer.
+
+    start: how much later its clock starts [s]. Cells that are told as filled, or lie between the
+    undamaged recording's times, may differ some; all where they are not exact.
+    """
+    time, at = robot["time"].to_numpy() + start, whole["time"].to_numpy()
+    period = float(np.median(np.diff(at)))
+    outside = (time < at[0] - period) | (time > at[-1] + period)
+    nearest = np.abs(np.interp(time, at, np.arange(len(at))) % 1 - 0.5) > 0.499
+    wrong = int(outside.sum())
+    channels = [name for name in whole if name not in FLAGS and not name.startswith("filled_")]
+    for name in set(channels) & set(robot):
+        truth = np.interp(time, at, whole[name])
+        loose = FAR * np.ptp(whole[name]) + 5 * np.std(np.diff(whole[name])) + 1e-3
+        flag = f"filled_{name.rpartition('_')[0]}"
+        filled = robot[flag].to_numpy(bool) if flag in robot else np.zeros(len(robot), dtype=bool)
+        tolerance = np.where(filled | ~nearest | (not exact), loose, 1e-5)
+        wrong += int((~(np.abs(robot[name].to_numpy() - truth) <= tolerance) & ~outside).sum())
+    missing = len(set(channels) - set(robot))
+    return wrong, max(0, len(whole) - len(robot)) + len(whole) * missing

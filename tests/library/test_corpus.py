@@ -8,13 +8,11 @@ from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-import pandas as pd
 import pytest
 from hypothesis import given
 
 from tests.corpus import Base, Case, bases, other_cases, usual_cases
-from tests.damage import DRAWS, drawn
+from tests.damage import DRAWS, compare, drawn, findings
 from tests.entries import read_and_repair
 from tests.time_limit import time_limit
 from ur5lib.commands.check import print_tables, text_console, unusable
@@ -31,7 +29,6 @@ JARGON = re.compile(
     r"Traceback|Error\b|Exception|Arrow|pandas|numpy|NoneType|dtype|KeyError|0x[0-9a-f]+"
 )
 PLACE = "the folder"
-FAR = 0.15  # share of a channel's span that filled or resampled values may be off by
 
 
 @dataclass(frozen=True)
@@ -67,41 +64,12 @@ def answer(case: Case, arm: Robot, whole: Intake) -> Answer:
     return Answer(None, taken.quality, wrong, lost, frozenset(name for name, _, _ in named))
 
 
-def findings(taken: Intake) -> set[tuple[str, int, str]]:
-    return {(f.finding, f.count, f.device) for f in taken.quality.findings}
-
-
 def start_of(case: Case) -> float:
     """How much later than the undamaged recording's the clock of this one starts [s]."""
     if case.expected.lost == 0:
         return 0.0
     rows = case.base.text(next(iter(case.base.files)), 0).rows
     return float(rows[case.expected.lost][0]) - float(rows[0][0])
-
-
-def compare(robot: pd.DataFrame, whole: pd.DataFrame, start: float, exact: bool) -> tuple[int, int]:
-    """Cells that differ from the undamaged recording's at their time, and frames fewer.
-
-    Cells that are told as filled, or lie between the undamaged recording's times, may differ some.
-    """
-    time, at = robot["time"].to_numpy() + start, whole["time"].to_numpy()
-    period = float(np.median(np.diff(at)))
-    outside = (time < at[0] - period) | (time > at[-1] + period)
-    nearest = np.abs(np.interp(time, at, np.arange(len(at))) % 1 - 0.5) > 0.499
-    wrong = int(outside.sum())
-    channels = [name for name in whole if name not in FLAGS and not name.startswith("filled_")]
-    for name in set(channels) & set(robot):
-        truth = np.interp(time, at, whole[name])
-        loose = FAR * np.ptp(whole[name]) + 5 * np.std(np.diff(whole[name])) + 1e-3
-        flag = f"filled_{name.rpartition('_')[0]}"
-        filled = robot[flag].to_numpy(bool) if flag in robot else np.zeros(len(robot), dtype=bool)
-        tolerance = np.where(filled | ~nearest | (not exact), loose, 1e-5)
-        wrong += int((~(np.abs(robot[name].to_numpy() - truth) <= tolerance) & ~outside).sum())
-    missing = len(set(channels) - set(robot))
-    return wrong, max(0, len(whole) - len(robot)) + len(whole) * missing
-
-
-FLAGS = ("time", "segment", "interpolated")
 
 
 def compare_sensor(taken: Intake, whole: Intake, device: Device) -> tuple[int, int]:

@@ -208,27 +208,23 @@ def test_each_frame_out_of_order_is_counted(swaps: int) -> None:
     assert (ordered["epoch"] == 0).all()
 
 
+@pytest.mark.parametrize("whole", [True, False])
 @pytest.mark.parametrize(("lost", "filled"), [(10, True), (11, False)])
-def test_a_gap_is_as_long_as_what_is_missing(lost: int, filled: bool) -> None:
-    """Ten cycles of 8 ms are 80 ms; one more is a cycle too long."""
-    kept = [*range(30), *range(30 + lost, COUNT)]
-    repaired, findings = repair(frames(kept), max_gap=0.08)
-    assert findings["lost frames"].count == lost
-    assert repaired["interpolated"].sum() == (lost if filled else 0)
-    assert list(findings) == ["lost frames"] + ["split"] * (not filled)
-    if not filled:
-        assert findings["split"].count == 1
-
-
-@pytest.mark.parametrize(("lost", "filled"), [(10, True), (11, False)])
-def test_a_channel_may_be_missing_for_as_long_as_whole_frames(lost: int, filled: bool) -> None:
-    holes = frames()
-    holes.loc[30 : 30 + lost - 1, "actual_current_0"] = np.nan
-    repaired, findings = repair(holes, max_gap=0.08)
+def test_a_gap_is_as_long_as_what_is_missing(lost: int, filled: bool, whole: bool) -> None:
+    """Ten cycles of 8 ms are 80 ms, of whole frames or of a channel; one more is too long."""
+    table = frames()
+    if whole:
+        table = table.drop(index=range(30, 30 + lost))
+    else:
+        table.loc[30 : 29 + lost, "actual_current_0"] = np.nan
+    repaired, findings = repair(table, max_gap=0.08)
     assert repaired["interpolated"].sum() == (lost if filled else 0)
     assert len(repaired) == COUNT - (0 if filled else lost)
-    reported = [] if filled else ["split", "incomplete frames"]
-    assert list(findings) == ["missing cells", *reported]
+    if whole:
+        assert findings["lost frames"].count == lost
+        assert list(findings) == ["lost frames"] + ["split"] * (not filled)
+    else:
+        assert list(findings) == ["missing cells", *["split", "incomplete frames"] * (not filled)]
 
 
 def test_the_pattern_of_lost_frames_is_reported() -> None:

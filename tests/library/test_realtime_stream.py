@@ -84,10 +84,12 @@ def bits(frame: pd.DataFrame, places: dict[str, int]) -> np.ndarray:
 PLACES = {"time": 4} | OLD
 
 
-def received_of(frame: pd.DataFrame, sent: list[bytes]) -> list[int]:
+def received_of(
+    frame: pd.DataFrame, sent: list[bytes], places: dict[str, int] = PLACES
+) -> list[int]:
     """Which message each row is; fails where a row is none of those sent."""
-    known = {bytes(row): k for k, row in enumerate(rows(sent, pd.Index(PLACES), PLACES))}
-    return [known[bytes(row)] for row in bits(frame, PLACES)]
+    known = {bytes(row): k for k, row in enumerate(rows(sent, pd.Index(places), places))}
+    return [known[bytes(row)] for row in bits(frame, places)]
 
 
 def named(findings: list[Finding]) -> dict[str, Finding]:
@@ -105,24 +107,28 @@ def test_any_chunking_gives_every_frame(capture: Path, cuts: list[int], seed: in
     assert frame["received"].tolist() == ends
 
 
-@settings(derandomize=True, deadline=None, max_examples=250)
+@settings(derandomize=True, deadline=None, max_examples=300)
 @given(
-    at=st.integers(0, FRAMES * SIZE - 1),
-    count=st.integers(1, 5 * SIZE).filter(lambda n: n % SIZE),
+    size=st.one_of(st.just(SIZE), st.sampled_from(SIZES)),
+    at=st.integers(0, FRAMES * SIZES[-1]),
+    count=st.integers(1, 5 * SIZE),
     seed=st.integers(0, 99),
     start=st.sampled_from([0.0, 3.2, 1234.5]),
 )
-def test_bytes_cut_out(capture: Path, at: int, count: int, seed: int, start: float) -> None:
+def test_bytes_cut_out(
+    capture: Path, size: int, at: int, count: int, seed: int, start: float
+) -> None:
     """Any number but whole messages' lengths, which leave no trace (see below)."""
-    sent = messages(seed=seed, start=start)
+    sent = messages(seed=seed, size=size, start=start)
     stream = b"".join(sent)
+    at, count = at % len(stream), count + (count % size == 0)
     count = min(count, len(stream) - at)
     frame, findings = read_stream(write(capture, [stream[:at] + stream[at + count :]]))
-    touched = (at + count - 1) // SIZE - at // SIZE + 1
-    back = received_of(frame, sent)
+    touched = (at + count - 1) // size - at // size + 1
+    back = received_of(frame, sent, PLACES if size == SIZE else {"time": 4})
     assert back == sorted(set(back))
     assert len(back) >= FRAMES - touched - 1
-    assert findings or (at + count == len(stream) and at % SIZE == 0)
+    assert findings or (at + count == len(stream) and at % size == 0)
 
 
 def randbytes(seed: int, count: int) -> bytes:
@@ -162,26 +168,6 @@ def test_bytes_put_in(capture: Path, at: int, extra: bytes, seed: int, start: fl
     assert findings
 
 
-@settings(derandomize=True, deadline=None, max_examples=100)
-@given(
-    size=st.sampled_from(SIZES),
-    at=st.integers(0, FRAMES * 1220),
-    count=st.integers(1, 3000),
-    seed=st.integers(0, 99),
-)
-def test_every_layout_survives_a_cut(
-    capture: Path, size: int, at: int, count: int, seed: int
-) -> None:
-    sent = messages(seed=seed, size=size, start=55.0)
-    stream = b"".join(sent)
-    at, count = at % len(stream), count + (count % size == 0)
-    frame, _ = read_stream(write(capture, [stream[:at] + stream[at + count :]]))
-    touched = (min(at + count, len(stream)) - 1) // size - at // size + 1
-    stamps = [struct.unpack_from(">d", m, 4)[0] for m in sent]
-    assert set(frame["time"]) <= set(stamps)
-    assert len(frame) >= FRAMES - touched - 1
-
-
 @pytest.mark.parametrize("size", SIZES)
 def test_channels_lie_where_the_maker_says(capture: Path, size: int) -> None:
     sent = messages(5, size=size)
@@ -193,12 +179,6 @@ def test_channels_lie_where_the_maker_says(capture: Path, size: int) -> None:
     assert set(frame.dtypes) == {np.dtype("f8")}
     assert frame.attrs["message_bytes"] == size
     assert not findings
-
-
-def test_number_of_channels_by_layout(capture: Path) -> None:
-    """time, received, and what is named: nothing internal, no bits, no raw counts."""
-    counts = [read_stream(write(capture, messages(2, size=size)))[0].shape[1] for size in SIZES]
-    assert counts == [74, 78, 84, 114, 114, 120, 121, 121, 131]
 
 
 def test_every_frame_split_in_other_blocks(capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -334,11 +314,6 @@ def test_whole_multiples_cut_out_leave_no_trace(capture: Path) -> None:
     frame, findings = read_stream(write(capture, [stream[: SIZE + 300], stream[2 * SIZE + 300 :]]))
     assert len(frame) == 5
     assert not findings
-
-
-def test_one_message_is_enough(capture: Path) -> None:
-    sent = messages(1)
-    assert received_of(read_stream(write(capture, sent))[0], sent) == [0]
 
 
 @pytest.mark.parametrize(

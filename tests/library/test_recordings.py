@@ -18,7 +18,7 @@ from ur5lib.recordings import text_blocks
 from ur5lib.recordings.formats import READERS, excerpt
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.quality import Finding
-from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
+from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
@@ -135,16 +135,6 @@ def test_imu_columns_are_acceleration_magnetometer_gyroscope(recording: Path) ->
     np.testing.assert_allclose(imu["time"], (saved[:, 0] - saved[0, 0]) / 1000)
 
 
-def test_rows_with_a_timestamp_that_was_used_before_are_counted(recording: Path) -> None:
-    whole = read(recording).robot.table
-    path = recording / "csv_files" / "log_q_actual.csv"
-    lines = path.read_text().splitlines(keepends=True)
-    path.write_text("".join([*lines[:40], *lines[38:]]))
-    raw = read(recording)
-    assert found(raw.findings, "repeated stamps").count == 2
-    pd.testing.assert_frame_equal(raw.robot.table, whole)
-
-
 def test_channels_of_unequal_length_share_their_frames(recording: Path) -> None:
     path = recording / "csv_files" / "log_m_target.csv"
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:100]))
@@ -170,31 +160,6 @@ def test_channels_of_two_runs_are_refused(recording: Path) -> None:
     write_channel(path, np.arange(9) + 99.0, np.ones((9, 6)))
     with pytest.raises(InputError, match="the channels have no frame in common"):
         read(recording)
-
-
-# Sensors and their clocks
-
-
-def test_a_copy_from_another_run_is_not_used(recording: Path) -> None:
-    stamp = START % 86400 * 1000 - 6e6
-    (recording / "csv_files" / "acc_start_time.csv").write_text(f"{stamp:.6g}")
-    findings: list[Finding] = []
-    assert set(place_sensors(read(recording), findings)) == {"force"}
-    assert "-6000 s" in said(found(findings, "stale copy"))
-
-
-def test_midnight_between_two_starts_is_no_stale_copy() -> None:
-    robot, imu = Stamp(1386633600 - 0.05, 0, "epoch_s"), Stamp(0.03, 0, "day_ms")
-    assert imu.after(robot) == pytest.approx(0.08, abs=1e-6)
-    assert robot.after(imu) == pytest.approx(-0.08, abs=1e-6)
-    assert Stamp(0, 0, "relative_s").after(robot) is None
-
-
-def test_a_sensor_without_a_start_stamp_is_not_used(recording: Path) -> None:
-    (recording / "csv_files" / "start_time.csv").unlink()
-    findings: list[Finding] = []
-    assert place_sensors(read(recording), findings) == {}
-    assert [f.finding for f in findings] == ["no start stamp"] * 2
 
 
 # Tables
@@ -314,14 +279,6 @@ def test_what_a_spreadsheet_program_made_is_named(tmp_path: Path, cell: str) -> 
         read_recording(entry)
 
 
-def test_a_line_that_a_spreadsheet_program_changed_is_reported(tmp_path: Path) -> None:
-    path = tmp_path / "robot.csv"
-    entry = write_rtde(tmp_path)
-    path.write_text(path.read_text().replace("0.1", "01. Jan", 1))
-    detail = said(found(read_recording(entry).findings, "damaged lines"))
-    assert "line 2 ('01. Jan' is not a number; a spreadsheet program may have" in detail
-
-
 @pytest.mark.parametrize("row", ["{t};{q}\t", "{t};{q}; ", "x;{q}", " ;{q};", "{t};{q};\t"])
 def test_whatever_ends_a_line_its_fault_is_reported(tmp_path: Path, row: str) -> None:
     entry = write_rtde(tmp_path, rows=20)
@@ -330,35 +287,6 @@ def test_whatever_ends_a_line_its_fault_is_reported(tmp_path: Path, row: str) ->
         lines = [row.format(t=9.5, q=";".join(["0.1"] * 6)).replace(";", mark)] * 3
         (tmp_path / "robot.csv").write_text(text.replace(";", mark) + "\n".join(lines) + "\n")
         read_recording(entry)
-
-
-def test_degrees_are_named(tmp_path: Path, ur5: Robot) -> None:
-    entry = write_rtde(tmp_path, row="{t};90;90;90;90;90;90")
-    with pytest.raises(
-        InputError, match=r"exceeds 12.57 rad .*is it in degrees.*`columns` and `units`"
-    ):
-        read_and_repair(entry, ur5, 0.1)
-
-
-def test_times_without_their_last_digits_are_reported(tmp_path: Path, ur5: Robot) -> None:
-    entry = write_rtde(tmp_path, row="1.7E+09;{q}")
-    with pytest.raises(
-        InputError, match=r"step between timestamps is 0 s; check that .* has all its digits"
-    ):
-        read_and_repair(entry, ur5, 0.1)
-
-
-def test_a_sensor_file_with_other_columns_is_unusable(tmp_path: Path) -> None:
-    """As where the file of another device is named."""
-    entry = write_rtde(tmp_path) | {"imu": {"file": "robot.csv", "columns": ["time", "imu_a"]}}
-    raw = read_recording(entry)
-    assert "imu" not in raw.sensors
-    reported = found(raw.findings, "unusable sensor")
-    assert (reported.severity, reported.count) == ("error", 1)
-    assert "(it has 7 cells)" in said(reported)
-
-
-# RTDE
 
 
 # The realtime port
@@ -391,9 +319,6 @@ def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
     start = read_recording(entry).robot.start
     assert start is not None
     assert start.seconds == pytest.approx(START + 1e-3, abs=1e-6)
-
-
-# Files as they come
 
 
 # All real recordings

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from tests.damage import DRAWS, FLIPPED, damaged_file, drawn
+from tests.damage import DRAWS, FLIPPED, compare, damaged_file, drawn, findings
 from tests.entries import read_and_repair, read_recording
 from tests.stored_files import (
     JOINTS,
@@ -34,7 +34,6 @@ from ur5lib.tables import channel
 KINDS = ("hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap", "rosbag 1")
 JARGON = re.compile(r"Traceback|Error\b|Exception|numpy|NoneType|dtype|0x[0-9a-f]+|h5py|sqlite")
 SECONDS = 10  # for one file
-TOLERANCE = 0.15  # share of a channel's span within which a value is interpolated or noise
 
 
 @pytest.fixture(scope="module")
@@ -265,30 +264,9 @@ def test_damaged_files_get_an_honest_answer(
         assert "\n" not in message
         assert not JARGON.search(message)
         return
-    lost, wrong = differences(taken, whole.taken)
-    possible = in_place and not lost and sum(wrong.values()) <= FLIPPED
-    assert possible or not (wrong or lost) or names_of(taken) - names_of(whole.taken), wrong
-
-
-def names_of(taken: Intake) -> set[tuple[str, int]]:
-    return {(finding.finding, finding.count) for finding in taken.quality.findings}
-
-
-def differences(taken: Intake, whole: Intake) -> tuple[int, dict[str, int]]:
-    """How many frames are lost, and how many cells of each channel differ at their time."""
-    mine, right = taken.robot, whole.robot
-    lost = len(right) - len(mine) if len(mine) < len(right) - 1 else 0
-    found = {}
-    time = np.clip(mine["time"], right["time"].iloc[0], right["time"].iloc[-1])
-    for name in right.columns.difference(["time", "segment", "interpolated"]):
-        if name not in mine:
-            found[name] = len(right)
-            continue
-        truth = np.interp(time, right["time"], right[name])
-        bound = TOLERANCE * np.ptp(right[name])
-        wrong = int((~(np.abs(mine[name] - truth) <= bound) & ~mine["interpolated"]).sum())
-        found |= {name: wrong} if wrong else {}
-    return lost, found
+    wrong, lost = compare(taken.robot, whole.taken.robot)
+    possible = in_place and not lost and wrong <= FLIPPED
+    assert possible or not (wrong or lost) or findings(taken) - findings(whole.taken), wrong
 
 
 def test_packages_of_a_format_are_loaded_with_its_files_only() -> None:

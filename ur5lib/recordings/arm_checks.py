@@ -55,16 +55,10 @@ def foreign_torque(
         return
     residual = min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
     share = size(residual) / size(torque)
-    foreign, most = share > MODELLED, EXPLAINED * size(torque)
-    known = means, torque, arm
-    arms = [*(_fitting_arms(*known, most) if foreign else _likelier_arms(*known, payloads))]
+    foreign, known = share > MODELLED, (means, torque, arm)
+    arms = [*(_fitting_arms(*known) if foreign else _likelier_arms(*known, payloads))]
     if foreign or arms:
-        fitting = [
-            *arms,
-            *_fitting_load(means, residual, arm, most),
-            *_fitting_units(means, torque, arm),
-            *_fitting_columns(means, arm),
-        ]
+        fitting = [*arms, *_other_causes(means, torque, residual, arm)]
         code = "other torque of known cause" if fitting else "other torque"
         yield contradiction(code, arm=arm.name, share=share, causes=fitting)
 
@@ -75,6 +69,7 @@ def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
 
 
 def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
+    """Return whether an arm leaves so little of a torque (M, 6) [Nm] that it is its own."""
     return size(_residual(means, torque, arm)) < EXPLAINED * size(torque)
 
 
@@ -98,11 +93,11 @@ def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
     return float(means.log_likelihood(variance).sum())
 
 
-def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[Remark]:
-    """Yield the described arms that leave less than `most` of the torque."""
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Remark]:
+    """Yield the described arms whose torque it is."""
     for name in robot_names():
         other = described(name).mounted(arm.gravity)
-        if len(other.joints) == len(arm.joints) and size(_residual(means, torque, other)) < most:
+        if len(other.joints) == len(arm.joints) and _fits(means, torque, other):
             yield remark("robot as cause", value=name)
 
 
@@ -136,24 +131,21 @@ def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Itera
         yield contradiction("other arm's currents", arm=arm.name, other=best[0].arm)
 
 
-def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[Remark]:
-    """Yield the payload whose torque is the residual (M, 6) [Nm], but for `most` of its size."""
-    torque = load_torque(arm, means.q)
-    columns = [means.beside_inertia(torque[:, :, k]).ravel() for k in range(4)]
+def _other_causes(
+    means: BlockMeans, torque: Array, residual: Array, arm: Robot
+) -> Iterator[Remark]:
+    """Yield the payload, the unit of positions and the currents with which a torque is the arm's.
+
+    residual: (M, 6) [Nm], what the arm leaves of the torque.
+    """
+    load = load_torque(arm, means.q)
+    columns = [means.beside_inertia(load[:, :, k]).ravel() for k in range(4)]
     mass, left = fitted_load(np.stack(columns, axis=1), residual.ravel())
-    if LIGHT < mass < HEAVY and left < most:
+    if LIGHT < mass < HEAVY and left < EXPLAINED * size(torque):
         yield remark("load as cause", value=mass)
-
-
-def _fitting_units(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Remark]:
-    """Yield the unit of the positions with which the torque is the arm's."""
     for unit, factor in (("rad", DEGREES), ("deg", 1 / DEGREES)):
         if _fits(replace(means, q=factor * means.q), torque, arm):
             yield remark("unit as cause", value=unit)
-
-
-def _fitting_columns(means: BlockMeans, arm: Robot) -> Iterator[Remark]:
-    """Yield the currents that are the arm's torque."""
     for name, current in means.currents.items():
         if _fits(means, current, arm):
             yield remark("column as cause", value=name)
