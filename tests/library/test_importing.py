@@ -28,6 +28,7 @@ from tests.stored_files import (
 )
 from ur5lib import cli
 from ur5lib.errors import InputError
+from ur5lib.importing.blocks import Block, grouped
 from ur5lib.importing.contents import NIST
 from ur5lib.importing.files import import_files
 from ur5lib.recordings.block_means import BlockMeans
@@ -197,7 +198,8 @@ def test_a_bad_file_stops_no_other(
     (tmp_path / "bad.h5").write_text("nothing")
     study = tmp_path / "mine.yaml"
     files = [str(tmp_path / name) for name in ("bad.h5", "good.h5")]
-    monkeypatch.setattr("sys.argv", ["ur5", "import", *files, "--write", str(study)])
+    words = ["ur5", "import", *files, "--robot", "ur5", "--write", str(study)]
+    monkeypatch.setattr("sys.argv", words)
     with pytest.raises(SystemExit) as stopped:
         cli.main()
     assert stopped.value.code not in (0, None)
@@ -216,30 +218,26 @@ def test_a_bad_file_stops_no_other(
         [f"wrench_{k}" for k in range(6)],
     ],
 )
-def test_columns_of_a_force_are_known_by_many_names(
-    tmp_path: Path, made: Made, ur5: Robot, names: list[str]
+def test_columns_of_a_force_are_known_by_many_names(names: list[str]) -> None:
+    blocks = [Block(own, np.zeros((9, len(own))), "time") for own in grouped(names)]
+    assert [block.meaning() for block in blocks] in (["force", "torque"], ["wrench"])
+    assert [name for block in blocks for name in block.names] == names
+
+
+@pytest.mark.parametrize("frame", ["base", "flange"])
+def test_a_wrench_in_a_table_has_its_columns(
+    tmp_path: Path, made: Made, ur5: Robot, frame: str
 ) -> None:
-    time, channels = touched(made, ur5, "base")
-    joints = expand(["time", "actual_q", "actual_qd", "actual_current"])
-    values = [channels[n] for n in ("actual_q", "actual_qd", "actual_current", "force", "torque")]
-    table = np.hstack([time[:, None], *values])
-    head = ",".join([*joints, *names])
-    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=head, comments="", fmt="%.9f")
-    entry, comments = entry_and_comments(tmp_path / "a.csv", robot="ur5")
-    assert entry["role"] == "contact"
-    assert "in the base's frame" in comments
-    assert "actual_TCP_force" in entry["columns"]
-
-
-def test_a_sensor_in_a_table_has_its_columns(tmp_path: Path, made: Made, ur5: Robot) -> None:
-    time, channels = touched(made, ur5, "flange")
+    time, channels = touched(made, ur5, frame)
     joints = expand(["time", "actual_q", "actual_qd", "actual_current"])
     names = [*joints, "Fx", "Fy", "Fz", "Mx", "My", "Mz"]
     values = [channels[n] for n in ("actual_q", "actual_qd", "actual_current", "force", "torque")]
     table = np.hstack([time[:, None], *values])
     np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=",".join(names), comments="")
     entry, _ = entry_and_comments(tmp_path / "a.csv", robot="ur5")
-    assert entry["columns"][-6:] == ["ft_fx", "ft_fy", "ft_fz", "ft_tx", "ft_ty", "ft_tz"]
+    assert entry["role"] == "contact"
+    sensed = expand(["time", "ft"])[1:]
+    assert entry["columns"][4:] == (sensed if frame == "flange" else ["actual_TCP_force"])
 
 
 def touched(made: Made, ur5: Robot, frame: str) -> tuple[Array, dict[str, Array]]:
@@ -290,8 +288,8 @@ def test_a_sensor_may_have_forces_alone(tmp_path: Path, made: Made, ur5: Robot, 
     columns |= {f"F{axis}": force[:, k] for k, axis in enumerate("xyz")}
     table = pd.DataFrame({"timestamp": time} | columns)
     table.to_csv(tmp_path / "run.csv", index=False)
-    arrays, stated = entry_and_comments(tmp_path / "run.h5")
-    named, told = entry_and_comments(tmp_path / "run.csv")
+    arrays, stated = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    named, told = entry_and_comments(tmp_path / "run.csv", robot="ur5")
     kept = frame == "flange"
     sensed = [name for name in named.get("columns", []) if name.startswith("ft_")]
     assert sensed == (["ft_fx", "ft_fy", "ft_fz"] if kept else [])
@@ -397,7 +395,7 @@ def test_three_commands_are_named(
 ) -> None:
     """Printed entries can be pasted into a study; a written study can be read."""
     write_hdf5(tmp_path / "run.h5", *made)
-    words = ["ur5", "import", str(tmp_path / "run.h5")]
+    words = ["ur5", "import", str(tmp_path / "run.h5"), "--robot", "ur5"]
     monkeypatch.setattr("sys.argv", words)
     with pytest.raises(SystemExit, match="0"):
         cli.main()
@@ -517,7 +515,7 @@ def test_runs_of_one_joint(ur10e_data: Path, joint: int, robot: str) -> None:
 
 def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> None:
     paths = [ur10e_data / f"ur-20_01_22-joint_{joint}.csv" for joint in (1, 2)]
-    one, other = import_files(paths, [])
+    one, other = import_files(paths, ["ur10e"])
     assert one.entry["columns"] == other.entry["columns"]
     assert other.entry["columns"][3:] == WHOLE
     assert one.entry["file"] != other.entry["file"]

@@ -221,12 +221,6 @@ def joints_of(path: Path, arrays: Mapping[str, np.ndarray]) -> int:
     )
 
 
-def joints_of_nameless(columns: int) -> int:
-    """Return of how many joints a table without names has blocks, beside its first column."""
-    fitting = (count for count in (OF_UR, *MORE[:2]) if columns % count == 0)
-    return next(fitting, OF_UR)
-
-
 def _of_joints(arrays: Mapping[str, np.ndarray]) -> Iterator[OfJoints]:
     """Yield arrays with a column for each joint, and single columns that are numbered."""
     wide = [name for name, values in arrays.items() if values.ndim == 2 and 1 not in values.shape]

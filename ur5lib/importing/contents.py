@@ -14,13 +14,12 @@ from ur5lib.importing.blocks import (
     Block,
     grouped,
     joints_of,
-    joints_of_nameless,
     names_command,
     place_of,
     with_names,
 )
-from ur5lib.recordings.array_files import ENDINGS
-from ur5lib.recordings.arrays import load_arrays, seconds_of
+from ur5lib.recordings.array_files import ENDINGS, LOADERS
+from ur5lib.recordings.arrays import seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.entries import FACTORS, expand
 from ur5lib.recordings.quality import Finding, Log
@@ -110,9 +109,11 @@ def contents(path: Path) -> Contents:
     if header.columns:
         arrays = _table(path, header, findings)
     else:
-        arrays = load_arrays(format, path, None, findings)
+        arrays = LOADERS[format](path, None, findings)
     unnamed = header.columns[:1] == [f"{NAMELESS}1"]
-    joints = joints_of_nameless(len(arrays) - 1) if unnamed else joints_of(path, arrays)
+    # a table without names has blocks of as many columns beside its first
+    fitting = (count for count in (OF_UR, 7, 8) if (len(arrays) - 1) % count == 0)
+    joints = next(fitting, OF_UR) if unnamed else joints_of(path, arrays)
     clocks, units = _clocks(arrays)
     if not clocks:
         shown = [f"{name} {values.shape}" for name, values in arrays.items()]

@@ -73,7 +73,11 @@ def import_files(
     imported.refused = tuple(reason for path in paths if (reason := refused.get(path, "")))
     if imported.refused and not imported:
         raise InputError("\n".join(imported.refused))
-    _number_names([one.entry for one in imported])
+    names = set[str]()
+    for number, one in enumerate(imported, 1):
+        if one.entry["name"] in names:
+            one.entry["name"] += f"_{number}"
+        names.add(one.entry["name"])
     return imported
 
 
@@ -133,10 +137,3 @@ def _like(other: Imported, file: Contents, own: Imported | None) -> Imported:
     shared = "columns, units and robot" if own else "columns, units, robot and role"
     assumed = f"{shared} as in {source}: too little moves to prove them here"
     return Imported(other.entry | place, [f"# assumed: {assumed}"])
-
-
-def _number_names(entries: Sequence[Entry]) -> None:
-    """Give each recording a unique name."""
-    for place, recording in enumerate(entries):
-        if recording["name"] in {other["name"] for other in entries[:place]}:
-            recording["name"] = f"{recording['name']}_{place + 1}"

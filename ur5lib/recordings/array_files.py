@@ -12,8 +12,9 @@ import pyarrow.feather as feather
 import pyarrow.parquet as pq
 
 from ur5lib.errors import InputError, optional
-from ur5lib.recordings.delimited import read_numbers
+from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.quality import Finding, Log
+from ur5lib.strict import expect_file
 
 Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
 Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
@@ -23,34 +24,32 @@ HDF5_INSIDE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 BLANK = re.compile(rb"\n[ \t\r]*\n")
 
 
-def damaged(path: Path, kind: str, error: Exception) -> InputError:
-    """Return the error of a file that a library could not read."""
-    if isinstance(error, InputError):
-        return error
-    if isinstance(error, FileNotFoundError | IsADirectoryError | PermissionError):
-        return InputError(
-            f"{path} is missing or cannot be read ({error.strerror or 'no such file'}); "
-            "add the file, or remove the recording from the study"
-        )
-    return InputError(
-        f"{path} cannot be read as {kind}: it is damaged, incomplete or of another format; copy "
-        "it again from its source, or correct `format` in the study"
-    )
-
-
 def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
     """Register a function that loads a format; whatever it raises becomes an InputError.
 
-    name: in a study; kind: for messages; endings: of such files.
+    name: in a study; kind: for messages; endings: of such files, none where it is a folder. Arrays
+    that the file lacks are left out.
     """
 
     def registered(load: Load) -> Load:
         @wraps(load)
         def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+            expect_file(path)
+            if not (path.is_file() if endings else path.is_dir()):
+                raise InputError(
+                    f"{path} is missing or not {kind}; add it, or remove the recording from the "
+                    "study"
+                )
             try:
                 arrays = load(path, wanted, findings)
+            except InputError:
+                raise
             except Exception as error:  # of damaged files, a library may raise anything
-                raise damaged(path, kind, error) from error
+                raise InputError(
+                    f"{path} cannot be read as {kind}: it is damaged, incomplete or of another "
+                    "format, or its permissions forbid it; copy it again from its source, or "
+                    "correct `format` in the study"
+                ) from error
             return {name: arrays[name] for name in arrays if wanted is None or name in wanted}
 
         LOADERS[name] = loaded
@@ -173,7 +172,8 @@ def channel_file_arrays(
 
 def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
     own: list[Finding] = []
-    table = read_numbers(Log(path, "robot", own), _column_names(path))
+    names = [str(index) for index, _ in enumerate(first_cells(path)[0])]
+    table = read_numbers(Log(path, "robot", own), names)
     blank = BLANK.search(path.read_bytes().strip())
     if blank or any(finding.finding == "damaged lines" for finding in own):
         raise InputError(
@@ -182,10 +182,3 @@ def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
         )
     findings += own
     return table.to_numpy()
-
-
-def _column_names(path: Path) -> list[str]:
-    """Return a name for each cell of the first line."""
-    with path.open("rb") as stream:
-        cells = re.split(rb"[;,\t]\s*|\s+", stream.readline(4096).strip())
-    return [str(index) for index in range(len(cells))]

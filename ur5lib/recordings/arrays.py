@@ -1,6 +1,6 @@
 """Reader of files that hold arrays: the study names the array of each channel."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from itertools import takewhile
 from pathlib import Path
 
@@ -18,7 +18,6 @@ from ur5lib.recordings.plausibility import drop_zeroed, first_time
 from ur5lib.recordings.quality import Device, Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import counted_from_first, repair_samples
-from ur5lib.strict import expect_file
 
 
 def read_arrays(recording: ArrayFiles) -> RawRecording:
@@ -28,30 +27,19 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
     """
     path, findings, sensors = recording.path, list[Finding](), recording.sensors()
     wanted = _wanted([recording, *sensors.values()])
-    arrays = load_arrays(recording.format, path, wanted, findings)
-    table = _in_arm_order(_table(recording, arrays, path), recording.joints or [])
+    arrays = LOADERS[recording.format](path, wanted, findings)
+    in_arm_order = {
+        f"{channel}_{place}": f"{channel}_{joint - 1}"
+        for channel in JOINT_CHANNELS
+        for place, joint in enumerate(recording.joints or [])
+    }
+    table = _table(recording, arrays, path).rename(columns=in_arm_order)
     table = drop_untimed(drop_zeroed(table, findings), Log(path, "robot", findings))
     if table.empty:
         raise InputError(f"{path}: no row has a time; record it again, or correct `channels`")
     robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
     records = {d: _sensor(sensor, arrays, path, d, findings) for d, sensor in sensors.items()}
     return RawRecording(robot, None, {d: r for d, r in records.items() if r}, findings)
-
-
-def load_arrays(
-    format: str, path: Path, wanted: Collection[str] | None, findings: list[Finding]
-) -> Arrays:
-    """Return arrays of a file by their path in it; None wanted: all of them.
-
-    Names that the file lacks are left out. Raises InputError when it cannot be read.
-    """
-    expect_file(path)
-    if format != "channel-files" and not path.is_file():
-        raise InputError(
-            f"{path} is missing or is a folder; add the file, or remove the recording from the "
-            "study"
-        )
-    return LOADERS[format](path, wanted, findings)
 
 
 def _wanted(tables: Iterable[StoredTable]) -> set[str]:
@@ -137,19 +125,6 @@ def seconds_of(stamps: np.ndarray) -> np.ndarray:
     if pairs.ndim == 2 and pairs.shape[1] == 2:
         return pairs[:, 0] + 1e-9 * pairs[:, 1]
     return stamps.ravel().astype(float)
-
-
-def _in_arm_order(table: pd.DataFrame, joints: list[int]) -> pd.DataFrame:
-    """Return the table with each joint's columns under its own number.
-
-    joints: of each column, from 1; none where they are in order.
-    """
-    names = {
-        f"{channel}_{place}": f"{channel}_{joint - 1}"
-        for channel in JOINT_CHANNELS
-        for place, joint in enumerate(joints)
-    }
-    return table.rename(columns=names)
 
 
 def _sensor(

@@ -157,15 +157,11 @@ def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags:
     for joint in np.flatnonzero((qd[rows] ** 2).sum(axis=0) > MOVES**2 * max(len(rows), most)):
         friction = np.tanh(qd[:, joint] / MOVES)
         own = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
-        left = _beside(np.column_stack(own)[rows], later[rows - most, joint])
+        basis, _ = np.linalg.qr(np.column_stack(own)[rows])
+        currents = later[rows - most, joint]
+        left = currents - basis @ (basis.T @ currents)
         scores -= len(rows) * step / INDEPENDENT / 2 * np.log((left**2).mean(axis=0) + NOISE**2)
     return scores
-
-
-def _beside(columns: Array, values: Array) -> Array:
-    """Return the residuals of values (n, ...) that columns (n, m) leave."""
-    basis, _ = np.linalg.qr(columns)
-    return np.asarray(values - basis @ (basis.T @ values))
 
 
 def _left(means: BlockMeans, arm: Robot) -> Array:

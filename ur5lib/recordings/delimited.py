@@ -69,7 +69,8 @@ def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
         tables += parsed
         if places:
             fault = fault or _fault(data, places[0], form)
-            damaged += (line + np.searchsorted(_newlines(data), places)).tolist()
+            newlines = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
+            damaged += (line + np.searchsorted(newlines, places)).tolist()
         top, line = 0, line + data.count(b"\n")
     table = _joined(tables)
     if damaged:
@@ -292,11 +293,6 @@ def _numbers(cells: list[bytes], form: Form) -> list[float | None]:
 
 def _table(rows: np.ndarray, names: list[str]) -> pa.Table:
     return pa.table([pa.array(column, pa.float64()) for column in rows.T], names=names)
-
-
-def _newlines(data: bytes) -> np.ndarray:
-    """Return the offsets of all newlines."""
-    return np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
 
 
 def _fault(data: bytes, place: int, form: Form) -> str:

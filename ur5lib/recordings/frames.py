@@ -16,7 +16,7 @@ from ur5lib.recordings.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated
 
-SMOOTH = ("actual_q_", "actual_qd_", "target_q_", "target_qd_")  # interpolated by PCHIP
+SMOOTH = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpolated by PCHIP
 OFF_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
 REGULAR = 0.95  # share of steps within OFF_GRID in a recording with a fixed cycle
 JITTER = 5e-5  # s; larger jitter is reported
@@ -251,14 +251,10 @@ def _fill(
     filled = values[nearest]
     inexact = away > 1e-6
     if inexact.any() and len(place) > 1:
-        filled[inexact] = _interpolate(place, values, slots[inexact], name)
+        at = slots[inexact]
+        smooth = PchipInterpolator(place, values, axis=0) if name in SMOOTH else None
+        filled[inexact] = smooth(at) if smooth else interpolated(at, place, values)
     return filled, missing, beyond
-
-
-def _interpolate(place: Array, values: Array, slots: Labels, name: str) -> Array:
-    if f"{name}_" in SMOOTH:
-        return PchipInterpolator(place, values, axis=0)(slots)
-    return interpolated(slots, place, values)
 
 
 def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:

@@ -16,7 +16,7 @@ from ur5lib.recordings.block_means import BlockMeans, combination
 from ur5lib.recordings.current_checks import CONSTANTS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
-from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.arrays import Array, Labels
 
 Order = tuple[int, ...]  # the column of joints 1 to 6, from 0
 Units = Mapping[str, tuple[float, float]]  # bounds of effort per Nm, by unit
@@ -76,7 +76,7 @@ def readings(
     means: `currents` holds the efforts, columns as in the file; units: possible ones.
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
-    reached = np.array([means.q.min(axis=0), means.q.max(axis=0)])
+    lowest, highest = means.q.min(axis=0), means.q.max(axis=0)
     free = [_without_motion(means, effort) for effort in means.currents.values()]
     found = []
     for arm in arms:
@@ -87,21 +87,14 @@ def readings(
         scores = [_scores(means, effort, torque, columns, constants, units) for effort in free]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
         beyond = speed[columns] > FASTER * np.array(arm.velocity_limits())
-        beyond |= _farther(reached[:, columns], np.transpose(arm.position_limits()))
+        low, high = np.transpose(arm.position_limits())
+        slack = (FARTHER - 1) / 2 * (high - low)
+        beyond |= (lowest[columns] < low - slack) | (highest[columns] > high + slack)
         total -= UNABLE * beyond.any(axis=1)
         for place, order in enumerate(orders):
             likely = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
             found.append(Reading(arm.name, order, likely, float(total[place])))
     return sorted(found, key=lambda reading: -reading.score)
-
-
-def _farther(reached: Array, ends: Array) -> Mask:
-    """Return whether joints leave their range by more than FARTHER allows, (...).
-
-    reached: lowest and highest angles (2, ...) [rad]; ends: those of the ranges (2, n).
-    """
-    slack = (FARTHER - 1) / 2 * (ends[1] - ends[0])
-    return np.asarray((reached[0] < ends[0] - slack) | (reached[1] > ends[1] + slack))
 
 
 def likeliest(means: BlockMeans, arms: Sequence[Robot], units: Units = SLOPES) -> list[Reading]:

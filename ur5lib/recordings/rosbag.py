@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,8 +21,14 @@ JOINT_NAMES = [  # of drivers, and as the teach panel has them
         *("elbow", r"wrist[ _]?1", r"wrist[ _]?2", r"wrist[ _]?3"),
     )
 ]
-FRANKA = ("q", "dq", "tau_J", "tau_ext_hat_filtered", "O_F_ext_hat_K", "O_T_EE")
-XYZ = ("x", "y", "z")
+FIELDS = {  # that are read of each kind of message
+    "sensor_msgs/msg/JointState": ("position", "velocity", "effort"),
+    "geometry_msgs/msg/WrenchStamped": ("force", "torque"),
+    "franka_msgs/msg/FrankaState": (
+        *("q", "dq", "tau_J", "tau_ext_hat_filtered", "O_F_ext_hat_K", "O_T_EE"),
+    ),
+    "sensor_msgs/msg/Imu": ("linear_acceleration", "angular_velocity"),
+}
 
 
 class Message(NamedTuple):
@@ -84,7 +90,9 @@ def _collect(
         missing -= 1
         try:
             message = bag.deserialize(raw, connection.msgtype)
-            fields, names = FIELDS[connection.msgtype](message)
+            body = getattr(message, "wrench", message)
+            fields = {name: _numbers(getattr(body, name)) for name in FIELDS[connection.msgtype]}
+            names = tuple(getattr(message, "name", ()))
             stamp = message.header.stamp
             seconds = stamp.sec + 1e-9 * stamp.nanosec
         except Exception:  # of damaged messages, the library may raise anything
@@ -97,30 +105,11 @@ def _collect(
         lost["missing messages"] += missing
 
 
-def _joint_state(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
-    fields = {name: getattr(message, name).tolist() for name in ("position", "velocity", "effort")}
-    return fields, tuple(message.name)
-
-
-def _franka_state(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
-    return {name: getattr(message, name).tolist() for name in FRANKA}, ()
-
-
-def _vectors(*names: str, part: str = "") -> Callable[[Any], tuple[dict[str, list[float]], Any]]:
-    def fields(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
-        body = getattr(message, part) if part else message
-        vectors = {name: getattr(body, name) for name in names}
-        return {n: [getattr(vector, axis) for axis in XYZ] for n, vector in vectors.items()}, ()
-
-    return fields
-
-
-FIELDS = {
-    "sensor_msgs/msg/JointState": _joint_state,
-    "geometry_msgs/msg/WrenchStamped": _vectors("force", "torque", part="wrench"),
-    "franka_msgs/msg/FrankaState": _franka_state,
-    "sensor_msgs/msg/Imu": _vectors("linear_acceleration", "angular_velocity"),
-}
+def _numbers(field: Any) -> list[float]:
+    """Return the numbers of an array, or the components of a vector."""
+    if isinstance(field, np.ndarray):
+        return list(field.tolist())
+    return [getattr(field, axis) for axis in ("x", "y", "z")]
 
 
 def _topic_arrays(

@@ -103,14 +103,6 @@ def _absence(path: Path) -> str | None:
     return None
 
 
-def _drop_incomplete(table: pd.DataFrame, log: Log) -> pd.DataFrame:
-    """Drop rows with empty cells: a sensor samples fast enough to do without them."""
-    whole = np.isfinite(table.to_numpy()).all(axis=1)
-    lacking = (~whole).sum(), "missing samples"
-    add_finding(log.findings, log.device, "missing cells", "warning", *lacking)
-    return table[whole].reset_index(drop=True)
-
-
 def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
     """Return the plausible samples in order, each once; None, and a finding, where there are none.
 
@@ -122,7 +114,11 @@ def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
         log.add("no sensor", "note", 1, absence, columns=len(table.columns))
         return None
     table = drop_implausible(table, str(log.path), log.device, log.findings)
-    whole = _in_order(_drop_incomplete(table, log), log.device, log.findings)
+    # a sensor samples fast enough to do without rows with empty cells
+    complete = np.isfinite(table.to_numpy()).all(axis=1)
+    lacking = (~complete).sum(), "missing samples"
+    add_finding(log.findings, log.device, "missing cells", "warning", *lacking)
+    whole = _in_order(table[complete].reset_index(drop=True), log.device, log.findings)
     if len(whole) < 2:
         raise InputError(
             f"{log.path}: has fewer than two samples with possible values; record it again"

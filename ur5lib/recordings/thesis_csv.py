@@ -85,18 +85,14 @@ def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFram
             f"{path}, line 1: no complete row of 7 numbers (it begins {first_line(path)}); "
             "record it again, or remove the recording from the study"
         )
-    rows = _drop_strays(rows, log)
+    # strays are dropped here because joining loses the file's order
+    stray = stray_times(rows["time"].to_numpy())
+    log.add("impossible times", "warning", np.count_nonzero(stray))
+    if len(rows) > 1:
+        check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)
+    rows = rows[~stray].reset_index(drop=True)
     rows["clock"] = rows["time"] + RESTART * epochs(rows["time"].to_numpy())
     rows = rows.sort_values("clock", kind="stable", ignore_index=True)
     repeated = rows.duplicated("clock")
     log.add("repeated stamps", "warning", repeated.sum())
     return rows[~repeated].reset_index(drop=True)
-
-
-def _drop_strays(rows: pd.DataFrame, log: Log) -> pd.DataFrame:
-    """Drop rows with stray timestamps; done here because joining loses the file's order."""
-    stray = stray_times(rows["time"].to_numpy())
-    log.add("impossible times", "warning", np.count_nonzero(stray))
-    if len(rows) > 1:
-        check_pace(rows["time"].to_numpy()[~stray], str(log.path), CYCLE / 2)
-    return rows[~stray].reset_index(drop=True)
