@@ -20,7 +20,7 @@ import yaml
 from benchmarks.harness.options import options_of
 from ur5lib.commands.excite import ExciteOptions, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
-from ur5lib.excitation.posterior import KEPT
+from ur5lib.excitation.outlook import KEPT
 from ur5lib.excitation.problem import PER_JOINT
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.tables import read_json, read_record

@@ -17,9 +17,9 @@ from ur5lib.commands.excite import ExciteOptions, task_of
 from ur5lib.dynamics.flange import independent_twists
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
-from ur5lib.excitation.bands import feels_forces
 from ur5lib.excitation.design import Effort, design, free_postures, random_path
 from ur5lib.excitation.objective import Task
+from ur5lib.excitation.outlook import feels_forces
 from ur5lib.excitation.problem import build_problem, nominal_maps
 from ur5lib.identification.population import fit_population
 from ur5lib.robots.collisions import Capsules, Surroundings

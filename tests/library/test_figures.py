@@ -1,4 +1,6 @@
-"""Figures: the same file for the same data, every peak, every gap, units on every axis."""
+"""Figures: the same file for the same data, every peak, every gap, units; and those of recordings
+and arms.
+"""
 
 from base64 import b64decode
 from io import BytesIO
@@ -11,10 +13,24 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from ur5lib.dynamics.flange import link_frames
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report import house_style
+from ur5lib.report.arm_figures import (
+    UPRIGHT,
+    MassModel,
+    cylinder_outline,
+    ellipsoid_outline,
+    frame_panels,
+    mass_panels,
+    placed,
+)
 from ur5lib.report.friction_figures import MovingSamples, friction_figures
 from ur5lib.report.house_style import EMBEDDED, JOINTS, Drawing, save
+from ur5lib.report.recording_figures import older_torque_figure, packet_figure, tracking_figure
 from ur5lib.report.traces import TORQUE, WRENCH, Traces, decimate, draw_traces
+from ur5lib.robots.description import Cylinder, Robot
 
 LONG = 20_000
 
@@ -151,3 +167,124 @@ def test_decimation_keeps_every_peak_and_gap(seed: int, count: int, cuts: list[i
 def test_decimation_of_few_samples_changes_nothing() -> None:
     time, values = np.arange(10.0), np.arange(20.0).reshape(10, 2)
     assert decimate(time, values)[1] is values
+
+
+# Of recordings
+
+COUNT, PERIOD = 200, 0.008
+
+
+def signals(lost: np.ndarray | None = None) -> Signals:
+    time = PERIOD * np.arange(COUNT)
+    q = np.outer(np.sin(time), np.arange(1.0, 7.0))
+    return Signals(
+        time=time,
+        segment=np.zeros(COUNT, dtype=int),
+        interpolated=np.zeros(COUNT, dtype=bool) if lost is None else lost,
+        actual_q=q,
+        target_q=q + 0.25,
+        target_moment=10 * q,
+    )
+
+
+def closed_loop(gains: str) -> ClosedLoop:
+    own = signals()
+    return ClosedLoop(time=own.time, segment=own.segment, q={gains: own.actual_q - 0.5})
+
+
+def test_the_loop_stands_beside_measurement_and_target_with_their_errors() -> None:
+    data = tracking_figure(signals(), closed_loop("C"), "C", "q").data
+    for joint in range(1, 7):
+        measured = data[f"measured, joint {joint} [rad]"]
+        for line, offset in (("target", 0.25), ("closed loop, gains C", -0.5)):
+            drawn = data[f"{line}, joint {joint} [rad]"]
+            assert (drawn - measured).to_numpy() == pytest.approx(offset)
+            error = data[f"error of {line}, joint {joint} [rad]"]
+            assert error.to_numpy() == pytest.approx(-offset)
+
+
+def test_gains_that_were_not_simulated_are_not_drawn() -> None:
+    assert tracking_figure(signals(), closed_loop("C"), "[21]", "q").data.empty
+
+
+def test_a_printed_mean_error_stands_beside_the_errors_of_what_can_be_rebuilt() -> None:
+    own, printed = signals(), (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    data = older_torque_figure(own, {"Model C": 8 * own.actual_q}, printed).data
+    assert data["error of [21], printed mean, joint 3 [Nm]"].to_numpy() == pytest.approx(3)
+    expected = 0.2 * data["controller's target_moment, joint 2 [Nm]"].to_numpy()
+    assert data["error of Model C, joint 2 [Nm]"].to_numpy() == pytest.approx(expected)
+
+
+def test_lost_frames_lengthen_the_step_to_the_next_received_one() -> None:
+    lost = np.isin(np.arange(COUNT), [28, 29, 31, 32])
+    data = packet_figure(signals(lost)).data
+    late = data[data["step to this frame [ms]"] > 8.5]
+    assert late["time [s]"].tolist() == pytest.approx([0.240, 0.264])
+    assert late["step to this frame [ms]"].tolist() == pytest.approx([24, 24])
+    assert len(data) == COUNT - 1 - lost.sum()
+
+
+def test_a_recording_without_lost_frames_has_no_figure_of_them() -> None:
+    assert packet_figure(signals()).data.empty
+
+
+# Of arms
+
+HEIGHT = 1.04  # m, of the UR5 in position 2 of Figure 4.1
+
+
+@pytest.fixture(scope="module")
+def models(ur5: Robot) -> dict[str, MassModel]:
+    rotation, origin = (part[0] for part in link_frames(ur5, np.array([UPRIGHT])))
+    return {name: placed(ur5, name, rotation, origin) for name in ("A", "B", "C")}
+
+
+def all_outlines(model: MassModel) -> np.ndarray:
+    return np.concatenate([body for link in model.outlines for body in link])
+
+
+def test_a_ball_is_drawn_with_its_radius() -> None:
+    outline = ellipsoid_outline(2.0, 0.4 * 2.0 * 0.3**2 * np.eye(3), np.array([9.0, 1.0, 2.0]))
+    assert np.hypot(*(outline - [1.0, 2.0]).T) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(("axis", "seen"), [("x", [0.4, 0.4]), ("y", [1, 0.4]), ("z", [0.4, 1])])
+def test_a_cylinder_is_drawn_with_its_height_and_diameter(axis: str, seen: list[float]) -> None:
+    part = Cylinder(axis=axis, mass=1, height=1, radius=0.2, offset=(0, 0.1, 0))  # type: ignore[arg-type]
+    outline = cylinder_outline(part, np.array([0.0, 1.0, 2.0]), np.eye(3))
+    assert np.ptp(outline, axis=0) == pytest.approx(seen)
+    assert (outline.min(axis=0) + outline.max(axis=0)) / 2 == pytest.approx([1.1, 2.0])
+
+
+@pytest.mark.parametrize("name", ["A", "B", "C"])
+def test_the_cylinders_are_as_high_as_the_arm(models: dict[str, MassModel], name: str) -> None:
+    assert all_outlines(models[name]).max(axis=0)[1] == pytest.approx(HEIGHT, abs=0.005)
+
+
+def test_every_cylinder_lies_inside_the_frame(ur5: Robot, models: dict[str, MassModel]) -> None:
+    origin = link_frames(ur5, np.array([UPRIGHT]))[1][0]
+    counts = {name: sum(map(len, model.outlines)) for name, model in models.items()}
+    assert counts == {"A": 6, "B": 6, "C": 17}
+    for axis, model in zip(mass_panels(origin, models).figure.axes, models.values(), strict=True):
+        (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
+        outline = all_outlines(model)
+        assert (outline > [left, low]).all()
+        assert (outline < [right, high]).all()
+
+
+def test_an_undetermined_link_does_not_shrink_the_arm(models: dict[str, MassModel]) -> None:
+    astray = models["C"]._replace(outlines=[[50 + body for body in models["C"].outlines[0]]] * 6)
+    low, high = (
+        mass_panels(np.zeros((7, 3)), {"C": models["C"], "astray": astray})
+        .figure.axes[0]
+        .get_ylim()
+    )
+    assert high - low < 1.5
+
+
+def test_the_frames_are_those_of_the_arm(ur5: Robot) -> None:
+    rotation, origin = (part[0] for part in link_frames(ur5, np.array([UPRIGHT])))
+    data = frame_panels(rotation, origin, ur5.denavit_hartenberg).data
+    assert data[["x [m]", "y [m]", "z [m]"]].to_numpy() == pytest.approx(origin)
+    assert data.filter(like="z axis").to_numpy() == pytest.approx(rotation[:, :, 2])
+    assert data["d [m]"][1:].tolist() == [0.08916, 0, 0, 0.10915, 0.09465, 0.0823]  # Table 5.2

@@ -14,11 +14,10 @@ from rich.progress import Progress
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.excitation.bands import Bands, Outlook, feels_forces
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import write_files
 from ur5lib.excitation.objective import STEP, Task, Worth
-from ur5lib.excitation.posterior import Earlier, Recorded, problem_after
+from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces, problem_after
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.excitation.bands import Bands
 from ur5lib.excitation.design import Design
 from ur5lib.excitation.objective import Worth
+from ur5lib.excitation.outlook import Bands
 from ur5lib.excitation.problem import Problem
 from ur5lib.excitation.trajectory import Margins, Path
 from ur5lib.report.document import (

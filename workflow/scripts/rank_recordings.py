@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from ur5lib.excitation.bands import Bands, Outlook, feels_forces
-from ur5lib.excitation.posterior import Earlier, Recorded
+from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.records.friction import Friction
