@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.made_records import motion_of
 from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
@@ -23,7 +23,7 @@ CYCLE, EVERY = 0.008, 8
 WALL, TILTED = [0.0, -9.81, 0.0], [4.905, 0.0, -8.4957]
 TOLD = Payload(mass=1.5, center_of_mass=(0.01, 0.02, 0.05), inertia=(0.002,) * 3 + (0.0,) * 3)
 HIDDEN = Payload(mass=1.0, center_of_mass=(-0.02, 0.0, 0.1))
-MODEL = "C+rotors"
+MODEL, ARM = "C+rotors", robot_path("ur5")
 
 
 class Made:
@@ -40,31 +40,17 @@ class Made:
         told = sent.drop(columns=["sent", "kept"], errors="ignore")
         self.files = {name: f"{folder}/{name}.parquet" for name in ("signals", "motion")}
         write_table(told.assign(segment=0, interpolated=False), self.files["signals"])
-        states = {name: motion[name][::EVERY] for name in ("q", "qd", "qdd")}
-        exact: dict[str, Any] = {"motor_qd": states["qd"]}
-        exact |= {f"{name}_std": np.zeros_like(values) for name, values in states.items()}
-        time, segment = sent["time"].to_numpy(), np.zeros(len(sent), np.int64)
-        Motion(time=time, segment=segment, **states, **exact).write(self.files["motion"])
-
-    @property
-    def signals(self) -> Signals:
-        return Signals.read(self.files["signals"])
-
-    @property
-    def motion(self) -> Motion:
-        return Motion.read(self.files["motion"])
+        states = (motion[name][::EVERY] for name in ("q", "qd", "qdd"))
+        self.motion = motion_of(sent["time"].to_numpy(), *states)
+        self.motion.write(self.files["motion"])
+        self.signals = Signals.read(self.files["signals"])
 
 
-@pytest.fixture
-def hidden_load(ur5: Robot, tmp_path: Path) -> Made:
-    """A wall-mounted arm whose controller was told of one payload, and that carries another too."""
-    payloads = {"payload": TOLD.model_dump(), "undeclared_payload": HIDDEN.model_dump()}
-    return Made(ur5, tmp_path, WALL, **payloads)
-
-
-def torques_of(made: Made, folder: Path, payload: Payload | None) -> tuple[Torques, Any]:
+def torques_of(
+    made: Made, folder: Path, payload: Payload | None, arm: Any = ARM
+) -> tuple[Torques, Any]:
     """What compute_torques makes where the study declares a payload."""
-    input = SimpleNamespace(arm=robot_path("ur5"), **made.files)
+    input = SimpleNamespace(arm=arm, **made.files)
     output = SimpleNamespace(torques=f"{folder}/torques.parquet", summary=f"{folder}/torques.json")
     declared = payload.model_dump_json() if payload else ""
     params = SimpleNamespace(gravity=made.gravity, payload=declared)
@@ -72,28 +58,23 @@ def torques_of(made: Made, folder: Path, payload: Payload | None) -> tuple[Torqu
     return Torques.read(output.torques), read_json(output.summary)
 
 
-def test_targets_are_compared_as_told_and_currents_as_carried(
-    hidden_load: Made, tmp_path: Path
-) -> None:
-    physical = TOLD.joined(HIDDEN)
-    torques, summary = torques_of(hidden_load, tmp_path, physical)
-    signals = hidden_load.signals
+def test_targets_are_compared_as_told_and_currents_as_carried(ur5: Robot, tmp_path: Path) -> None:
+    """A wall-mounted arm whose controller was told of one payload, and that carries another too."""
+    payloads = {"payload": TOLD.model_dump(), "undeclared_payload": HIDDEN.model_dump()}
+    made, physical = Made(ur5, tmp_path, WALL, **payloads), TOLD.joined(HIDDEN)
+    torques, summary = torques_of(made, tmp_path, physical)
+    signals, motion = made.signals, made.motion
     np.testing.assert_allclose(torques.target[MODEL], signals.target_moment, atol=1e-4)
-    record = current_record("", signals, hidden_load.motion, torques, MODEL)
+    record = current_record("", signals, motion, torques, MODEL)
     assert record is not None
-    given = hidden_load.done.motion["motor_torque"][::EVERY]
+    given = made.done.motion["motor_torque"][::EVERY]
     np.testing.assert_allclose(record.torque, given, atol=1e-6)
     assert np.abs(torques.payload_torque).max() > 3
     assert summary["source"] == "study"
     assert Payload(**summary["payload"]) == physical
     assert Payload(**summary["configured"]) == TOLD
-
-
-def test_the_observer_s_terms_are_those_of_what_is_carried(
-    hidden_load: Made, tmp_path: Path
-) -> None:
-    torques, _ = torques_of(hidden_load, tmp_path, TOLD.joined(HIDDEN))
-    motion, model = hidden_load.motion, LinkModel(hidden_load.done.rig.robot, MODEL)
+    # the observer's terms, too, are those of what is carried
+    model = LinkModel(made.done.rig.robot, MODEL)
     momentum = model.momentum(motion.q, motion.qd)
     np.testing.assert_allclose(torques.gravity_torque, model.gravity_torque(motion.q), atol=1e-9)
     np.testing.assert_allclose(torques.momentum, momentum, atol=1e-9)
@@ -131,7 +112,7 @@ def test_one_model_is_fitted_to_recordings_under_several_gravities(
         )
     ]
     input = SimpleNamespace(
-        arm=robot_path("ur5"),
+        arm=ARM,
         signals=[own.files["signals"] for own in made],
         motion=[own.files["motion"] for own in made],
         rotors=f"{tmp_path}/rotors.json",
@@ -152,13 +133,7 @@ def test_one_model_is_fitted_to_recordings_under_several_gravities(
     fitted = load_robot(output.arm)
     assert fitted.gravity == ur5.gravity
     for own, told in zip(made, (TOLD, None), strict=True):
-        arm = own.files | {"arm": output.arm}
-        result = f"{tmp_path}/torques"
-        script("compute_torques").compute_torques(
-            SimpleNamespace(**arm),
-            SimpleNamespace(torques=f"{result}.parquet", summary=f"{result}.json"),
-            SimpleNamespace(gravity=own.gravity, payload="", tcp=[], role="fit"),
-        )
-        torque = Torques.read(f"{result}.parquet").target["identified"]
-        assert np.abs(torque - own.signals.target_moment).mean() < 0.02
-        assert (read_json(f"{result}.json")["configured"] is None) == (told is None)
+        torques, summary = torques_of(own, tmp_path, None, output.arm)
+        error = torques.target["identified"] - own.signals.target_moment
+        assert np.abs(error).mean() < 0.02
+        assert (summary["configured"] is None) == (told is None)

@@ -1,4 +1,4 @@
-"""On floor, ceiling, wall and slope alike, the steps find tool, biases, tilt and forces."""
+"""On floor, ceiling and slope alike, the steps find tool, biases, tilt and forces."""
 
 from collections.abc import Callable
 from functools import cache
@@ -26,7 +26,6 @@ from ur5lib.timeseries.arrays import Array
 MOUNTINGS = {  # gravity in the base frame [m/s²]
     "floor": None,
     "ceiling": [0.0, 0.0, 9.81],
-    "wall": [9.81, 0.0, 0.0],
     "slope": [9.81 * np.sin(np.pi / 6), 0.0, -9.81 * np.cos(np.pi / 6)],
 }
 TOOL = {"mass": 1.0, "center_of_mass": [0.01, -0.02, 0.06]}
