@@ -26,7 +26,6 @@ from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import own_clocks
-from ur5lib.pipeline.controller_torque import rotor_samples
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.force_estimates import direct_problems
@@ -42,7 +41,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.truth import TrueParameters, Truth
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
-from ur5lib.pipeline.torques import joint_torques
+from ur5lib.pipeline.torques import joint_torques, rotor_samples
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.report import truth_rows

@@ -70,30 +70,22 @@ def said(finding: Finding) -> str:
     return str(worded(finding)["detail"])
 
 
-def recordings(name: str, remedy: str) -> Path:
-    """A folder of real recordings, where it is at hand."""
-    for folder in (PROJECT / "raw" / name, PROJECT.parent / "shared" / name):
+def shared_folder(name: str, remedy: str, *others: Path) -> Path:
+    """A folder of files that the project does not contain, where it is at hand."""
+    for folder in (*others, PROJECT.parent / "shared" / name):
         if folder.is_dir():
             return folder
-    pytest.skip(f"the recordings in raw/{name} are not here: {remedy}")
-
-
-def shared_folder(name: str, remedy: str) -> Path:
-    """A folder of files that the project does not contain, where it is at hand."""
-    folder = PROJECT.parent / "shared" / name
-    if not folder.is_dir():
-        pytest.skip(f"the files of ../shared/{name} are not here: {remedy}")
-    return folder
+    pytest.skip(f"the files of ../shared/{name} are not here: {remedy}")
 
 
 @pytest.fixture(scope="session")
 def thesis_data() -> Path:
-    return recordings("thesis", "`make thesis` fetches them")
+    return shared_folder("thesis", "`make thesis` fetches them", PROJECT / "raw" / "thesis")
 
 
 @pytest.fixture(scope="session")
 def ur10e_data() -> Path:
-    return recordings("ur10e", "`ur5 fetch ur10e` fetches them")
+    return shared_folder("ur10e", "`ur5 fetch ur10e` fetches them", PROJECT / "raw" / "ur10e")
 
 
 @pytest.fixture(scope="session")

@@ -96,7 +96,7 @@ def test_a_sensor_is_known_to_measure_torque() -> None:
     assert not prior.typical
 
 
-@pytest.mark.parametrize("count", [2, 7, 8])
+@pytest.mark.parametrize("count", [2, 8])
 def test_figures_have_a_panel_for_each_joint(count: int) -> None:
     time, values = np.arange(20.0), np.random.default_rng(0).normal(size=(20, count))
     series: Series = {"measured": (values, "joint")}

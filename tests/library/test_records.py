@@ -154,11 +154,6 @@ def test_a_channel_is_read_when_it_is_used(tmp_path: Path) -> None:
         _ = signals.nothing  # type: ignore[attr-defined]
 
 
-def test_the_period_is_that_of_the_grid() -> None:
-    time = np.arange(5) * 0.008
-    assert SensorWrenches(time=time, segment=np.zeros(5, np.int64)).period == 0.008
-
-
 def test_a_record_s_arrays_are_its_own() -> None:
     """Nobody who changes them changes the table."""
     table = pd.DataFrame({"time": np.arange(3.0), "segment": 0, "Fmap_Fx": 1.0})
@@ -171,18 +166,6 @@ def test_signals_are_read_under_the_names_of_rtde(tmp_path: Path) -> None:
     columns = {*read_table(tmp_path / "signals.parquet")}
     rtde = {"actual_q_0", "target_moment_5", "actual_TCP_force_3", "payload", "payload_cog_2"}
     assert columns >= rtde | {*SENSOR_COLUMNS["force"], *SENSOR_COLUMNS["imu"]}
-
-
-def test_the_imu_is_both_its_sensors() -> None:
-    made = whole(Signals)
-    assert isinstance(made, Signals)
-    assert made.accelerometer is not None
-    assert made.gyroscope is not None
-    np.testing.assert_array_equal(made.imu, np.hstack([made.accelerometer, made.gyroscope]))
-    grid = {"time": made.time, "segment": made.segment}
-    without = Signals(**grid, interpolated=made.interpolated, actual_q=made.actual_q)
-    with pytest.raises(ValueError, match="no IMU"):
-        _ = without.imu
 
 
 def test_truth_is_a_line_between_its_samples_and_unknown_outside() -> None:

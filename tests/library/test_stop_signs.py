@@ -17,7 +17,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from benchmarks.harness.pushes import pushes
 from benchmarks.simulated_contacts import planned
-from tests.conftest import PROJECT, recordings, said
+from tests.conftest import PROJECT, said, shared_folder
 from tests.entries import read_and_repair
 from tests.synthetic import write_recording
 from ur5lib.channels import columns
@@ -107,7 +107,7 @@ def take(entry: Recording) -> Taken:
 
 @cache
 def real(study: str, name: str) -> Taken:
-    folder = recordings(study, STUDIES[study])
+    folder = shared_folder(study, STUDIES[study], PROJECT / "raw" / study)
     text = (PROJECT / f"workflow/studies/{study}.yaml").read_text()
     raw = yaml.safe_load(text.replace(f"raw/{study}", str(folder)))
     raw.pop("reference", None)

@@ -8,8 +8,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import closed_loop
 from ur5lib.identification.closed_loop import JointGains, Tracking
 from ur5lib.pipeline.carried import configured_payload
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.gains import GainSummary
+from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -60,13 +59,14 @@ def simulated(
 ) -> ClosedLoop:
     """Return q̂, q̂̇ and q̂̈ under each set of gains, and each link model's torque at its own."""
     states = {name: simulated_states(tracking, gains) for name, gains in sets.items()}
+    q, qd, qdd = ({name: own[k] for name, own in states.items()} for k in range(3))
     given = robot.carrying(configured_payload(signals))
     return ClosedLoop(
         time=signals.time,
         segment=signals.segment,
-        q={name: q for name, (q, _, _) in states.items()},
-        qd={name: qd for name, (_, qd, _) in states.items()},
-        qdd={name: qdd for name, (_, _, qdd) in states.items()},
+        q=q,
+        qd=qd,
+        qdd=qdd,
         torque={
             name: LinkModel(given, name).inverse_dynamics(*motion)
             for name, motion in states.items()

@@ -84,7 +84,9 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterato
     """Yield smallest pushes by speed, and by joint the shares by speed and where they suffice."""
     if trials:
         together = Trials.joined([*trials])
-        yield from map(_push, [*by_flange_speed(together), *by_axis(together)])
+        for low, high in pairwise(FLANGE_SPEEDS):
+            yield from map(_push, limit(together.within(low, high), low, high))
+        yield from map(_push, by_axis(together))
     if errors:
         speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
         known = np.isfinite(inside).T
@@ -135,14 +137,8 @@ def _predicted(joint: int, low: float, high: float) -> Observed:
     )
 
 
-def by_flange_speed(trials: Trials) -> Iterator[SmallestPush]:
-    """Yield the smallest push that is detected in 95 of 100 cases, by speed of the flange."""
-    for low, high in pairwise(FLANGE_SPEEDS):
-        yield from limit(trials.within(low, high), low, high)
-
-
 def by_axis(trials: Trials) -> Iterator[SmallestPush]:
-    """Yield the same along x, y and z, at rest and in motion."""
+    """Yield the smallest pushes along x, y and z, at rest and in motion."""
     for low, high in pairwise((*FLANGE_SPEEDS[:2], np.inf)):
         for axis, name in enumerate("xyz"):
             yield from limit(trials.within(low, high).along(axis), low, high, name)

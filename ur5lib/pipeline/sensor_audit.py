@@ -21,6 +21,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.pipeline.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.robots.description import Payload, Robot
+from ur5lib.signals.end_effector import ToolMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -47,18 +48,21 @@ def audit(
 
     currents: the load that the motor currents show beside the tool, None where they show none.
     """
-    free, rows = 0.0, list[AuditRow]()
+    free, rows, moved = 0.0, list[AuditRow](), moved_tool(robot, kinematics, motion)
     if signals.ft_raw_wrench is not None:
-        reading, sensed = _explained(robot, signals, kinematics, motion, tool)
+        reading, sensed = _explained(robot, signals, moved, tool)
         free = reading.seconds
         declared = robot.mounting.force_sensor_turn_deg
         rows += [*_turn_rows(sensed, np.array(declared)), *_sensor_rows(reading, sensed, tool)]
         rows += _shift_rows(reading, signals.time)
     if signals.actual_TCP_force is not None:
-        found = _left_by_controller(robot, signals, kinematics, motion)
-        if found is not None and found[0].seconds >= FEW:
-            free = free or found[0].seconds
-            rows += _controller_rows(*found)
+        weight = np.array(robot.gravity) @ kinematics.rotation  # R_6ᵀ g
+        stated = _left_by_controller(signals, kinematics.rotation, moved, weight)
+        if stated is not None and stated.seconds >= FEW:
+            free, left = free or stated.seconds, fit_sensor_errors(stated, None)
+            # the zero of the controller's force, and the weight that it still contains
+            rows += _wrench_rows("zero", stated.bias, stated.std()[0], ZERO)
+            rows.append(row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS))
     if currents:
         known = currents.carried, currents.std_error, "kg", currents.configured
         rows.append(row("mass_by_currents", "", *known, 0.0))
@@ -66,12 +70,11 @@ def audit(
 
 
 def _explained(
-    robot: Robot, signals: Signals, kinematics: Kinematics, motion: Motion, tool: Payload | None
+    robot: Robot, signals: Signals, moved: ToolMotion, tool: Payload | None
 ) -> tuple[FreeReading, SensorErrors]:
     """Explain the raw reading, with the tool where it turns out to be."""
     assert signals.ft_raw_wrench is not None
     center = np.array(tool.center_of_mass) if tool else np.zeros(3)
-    moved = moved_tool(robot, kinematics, motion)
     for _ in range(ROUNDS):
         known = moved.pull_at(center), moved.spin, signals.time, signals.period
         reading = fit_free_reading(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
@@ -83,19 +86,16 @@ def _explained(
 
 
 def _left_by_controller(
-    robot: Robot, signals: Signals, kinematics: Kinematics, motion: Motion
-) -> tuple[FreeReading, SensorErrors] | None:
+    signals: Signals, rotation: Array, moved: ToolMotion, weight: Array
+) -> FreeReading | None:
     """Explain the controller's force, in axes of frame 6, where the arm is slow for long enough."""
     assert signals.actual_TCP_force is not None
-    moved = moved_tool(robot, kinematics, motion)
-    weight = np.array(robot.gravity) @ kinematics.rotation  # R_6ᵀ g
     slow = np.linalg.norm(moved.pull - weight, axis=1) < SLOW
     if slow.sum() * signals.period < FEW:
         return None
-    wrench = (signals.actual_TCP_force.reshape(-1, 2, 3) @ kinematics.rotation).reshape(-1, 6)
+    wrench = (signals.actual_TCP_force.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
     wrench[~slow] = np.nan
-    reading = fit_free_reading(wrench, weight, moved.spin, signals.time, signals.period, None)
-    return reading, fit_sensor_errors(reading, None)
+    return fit_free_reading(wrench, weight, moved.spin, signals.time, signals.period, None)
 
 
 def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[AuditRow]:
@@ -132,12 +132,6 @@ def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
         error = shifts.std(axis=0, ddof=1) / np.sqrt(len(shifts))
         student = stats.t.ppf(0.975, len(shifts) - 1) / NORMAL95
         yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, FORCES)
-
-
-def _controller_rows(reading: FreeReading, left: SensorErrors) -> Iterator[AuditRow]:
-    """Yield the zero of the controller's force, and the weight that it still contains."""
-    yield from _wrench_rows("zero", reading.bias, reading.std()[0], ZERO)
-    yield row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS)
 
 
 def _axis_rows(
