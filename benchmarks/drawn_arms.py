@@ -33,7 +33,7 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.population import KINDS, Population, fit_population
-from ur5lib.identification.samples import Record, design
+from ur5lib.identification.samples import Record, columns_of
 from ur5lib.pipeline.current_samples import prior_of
 from ur5lib.robots.description import POPULATION, Robot, load_robot, robot_path
 from ur5lib.robots.friction import BASE, PRESLIDING
@@ -126,7 +126,7 @@ def recorded(
     torque = [
         columns @ np.concatenate([[1, -traits["offset"][joint]], rubbing[joint] * own])
         for joint, own in enumerate(np.stack([traits[t.kind] for t in BASE], axis=1))
-        for columns in [design(still, joint, BASE, PRESLIDING[0])[0]]
+        for columns, _ in [columns_of(still.joint(joint, PRESLIDING[0]), BASE)]
     ]
     current = (np.stack(torque, axis=1) + noise) / traits["torque_constant"]
     return replace(still, name=f"{path}_{random.integers(10**9)}", current=current)

@@ -7,7 +7,7 @@ from scipy import signal
 
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
-from ur5lib.identification.samples import Record, design
+from ur5lib.identification.samples import Record, columns_of
 from ur5lib.pipeline.current_samples import Smoother
 from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array
@@ -46,8 +46,15 @@ def make_record(seed: int, seconds: float = 24.0) -> Record:
     qd *= np.clip(5 * np.sin(0.5 * time + phase[0]) + 3, 0, 1)  # smooth stops
     q = np.cumsum(qd, axis=0) * PERIOD + phase[1]
     torque = LOAD * np.sin(q + 0.3 * np.roll(q, 1, axis=1))
-    record = Record(f"made_up_{seed}", PERIOD, np.zeros(len(q), int), q, qd, torque, 0 * q)
-    exact = [design(record, j, TERMS[j], PRESLIDING)[0] @ coefficients(j) for j in range(6)]
+    return with_current(
+        Record(f"made_up_{seed}", PERIOD, np.zeros(len(q), int), q, qd, torque, 0 * q)
+    )
+
+
+def with_current(record: Record) -> Record:
+    """The record with the current that its motion and torque need."""
+    motions = [record.joint(joint, PRESLIDING) for joint in range(6)]
+    exact = [columns_of(motions[j], TERMS[j])[0] @ coefficients(j) for j in range(6)]
     return replace(record, current=np.stack(exact, axis=1))
 
 

@@ -11,12 +11,10 @@ from tests.library.current_study import (
     CONSTANT,
     FRICTION,
     PLAIN,
-    PRESLIDING,
-    TERMS,
-    coefficients,
     make_record,
     prior,
     smooth,
+    with_current,
     with_noise,
 )
 from tests.made_tables import empty, table
@@ -26,7 +24,7 @@ from ur5lib.identification.current_regression import fit_currents, fit_without_e
 from ur5lib.identification.currents import CurrentFit, constants_doubt, parameters, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
-from ur5lib.identification.samples import Record, design
+from ur5lib.identification.samples import Record
 from ur5lib.identification.validation import explained
 from ur5lib.pipeline.friction_fit import (
     ContradictionError,
@@ -165,8 +163,7 @@ def test_of_many_stop_signs_the_first_are_reported() -> None:
 def without_torque(record: Record, joints: list[int]) -> Record:
     """The record with currents of friction alone, as an arm has whose inertia they hardly show."""
     still = replace(record, torque=record.torque * ~np.isin(np.arange(6), joints))
-    exact = [design(still, j, TERMS[j], PRESLIDING)[0] @ coefficients(j) for j in range(6)]
-    return replace(record, current=np.stack(exact, axis=1))
+    return replace(record, current=with_current(still).current)
 
 
 def test_a_current_without_torque_keeps_the_known_constant() -> None:

@@ -60,7 +60,7 @@ from ur5lib.identification.samples import (
     Record,
     Samples,
     apart_from,
-    design,
+    columns_of,
     joint_samples,
     record_paths,
 )
@@ -160,7 +160,7 @@ def test_karnopp_is_chosen_only_where_it_made_the_current() -> None:
     """On six paths; its gain on too few proves nothing."""
     records = [make_record(seed) for seed in range(6)]
     for record in records:
-        columns, _ = design(record, 0, TERMS[0], KARNOPP)
+        columns, _ = columns_of(record.joint(0, KARNOPP), TERMS[0])
         record.current[:, 0] = columns @ coefficients(0)
     *dahl, karnopp = reversals(records)
     chosen, errors = choose_reversal(dahl, karnopp, prior().of_joint(0))

@@ -22,7 +22,7 @@ from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.payload import JudgedLoad
-from ur5lib.identification.samples import Record, design, passed
+from ur5lib.identification.samples import Record, columns_of, passed
 from ur5lib.identification.validation import Scores
 from ur5lib.pipeline.health import checkup, dated, health_of, together
 from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointChange
@@ -48,7 +48,7 @@ def worn(seed: int, coulomb: dict[int, float], viscous: dict[int, float]) -> Rec
     current = record.current + NOISE * random.standard_normal(record.current.shape)
     for kind, more in ((BASE[0], coulomb), (BASE[1], viscous)):
         for joint, size in more.items():
-            columns, _ = design(record, joint - 1, [kind], PRESLIDING)
+            columns, _ = columns_of(record.joint(joint - 1, PRESLIDING), [kind])
             current[:, joint - 1] += size * columns[:, -1] / CONSTANT[joint - 1]
     return replace(record, current=current)
 

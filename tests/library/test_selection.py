@@ -19,7 +19,7 @@ from ur5lib.identification.samples import (
     Record,
     Samples,
     blocks,
-    design,
+    columns_of,
     joint_samples,
     record_paths,
     smoothed_moving,
@@ -49,7 +49,7 @@ def made(joint: int, friction: dict[Term, float], records: int = 6, pace: float 
     for seed in range(records):
         record = make_record(seed)
         record = replace(record, q=pace * record.q, qd=pace * record.qd)
-        columns, _ = design(record, joint, tuple(friction), PRESLIDING)
+        columns, _ = columns_of(record.joint(joint, PRESLIDING), tuple(friction))
         current = record.current.copy()
         current[:, joint] = columns @ [1.0, -0.4, *friction.values()] / CONSTANT[joint]
         study.append(replace(record, current=current))

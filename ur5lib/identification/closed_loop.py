@@ -234,10 +234,6 @@ class _Joint:
         """Return J = Σ r²/(σ² t) of log gains (2,); noise: (2,), σ √t."""
         return _cost(self.errors(gains), noise)
 
-    def stiff_errors(self) -> Array:
-        """Return the errors (2, N) of a joint that follows its target exactly."""
-        return np.concatenate([stretch[3:] - stretch[:2] for stretch in self.stretches], axis=1)
-
     def grid(self) -> Array:
         """Return NODES logarithms of both gains (NODES, 2), by natural frequencies."""
         longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
@@ -316,7 +312,8 @@ def _cost(errors: Array, noise: Array) -> float:
 def _estimate(joint: _Joint) -> JointGains:
     """Estimate both gains of one joint and their 95 % ranges."""
     grid = joint.grid()
-    stiff = joint.stiff_errors()
+    # the errors of a joint that follows its target exactly
+    stiff = np.concatenate([stretch[3:] - stretch[:2] for stretch in joint.stretches], axis=1)
     noise = joint.noise(stiff)
     if not any(stretch[1:3].any() for stretch in joint.stretches):
         # the target never moves: no gains fit better than those of a joint that follows exactly

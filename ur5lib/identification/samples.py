@@ -192,13 +192,6 @@ def path_of(q: Array, qd: Array, period: float) -> PathStates:
     return PathStates.from_motion(q, qd, max(1, round(STEP / period)))
 
 
-def design(
-    record: Record, joint: int, terms: Sequence[Term], presliding: float
-) -> tuple[Array, Array]:
-    """Return `columns_of` joint 0 to 5 of a recording."""
-    return columns_of(record.joint(joint, presliding), terms)
-
-
 def columns_of(motion: JointMotion, terms: Sequence[Term]) -> tuple[Array, Array]:
     """Return the columns (N, P) of a joint's torque, an offset and terms, and the direction (N,) of
     the friction that holds the joint at rest.
@@ -239,7 +232,8 @@ def _smoothed(
     record: Record, smooth: Smooth, terms: Sequence[Term], joint: int, presliding: float, every: int
 ) -> Array:
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""
-    sources = (*design(record, joint, terms, presliding), record.current[:, joint])
+    motion = record.joint(joint, presliding)
+    sources = (*columns_of(motion, terms), record.current[:, joint])
     return smooth(np.column_stack(sources), record)[::every].copy()
 
 

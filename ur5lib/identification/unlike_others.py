@@ -1,8 +1,7 @@
 """Joints whose friction differs from what other arms and the arm's other joints have."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import chdtrc
@@ -47,57 +46,40 @@ def unlike_others(joints: Sequence[JointFit], prior: Prior) -> Iterator[tuple[in
     The squared deviations of Coulomb and viscous friction add up. With further terms, both are only
     a part of friction, and not compared. odds: one in so many joints differs as much by chance.
     """
-    compared = [
-        _Compared.of(joints, name, known)
-        for name in FRICTION
-        if (known := prior.typical.get(name)) is not None
-    ]
+    known = {name: prior.typical[name] for name in FRICTION if name in prior.typical}
+    if not known:
+        return
+    compared = [_beside_typical(joints, *pair) for pair in known.items()]
+    value, error, spread = map(np.array, zip(*compared, strict=True))
     # the farthest first, which then no longer shifts what is expected of the others
-    while compared:
-        deviation = np.array([own.deviation() for own in compared])  # (2, n)
-        freedom = sum(own.error < VAGUE for own in compared)
-        chance = chdtrc(np.maximum(freedom, 1), (deviation**2).sum(axis=0))
+    while True:
+        # from the prediction by the other joints: (C⁻¹ y)ⱼ / √(C⁻¹)ⱼⱼ, C the covariance of y
+        precision = np.linalg.inv(spread + error[:, None] ** 2 * np.eye(len(joints)))
+        variance = np.diagonal(precision, axis1=1, axis2=2)
+        deviation = np.matvec(precision, value) / np.sqrt(variance)  # (2, n)
+        freedom = np.maximum((error < VAGUE).sum(axis=0), 1)
+        chance = chdtrc(freedom, (deviation**2).sum(axis=0))
         joint = int(np.argmin(chance))
         if chance[joint] > UNUSUAL:
-            break
-        farthest = compared[int(np.argmax(np.abs(deviation[:, joint])))]
-        words = {"parameter": farthest.name, "ratio": float(np.exp(farthest.value[joint]))}
+            return
+        farthest = int(np.argmax(np.abs(deviation[:, joint])))
+        name = [*known][farthest]
+        words = {"parameter": name, "ratio": float(np.exp(value[farthest, joint]))}
         odds = round(1 / max(float(chance[joint]), RAREST))
-        yield joint, remark("unlike other arms", **words, arms=farthest.arms, odds=odds)
-        for own in compared:
-            own.value[joint], own.error[joint] = 0.0, VAGUE
+        yield joint, remark("unlike other arms", **words, arms=known[name].arms, odds=odds)
+        value[:, joint], error[:, joint] = 0.0, VAGUE
 
 
-@dataclass(frozen=True)
-class _Compared:
-    """Friction of an arm's joints beside its typical value.
-
-    value, error: logarithm of the ratio (n,) and its standard error, VAGUE where incomparable;
-    spread: covariance (n, n) of such logarithms among arms; arms: how many were measured.
+def _beside_typical(
+    joints: Sequence[JointFit], name: str, known: Typical
+) -> tuple[Array, Array, Array]:
+    """Return the logarithm of the joints' friction over what is typical (n,) with its standard
+    error, VAGUE where incomparable, and the covariance (n, n) of such logarithms among arms.
     """
-
-    name: str
-    value: Array
-    error: Array
-    spread: Array
-    arms: int
-
-    @classmethod
-    def of(cls, joints: Sequence[JointFit], name: str, known: Typical) -> Self:
-        """Return what was fitted to joints beside what is typical."""
-        place = joints[0].names().index(name)
-        value = np.array([physical(one.estimate.coefficients)[place] for one in joints])
-        error = np.array([one.std_error()[place] for one in joints])
-        comparable = np.array([one.terms == BASE for one in joints]) & (value > 0)
-        ratio = np.log(np.where(comparable, value / known.mean, 1.0))
-        error = np.divide(error, value, out=np.full_like(value, VAGUE), where=comparable)
-        spread = known.covariance / np.outer(known.mean, known.mean)
-        return cls(name, ratio, error, spread, known.arms)
-
-    def deviation(self) -> Array:
-        """Return each joint's deviation (n,) from its prediction by the others.
-
-        (C⁻¹ y)ⱼ / √(C⁻¹)ⱼⱼ, in standard deviations, y being the values and C their covariance.
-        """
-        precision = np.linalg.inv(self.spread + np.diag(self.error**2))
-        return np.asarray(precision @ self.value / np.sqrt(np.diag(precision)))
+    place = joints[0].names().index(name)
+    value = np.array([physical(one.estimate.coefficients)[place] for one in joints])
+    error = np.array([one.std_error()[place] for one in joints])
+    comparable = np.array([one.terms == BASE for one in joints]) & (value > 0)
+    ratio = np.log(np.where(comparable, value / known.mean, 1.0))
+    error = np.divide(error, value, out=np.full_like(value, VAGUE), where=comparable)
+    return ratio, error, known.covariance / np.outer(known.mean, known.mean)

@@ -57,11 +57,6 @@ class SmoothedMotion:
         """Return the accelerations (N, n) [rad/s²]."""
         return self.state[:, 2 * self.joints : 3 * self.joints]
 
-    @property
-    def biases(self) -> Array:
-        """Return the biases of accelerometer [m/s²] and gyroscope [rad/s], (N, 6); else (N, 0)."""
-        return self.state[:, 3 * self.joints :]
-
 
 class KnownJoints(NamedTuple):
     """The motion according to the encoders alone, to which an IMU adds; noise: the encoders'.
