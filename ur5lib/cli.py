@@ -358,17 +358,21 @@ def singularities(
 
     from ur5lib.commands.exported import described, expect_ur
     from ur5lib.dynamics.flange import flange_kinematics
-    from ur5lib.force.singularities import map_singularities, sample_joints
+    from ur5lib.force.singularities import (
+        sample_joints,
+        singular_shares,
+        smallest_singular_value,
+    )
 
     arm = expect_ur(described(robot), "ur5 singularities")
     q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
     with Console(stderr=True).status(f"trying {count} configurations"):
-        singular = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)
-    for kind, share in singular.share.items():
+        sigma = smallest_singular_value(flange_kinematics(arm, q)[2])
+    for kind, share in singular_shares(arm, q, sigma < least).items():
         typer.echo(f"{kind}: {100 * share:.2f} % of {count} configurations are singular")
-    worst = singular.sigma_min.argmin()
-    place = ", ".join(f"{angle:.3f}" for angle in singular.q[worst])
-    typer.echo(f"smallest singular value: {singular.sigma_min[worst]:.2g}, at q = {place} rad")
+    worst = sigma.argmin()
+    place = ", ".join(f"{angle:.3f}" for angle in q[worst])
+    typer.echo(f"smallest singular value: {sigma[worst]:.2g}, at q = {place} rad")
 
 
 def _range(joint: int, within: list[str]) -> tuple[float, float]:

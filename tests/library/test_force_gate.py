@@ -22,7 +22,7 @@ from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import Noise, Observations, find_contacts
-from ur5lib.force.missed_contacts import hiding, missed_contacts, probability_while_shut
+from ur5lib.force.missed_contacts import missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
     STEP,
@@ -225,8 +225,7 @@ def test_noise_is_the_sum_of_what_makes_it() -> None:
 def backgrounds(run: Free, sensed: np.ndarray, prior: ContactPrior = PRIOR) -> np.ndarray:
     """Variance (N, 6) of the background where contacts are known by a sensor."""
     seen = Observations.of(run.input(), run.jacobian, MODEL, prior)
-    covariance = find_contacts(seen, sensed).background.covariance
-    return np.diagonal(covariance, axis1=1, axis2=2)
+    return np.linalg.diagonal(find_contacts(seen, sensed)[1].covariance)
 
 
 def test_a_push_draws_anew_what_friction_holds_at_rest(ur5: Robot) -> None:
@@ -255,11 +254,6 @@ def test_what_stiction_holds_does_not_follow_a_push(ur5: Robot) -> None:
 
 
 # A sustained push, of all sizes
-
-
-def hidden_of(run: Free) -> np.ndarray:
-    """(N, 6, 6), of what hides a contact."""
-    return hiding(run.states, Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape)))
 
 
 @pytest.mark.parametrize(("axis", "off"), [(0, FLANGE), (1, TOOL), (2, TOOL)], ids=["x", "y", "z"])
@@ -448,10 +442,11 @@ def test_the_band_of_a_shut_gate_is_that_of_a_mixture(ur5: Robot) -> None:
     for found in (0, 60):
         estimate = run.pushed(push(run, 2, 60.0, 1.0, 1.0 + found * PERIOD)).estimate()
         shut = (estimate.wrench == 0).all(axis=1)
-        missed = missed_contacts(run.jacobian, MODEL.missed_to**2 * hidden_of(run), PRIOR)
-        chance = probability_while_shut(missed.share, ~shut, PERIOD, PRIOR)
+        hiding = Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape)).hiding()
+        share, variance = missed_contacts(run.jacobian, MODEL.missed_to**2 * hiding, PRIOR)
+        chance = probability_while_shut(share, ~shut, PERIOD, PRIOR)
         drawn = random.uniform(size=(400, *chance.shape)) < chance
-        std = np.where(drawn, np.sqrt(missed.variance), np.sqrt(np.diag(PRIOR.when_free())))
+        std = np.where(drawn, np.sqrt(variance), np.sqrt(np.diag(PRIOR.when_free())))
         force = std * random.normal(size=drawn.shape)
         inside = np.abs(force) <= 1.96 * estimate.std
         np.testing.assert_allclose(inside[:, shut].mean(axis=(0, 1)), 0.95, atol=0.005)

@@ -12,9 +12,9 @@ from ur5lib.errors import InputError
 from ur5lib.force.singularities import (
     KINDS,
     manipulability,
-    map_singularities,
     sample_joints,
     singular_distances,
+    singular_shares,
     smallest_singular_value,
 )
 from ur5lib.robots.description import load_robot, robot_path
@@ -63,13 +63,13 @@ def test_each_kind_is_named_where_it_is_alone() -> None:
         limits = [(value - 0.3, value + 0.3) for value in POSE]
         limits[joint] = (-0.3, 0.3)
         q = sample_joints(limits, 2000)
-        found = map_singularities(robot, q, jacobians("ur5", "C", q), 0.01)
-        assert found.share[kind] > 0.01
-        assert found.share[kind] == pytest.approx((found.sigma_min < 0.01).mean(), abs=0.01)
+        singular = smallest_singular_value(jacobians("ur5", "C", q)) < 0.01
+        share = singular_shares(robot, q, singular)[kind]
+        assert share > 0.01
+        assert share == pytest.approx(singular.mean(), abs=0.01)
     q = sample_joints([(value - 0.1, value + 0.1) for value in POSE], 500)
-    found = map_singularities(robot, q, jacobians("ur5", "C", q), 0.01)
-    assert set(found.share) == set(KINDS)
-    assert sum(found.share.values()) == 0
+    singular = smallest_singular_value(jacobians("ur5", "C", q)) < 0.01
+    assert singular_shares(robot, q, singular) == dict.fromkeys(KINDS, 0.0)
 
 
 def test_the_command_maps_joint_ranges() -> None:

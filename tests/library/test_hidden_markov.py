@@ -5,13 +5,13 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.gate import Chain, log_density, log_odds, posterior
+from ur5lib.force.gate import chain, log_density, log_odds, posterior
 
 SAMPLES, STATES = 6, 3
 CERTAIN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # states in turn
 
 
-def chain(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def problem(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Evidence, transitions and start."""
     random = np.random.default_rng(seed)
     steps = random.dirichlet(np.ones(STATES), STATES)
@@ -31,12 +31,12 @@ def enumerated(evidence: np.ndarray, steps: np.ndarray, start: np.ndarray) -> np
 
 @pytest.mark.parametrize("seed", range(5))
 def test_smoothing_is_bayes_rule_over_all_histories(seed: int) -> None:
-    given = chain(seed)
+    given = problem(seed)
     np.testing.assert_allclose(posterior(*given), enumerated(*given), atol=1e-12)
 
 
 def test_a_constant_in_the_evidence_changes_nothing() -> None:
-    evidence, *rest = chain(0)
+    evidence, *rest = problem(0)
     shifted = evidence + np.arange(SAMPLES)[:, None] * 1e3
     np.testing.assert_allclose(posterior(shifted, *rest), posterior(evidence, *rest), atol=1e-9)
 
@@ -79,11 +79,11 @@ def test_the_gates_chain_is_one(period: float) -> None:
     """Probabilities; a free arm and a contact each last as long as the prior says."""
     prior = ContactPrior()
     free, contacts = 1 + len(prior.hunting), len(prior.bank())
-    own = Chain.of(free, contacts, period, prior)
-    assert (own.transitions >= 0).all()
-    np.testing.assert_allclose(own.transitions.sum(axis=1), 1)
-    assert own.start.sum() == pytest.approx(1)
-    lasts = period / (1 - np.diag(own.transitions))
+    transitions, start = chain(free, contacts, period, prior)
+    assert (transitions >= 0).all()
+    np.testing.assert_allclose(transitions.sum(axis=1), 1)
+    assert start.sum() == pytest.approx(1)
+    lasts = period / (1 - np.diag(transitions))
     np.testing.assert_allclose(lasts[free:], prior.duration)
     assert lasts[0] == pytest.approx(prior.pause, rel=0.01)
     assert (lasts[1:free] <= prior.settling).all()
@@ -92,14 +92,14 @@ def test_the_gates_chain_is_one(period: float) -> None:
 def test_the_gates_chain_goes_from_free_to_contact_to_hunting_to_free() -> None:
     """Each at its rate; shared evenly by the kinds of contacts and of hunting."""
     prior = ContactPrior(pause=20.0, duration=2.0, settling=5.0, unprovoked=1e-3)
-    chain = Chain.of(4, 6, 0.01, prior)
-    rates = chain.transitions / 0.01
+    transitions, start = chain(4, 6, 0.01, prior)
+    rates = transitions / 0.01
     np.testing.assert_allclose(rates[:4, 4:], 1 / 20 / 6)
     np.testing.assert_allclose(rates[0, 1:4], 1e-3 / 3)
     np.testing.assert_allclose(rates[1:4, 0], 1 / 5)
     np.testing.assert_allclose(rates[4:, 1:4], 1 / 2 / 3)
     for same in (slice(1, 4), slice(4, 10)):  # no kind becomes another
-        block = chain.transitions[same, same]
+        block = transitions[same, same]
         np.testing.assert_array_equal(block, np.diag(np.diag(block)))
-    np.testing.assert_array_equal(chain.transitions[4:, 0], 0)
-    np.testing.assert_allclose(chain.start, [0.6, *[0.1] * 3, *[0.1 / 6] * 6])
+    np.testing.assert_array_equal(transitions[4:, 0], 0)
+    np.testing.assert_allclose(start, [0.6, *[0.1] * 3, *[0.1 / 6] * 6])

@@ -22,14 +22,14 @@ def test_missed_contacts_are_those_whose_torque_is_hidden() -> None:
     """Weighing forces of the prior by exp(-z² / 2 κ²) gives their share and their variance."""
     random = np.random.default_rng(0)
     jacobian, hidden = random.normal(size=(1, 6, 6)), np.diag(random.uniform(1, 9, 6))[None]
-    found = missed_contacts(jacobian, hidden, PRIOR)
+    share, spread = missed_contacts(jacobian, hidden, PRIOR)
     for axis in range(3):
         force = PRIOR.force * random.normal(size=400_000)
         torque = force[:, None] * jacobian[0, axis]
         chance = np.exp(-(torque**2 / np.diag(hidden[0])).sum(axis=1) / 2)
-        assert chance.mean() == pytest.approx(found.share[0, axis], rel=0.02)
+        assert chance.mean() == pytest.approx(share[0, axis], rel=0.02)
         variance = (chance * force**2).sum() / chance.sum()
-        assert variance == pytest.approx(found.variance[0, axis], rel=0.03)
+        assert variance == pytest.approx(spread[0, axis], rel=0.03)
 
 
 def test_a_mixtures_band_is_between_those_of_its_parts() -> None:

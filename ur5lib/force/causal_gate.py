@@ -9,7 +9,7 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gate import LEAST, Chain, Observations, log_density, log_odds, measurement_noise
+from ur5lib.force.gate import LEAST, Observations, chain, log_density, log_odds, measurement_noise
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import thinning, used_rows
 from ur5lib.timeseries.arrays import Array, Mask
@@ -38,15 +38,15 @@ def _filtered(seen: Observations, fresh: Mask) -> Array:
     known = finite_rows(torque)
     free, bank = np.stack(seen.free_covariances()), np.stack(seen.prior.bank())
     touched = noise.quick + noise.hidden  # of the torque in contact, beside the contact's own
-    chain = Chain.of(len(free), len(bank), seen.period, seen.prior)
+    transitions, start = chain(len(free), len(bank), seen.period, seen.prior)
     decay = np.exp(-seen.period * seen.model.rate[seen.states])
     renewal = np.sqrt(1 - decay**2)
     contact = np.empty(len(torque))
     for t in range(len(torque)):
         if fresh[t]:
-            weight, b, P = chain.start, np.zeros_like(torque[t]), noise.spread[t]
+            weight, b, P = start, np.zeros_like(torque[t]), noise.spread[t]
         # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + sqrt(1 - a²) Q sqrt(1 - a²)
-        weight = weight @ chain.transitions
+        weight = weight @ transitions
         b, P = decay[t] * b, _scaled(P, decay[t]) + _scaled(noise.spread[t], renewal[t])
         if known[t]:
             innovation = torque[t] - b

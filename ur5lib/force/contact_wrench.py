@@ -62,9 +62,8 @@ def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Ar
     prior is 0 ± FORCE, with a moment over LEVER.
     """
     prior = np.diag(np.array([FORCE] * 3 + [FORCE * LEVER] * 3) ** 2.0)
-    noise = std[:, :, None] ** 2 * np.eye(std.shape[1])
-    found = regularised_wrench(torque, jacobian, noise, prior)
-    error = np.sqrt(np.diagonal(found.covariance, axis1=1, axis2=2))
+    found = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
+    error = np.sqrt(np.linalg.diagonal(found.covariance))
     known = finite_rows(torque + error)[:, None]
     return np.where(known, found.mean, np.nan), np.where(known, error, np.nan)
 
@@ -94,9 +93,8 @@ def contact_wrench(
 
     torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints, rows of NaN where unknown: there
     the wrench is zero with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [Nm²];
-    worth:
-    independent values per sample, at most 1; period: [s]; size: P (6, 6), the prior covariance of
-    the wrench, None to learn it.
+    worth: independent values per sample, at most 1; period: [s]; size: P (6, 6), the prior
+    covariance of the wrench, None to learn it.
     """
     if size is None:
         size = learned_size(torque, jacobian, noise, worth, prior)
@@ -104,10 +102,12 @@ def contact_wrench(
     estimate = regularised_wrench(torque, jacobian, noise, size)
     wrench = estimate.mean  # (n, 6)
     # torque noise, load friction, and a moment that is taken for a force
-    variance = _diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)  # (n, 6)
+    variance = np.linalg.diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)  # (n, 6)
     variance = variance + _turned(estimate, jacobian, prior)
     # a change of the force is known in time to within the resolution only
-    change = _change(wrench, finite_rows(torque), period)
+    known, change = finite_rows(torque), np.zeros_like(wrench)
+    if known.sum() > 1:
+        change[known] = np.gradient(wrench[known], period, axis=0)
     variance = variance + (prior.resolution * change) ** 2
     # torques hardly distinguish a moment from a force: moments contain a lever of 5 cm
     force = np.linalg.norm(wrench[:, :3], axis=1)
@@ -157,7 +157,7 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench
     nothing = np.zeros_like(force)
     return Wrench(
         np.concatenate([force, nothing], axis=1),
-        np.concatenate([_diagonal(covariance), nothing], axis=1),
+        np.concatenate([np.linalg.diagonal(covariance), nothing], axis=1),
     )
 
 
@@ -166,7 +166,7 @@ def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     # cov τ_lost = diag((c Jᵀ F)²), c of each joint, propagated by the gain: K cov τ_lost Kᵀ
     carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, m)
     lost = diagonal((prior.load_friction * carried) ** 2)
-    return _diagonal(estimate.gain @ lost @ estimate.gain.mT)
+    return np.linalg.diagonal(estimate.gain @ lost @ estimate.gain.mT)
 
 
 def _turned(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
@@ -175,16 +175,3 @@ def _turned(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     moment = prior.lever * np.linalg.norm(estimate.mean[:, :3], axis=1)
     spread = estimate.gain @ jacobian[:, 3:].mT * moment[:, None, None]  # (n, 6, 3)
     return np.asarray((spread**2).sum(axis=2))
-
-
-def _change(wrench: Array, known: Mask, period: float) -> Array:
-    """Return the derivative (n, 6) of the wrench where it is known, zero elsewhere."""
-    change = np.zeros_like(wrench)
-    if known.sum() > 1:
-        change[known] = np.gradient(wrench[known], period, axis=0)
-    return change
-
-
-def _diagonal(matrices: Array) -> Array:
-    """Return the diagonals (n, 6) of matrices (n, 6, 6)."""
-    return np.diagonal(matrices, axis1=1, axis2=2)

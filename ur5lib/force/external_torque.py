@@ -49,21 +49,15 @@ def joint_states(qd: Array, segment: Labels, period: float) -> States:
     to start; RESTING while another joint moves; STILL while all joints rest. qd: (N, 6) [rad/s];
     period: [s].
     """
-    states = np.empty(qd.shape, np.int8)
+    states = np.full(qd.shape, MOVING, np.int8)
     for rows in unbroken(segment):
-        states[rows] = _stretch_states(np.abs(qd[rows]) < SLOW, period)
-    return states
-
-
-def _stretch_states(slow: Mask, period: float) -> States:
-    """Return the states (n, 6) of an unbroken stretch; slow: (n, 6)."""
-    stopped = binary_opening(slow, np.ones((max(1, round(STOP / period)), 1)))
-    relaxing = stopped & _near(~stopped, RELAXING, period)
-    states = np.full(slow.shape, MOVING, np.int8)
-    states[_near(slow & ~stopped, REACH, period)] = REVERSING
-    states[_near(relaxing, REACH, period)] = SETTLING
-    states[stopped & ~relaxing] = RESTING
-    states[(states == RESTING).all(axis=1)] = STILL
+        slow, own = np.abs(qd[rows]) < SLOW, states[rows]
+        stopped = binary_opening(slow, np.ones((max(1, round(STOP / period)), 1)))
+        relaxing = stopped & _near(~stopped, RELAXING, period)
+        own[_near(slow & ~stopped, REACH, period)] = REVERSING
+        own[_near(relaxing, REACH, period)] = SETTLING
+        own[stopped & ~relaxing] = RESTING
+        own[(own == RESTING).all(axis=1)] = STILL
     return states
 
 
@@ -86,17 +80,12 @@ def past_states(qd: Array, segment: Labels, period: float) -> States:
 def _recent(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples up to some seconds after one in the mask."""
     window = round(seconds / period) + 1
-    seen = maximum_filter1d(
-        where.astype(np.uint8), window, axis=0, origin=(window - 1) // 2, mode="constant"
-    )
-    return np.asarray(seen > 0)
+    return maximum_filter1d(where, window, axis=0, origin=(window - 1) // 2, mode="constant")
 
 
 def _near(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples within some seconds of one in the mask."""
-    window = 2 * round(seconds / period) + 1
-    near = maximum_filter1d(where.astype(np.uint8), window, axis=0, mode="nearest")
-    return np.asarray(near > 0)
+    return maximum_filter1d(where, 2 * round(seconds / period) + 1, axis=0, mode="nearest")
 
 
 def is_still(states: States) -> Mask:

@@ -8,7 +8,6 @@ computing the probabilities of the states alternate.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,7 +29,7 @@ def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
     from one state (row) to another (column) by the next sample; start: (K,), before the first.
     Forward-backward recursion, scaled at each sample [Rabiner 1989].
     """
-    likelihood = _scaled(evidence)
+    likelihood = np.exp(evidence - evidence.max(axis=1, keepdims=True))
     # both directions at once, the second from the last sample to the first
     both = np.stack([likelihood, likelihood[::-1]], axis=1)
     steps, starts = np.stack([transitions.T, transitions]), np.stack([start, np.ones_like(start)])
@@ -59,11 +58,6 @@ def log_odds(probability: Array) -> Array:
     return np.log(known) - np.log1p(-known)
 
 
-def _scaled(evidence: Array) -> Array:
-    """Return the likelihood (N, K), 1 for the most likely state of each sample."""
-    return np.exp(evidence - evidence.max(axis=1, keepdims=True))
-
-
 # Factor on the background's covariance in each round: small at first, so that possible contacts do
 # not become part of the background.
 ROUNDS = (0.0, 0.25, 0.5, 1.0, 1.0, 1.0)
@@ -71,13 +65,6 @@ LEFT_OUT = 0.5  # probability of contact above which a sample is no measurement 
 HELD = 0.3  # of the breakaway torque: least standard deviation of a joint at rest
 CERTAIN = 1e-4  # weight of a sample in contact as a measurement of the background
 QUICK = 0.3  # share of a load's error that changes within half a push
-
-
-class Gate(NamedTuple):
-    """Probability of contact (N,), and the background."""
-
-    probability: Array
-    background: Gaussians
 
 
 @dataclass(frozen=True)
@@ -106,6 +93,11 @@ class Noise:
             hidden=diagonal(taken**2),
             still=still,
         )
+
+    def hiding(self) -> Array:
+        """Return the covariance S (N, n, n) [Nm²] of the torque that hides a contact."""
+        still = np.asarray(self.still.all(axis=1))
+        return np.where(still[:, None, None], self.hidden, self.spread)
 
 
 @dataclass(frozen=True)
@@ -168,8 +160,8 @@ class Observations:
             yield contact[0, 0] * by_force + contact[-1, -1] * by_moment
 
 
-def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
-    """Estimate when a stretch without a gap is in contact.
+def find_contacts(seen: Observations, sensed: Mask | None = None) -> tuple[Array, Gaussians]:
+    """Return the probability (N,) of contact in a stretch without a gap, and the background.
 
     sensed: (N,), contacts according to a sensor: then only the background is estimated.
     """
@@ -177,7 +169,7 @@ def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
     known = finite_rows(seen.torque)
     filled = np.where(known[:, None], seen.torque, 0.0)
     free = seen.free_covariances()
-    chain = Chain.of(len(free), len(prior.bank()), period, prior)
+    transitions, start = chain(len(free), len(prior.bank()), period, prior)
     slow = held = Gaussians(np.zeros_like(filled), noise.spread)
     for left, share in zip(reversed(range(len(ROUNDS))), ROUNDS, strict=True):
         # log p(τ | state), and 0 where τ is unknown
@@ -191,7 +183,7 @@ def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
         evidence = np.stack([*without, *during], axis=1)  # (N, S)
         evidence *= seen.worth * known[:, None]
         # p(contact) = Σ p(state | all τ) over the states in contact
-        weight = posterior(evidence, chain.transitions, chain.start)  # (N, S)
+        weight = posterior(evidence, transitions, start)  # (N, S)
         contact = weight[:, len(free) :].sum(axis=1)  # (N,)
         contact = contact if sensed is None else sensed.astype(float)
         # background given all τ, each weighted by the probability of a free arm
@@ -206,7 +198,7 @@ def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
         held = slow
         if left and noise.still.any():
             held = smooth(*given, np.exp(-period * rate), *scaled)
-    return Gate(contact, slow)
+    return contact, slow
 
 
 def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Array) -> Array:
@@ -221,31 +213,23 @@ def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Arr
     return np.asarray(mean / free_weight[:, None, None])
 
 
-@dataclass(frozen=True)
-class Chain:
-    """Transition (S, S) and start (S,) probabilities of the states: free, hunting, contacts."""
+def chain(free: int, contacts: int, period: float, prior: ContactPrior) -> tuple[Array, Array]:
+    """Return transition (S, S) and start (S,) probabilities of the states.
 
-    transitions: Array
-    start: Array
-
-    @classmethod
-    def of(cls, free: int, contacts: int, period: float, prior: ContactPrior) -> "Chain":
-        """Return the chain of `free` states, the first undisturbed, and some contacts; period: [s].
-
-        free → contact → hunting → free; a free arm rarely hunts, and one that hunts may be touched.
-        """
-        begins, ends = period / prior.pause, period / prior.duration
-        settles, wanders = period / prior.settling, period * prior.unprovoked
-        hunting = free - 1
-        steps = np.zeros((free + contacts, free + contacts))
-        steps[:free, free:] = begins / contacts
-        steps[0, 0], steps[0, 1:free] = 1 - begins - wanders, wanders / hunting
-        steps[1:free, 1:free] = np.eye(hunting) * (1 - begins - settles)
-        steps[1:free, 0] = settles
-        steps[free:, free:] = np.eye(contacts) * (1 - ends)
-        steps[free:, 1:free] = ends / hunting
-        start = [0.6, *[0.3 / hunting] * hunting, *[0.1 / contacts] * contacts]
-        return cls(steps, np.array(start))
+    They are `free` ones, undisturbed and then hunting, and some contacts; period: [s].
+    free → contact → hunting → free; a free arm rarely hunts, and one that hunts may be touched.
+    """
+    begins, ends = period / prior.pause, period / prior.duration
+    settles, wanders = period / prior.settling, period * prior.unprovoked
+    hunting = free - 1
+    steps = np.zeros((free + contacts, free + contacts))
+    steps[:free, free:] = begins / contacts
+    steps[0, 0], steps[0, 1:free] = 1 - begins - wanders, wanders / hunting
+    steps[1:free, 1:free] = np.eye(hunting) * (1 - begins - settles)
+    steps[1:free, 0] = settles
+    steps[free:, free:] = np.eye(contacts) * (1 - ends)
+    steps[free:, 1:free] = ends / hunting
+    return steps, np.array([0.6, *[0.3 / hunting] * hunting, *[0.1 / contacts] * contacts])
 
 
 def diagonal(variance: Array) -> Array:

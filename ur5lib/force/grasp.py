@@ -1,6 +1,6 @@
 """Loads grasped during a run: contacts whose external torque is that of a weight."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,10 +12,10 @@ SHORTEST = 2.0  # s; in a shorter contact, a load and a push cannot be distingui
 EDGE = 0.5  # s at both ends, while it is taken up or put down
 EXPLAINED = 0.95  # share of the contact's squared torque that a weight must explain
 LEVER = 0.15  # m, how far from the flange a load's centre of mass usually is
+PRIOR_WEIGHT = 1e-2  # of that assumption, in samples per sample
 
 
-@dataclass(frozen=True)
-class Grasped:
+class Grasped(NamedTuple):
     """A load: mass and std_error [kg]."""
 
     mass: float
@@ -27,11 +27,10 @@ def grasped_load(
 ) -> Grasped | None:
     """Estimate the load that explains a contact; None if a weight does not explain it.
 
-    torque: of the contact alone, (n, 6) [Nm]; regressor: (n, 6, 4), the
-    joint torque per mass [kg] and first moment [kg m]; deviation: (6,) [Nm], standard deviation of
-    the background, constant over the contact; period: [s].
-
-    Least squares of τ = −Y θ, with a prior on the first moments of LEVER times the mass.
+    torque: of the contact alone, (n, 6) [Nm]; regressor: (n, 6, 4), the joint torque per mass [kg]
+    and first moment [kg m]; deviation: (6,) [Nm], standard deviation of the background, constant
+    over the contact; period: [s]. Least squares of τ = −Y θ, with a prior on the first moments of
+    LEVER times the mass.
     """
     edge = round(EDGE / period)
     inner = slice(edge, len(torque) - edge)
@@ -40,7 +39,12 @@ def grasped_load(
         return None
     seen = torque[inner][known] / deviation
     terms = -regressor[inner][known] / deviation[:, None]
-    parameters, information = _fit(terms, seen)
+    columns = terms.reshape(-1, 4)
+    information, right = columns.T @ columns, columns.T @ seen.ravel()
+    mass = right[0] / information[0, 0]
+    held = len(seen) * np.array([0.0, 1, 1, 1]) / max(LEVER * abs(mass), 1e-3) ** 2
+    information += np.diag(PRIOR_WEIGHT * held)
+    parameters = np.linalg.solve(information, right)
     residual = seen - terms @ parameters
     if (residual**2).sum() > (1 - EXPLAINED) * (seen**2).sum():
         return None
@@ -49,14 +53,3 @@ def grasped_load(
     mass = float(parameters[0])
     error = float(np.hypot(np.linalg.norm(common[0]), GEARS * mass))
     return Grasped(mass, error) if mass > 3 * error else None
-
-
-def _fit(terms: Array, seen: Array) -> tuple[Array, Array]:
-    """Return θ (4,) and the normal equations' matrix, with a prior on the first moments."""
-    columns = terms.reshape(-1, 4)
-    information = columns.T @ columns
-    right = columns.T @ seen.ravel()
-    mass = right[0] / information[0, 0]
-    held = len(seen) * np.array([0.0, 1, 1, 1]) / max(LEVER * abs(mass), 1e-3) ** 2
-    information = information + np.diag(held * 1e-2)
-    return np.asarray(np.linalg.solve(information, right), np.float64), information

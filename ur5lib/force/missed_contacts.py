@@ -6,14 +6,10 @@ background in motion. Then the missed contacts are N(0, C), 1 / C = 1 / P + (J S
 axis, and they are a share sqrt(C / P) of all. κ is learnt from trial contacts.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.special import erfc
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import States, is_still
-from ur5lib.force.gate import Noise
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -21,20 +17,9 @@ KNOWN_TO = 0.5  # standard deviation of log κ without trial contacts
 HALVINGS = 30  # of an interval that contains a quantile
 
 
-class Missed(NamedTuple):
-    """Share (N, 6) of the contacts along each axis that are missed, and their variance (N, 6)."""
-
-    share: Array
-    variance: Array
-
-
-def hiding(states: States, noise: Noise) -> Array:
-    """Return the covariance S (N, 6, 6) [Nm²] of the torque that hides a contact."""
-    return np.where(is_still(states)[:, None, None], noise.hidden, noise.spread)
-
-
-def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> Missed:
-    """Return which contacts of the usual size are missed, along or about each axis alone.
+def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tuple[Array, Array]:
+    """Return the share (N, 6) of contacts along or about each axis alone that are missed, and
+    their variance (N, 6), for contacts of the usual size.
 
     jacobian: (N, 6, 6); hidden: κ² S (N, 6, 6) [Nm²].
     """
@@ -42,7 +27,7 @@ def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> Miss
     # diagonal of J S⁻¹ Jᵀ / κ²
     information = np.einsum("nij,nji->ni", jacobian, np.linalg.solve(hidden, jacobian.mT))
     variance = 1 / (1 / usual + information)
-    return Missed(np.sqrt(variance / usual), variance)
+    return np.sqrt(variance / usual), variance
 
 
 def probability_while_shut(missed: Array, found: Mask, period: float, prior: ContactPrior) -> Array:
@@ -69,15 +54,11 @@ def mixture_std(probability: Array, missed: Array, free: Array) -> Array:
     low, high = NORMAL95 * np.minimum(contact, rest), NORMAL95 * np.maximum(contact, rest)
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        outside = probability * _outside(middle / contact)
-        outside += (1 - probability) * _outside(middle / rest)
+        # P(|x| > middle) of both
+        outside = probability * erfc(middle / contact / np.sqrt(2))
+        outside += (1 - probability) * erfc(middle / rest / np.sqrt(2))
         low, high = np.where(outside > 0.05, middle, low), np.where(outside > 0.05, high, middle)
     return high / NORMAL95
-
-
-def _outside(deviations: Array) -> Array:
-    """Return the probability of a normal value beyond so many standard deviations."""
-    return np.asarray(erfc(deviations / np.sqrt(2)))
 
 
 def largest_missed(size: Array, missed: Mask, weight: float, usual: float) -> float:

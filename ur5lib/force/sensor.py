@@ -107,7 +107,10 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
     parameters, free, noise = fits[agree.sum(axis=1).argmax()]
     tolerance = np.maximum(tolerance, OUTSIDE * noise)
-    offset = _offset(record, parameters, free, _shares(record, parameters, tried, tolerance))
+    # who agrees with it, and who of the others with one of the candidates
+    agree = record.agreement(np.concatenate([parameters[None], tried]), tolerance)
+    rival = (agree & ~agree[0]).mean(axis=1).max()
+    offset = _offset(record, parameters, free, float(agree[0].mean()), float(rival))
     if every > 1:  # free samples of the whole record
         untouched = offset.reading(pull)[:, : reading.shape[1]]
         found = free_samples(reading - untouched, noise, measured, period)
@@ -134,15 +137,6 @@ def _settled_agreement(record: Record, tried: Array, tolerance: Array) -> Iterat
             yield settle(record, free, np.ones(len(free)))
 
 
-def _shares(record: Record, parameters: Array, tried: Array, tolerance: Array) -> dict[str, float]:
-    """Return the share of samples that agree with parameters (10,), and the largest share of the
-    others that agree with one of the candidates (K, 10).
-    """
-    agree = record.agreement(np.concatenate([parameters[None], tried]), tolerance)
-    others = agree & ~agree[0]
-    return {"agreeing": float(agree[0].mean()), "rival": float(others.mean(axis=1).max())}
-
-
 def _turns(pull: Array) -> bool:
     """Return whether the arm turns enough to separate weight from bias."""
     if not len(pull):
@@ -165,9 +159,9 @@ def _terms(pull: Array, weighed: bool, components: int) -> Array:
 
 
 def _offset(
-    record: Record, parameters: Array, free: Mask, shares: dict[str, float]
+    record: Record, parameters: Array, free: Mask, agreeing: float, rival: float
 ) -> SensorOffset:
-    """Return the fitted parameters (10,) with their standard errors; shares: of the samples."""
+    """Return the fitted parameters (10,) with their standard errors."""
     terms = record.terms[free]
     residual = record.reading[free] - record.terms[free] @ parameters
     noise = residual.std(axis=0)
@@ -182,8 +176,9 @@ def _offset(
         moment_arm=value[1:4],
         moment_arm_std=std[1:4],
         noise=np.pad(noise, (0, 6 - len(noise)), constant_values=np.nan),
+        agreeing=agreeing,
+        rival=rival,
         free=free,
-        **shares,
     )
 
 

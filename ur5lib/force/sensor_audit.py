@@ -203,8 +203,8 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
     response's covariance, under wide priors.
     """
     start = np.concatenate([np.zeros(3), np.ones(3), [known_mass or 0.0], np.zeros(3)])
-    scale, mass = (0.0, MASS) if known_mass is None else (SCALE, 0.0)
-    width = np.concatenate([[TURN] * 3, [scale] * 3, [mass], [MASS * AWAY] * 3])
+    widths = (0.0, MASS) if known_mass is None else (SCALE, 0.0)
+    width = np.concatenate([[TURN] * 3, [widths[0]] * 3, [widths[1]], [MASS * AWAY] * 3])
     free = width > 0
     values, vectors = np.linalg.eigh(reading.covariance[RESPONSE, RESPONSE])
     whiten = vectors.T / np.sqrt(np.maximum(values, 1e-12 * values.max()))[:, None]
@@ -219,7 +219,13 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
     std = np.zeros(10)
     std[free] = width[free] * np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
     start[free] += width[free] * found.x
-    return _sensed(start, std)
+    turn, scale, (mass,), moment = np.split(start, [3, 6, 7])
+    turn_std, scale_std, (mass_std,), moment_std = np.split(std, [3, 6, 7])
+    center = moment / mass if mass else np.full(3, np.nan)
+    center_std = np.hypot(moment_std, center * mass_std) / (abs(mass) or np.nan)
+    return SensorErrors(
+        float(mass), float(mass_std), center, center_std, turn, turn_std, scale, scale_std
+    )
 
 
 def response_of(parameters: Array) -> Array:
@@ -230,17 +236,6 @@ def response_of(parameters: Array) -> Array:
     axes = Rotation.from_rotvec(turn).as_matrix().T
     across = np.cross(moment, np.eye(3)).T  # (m c) × p
     return np.concatenate([scale[:, None] * axes * mass, scale.mean() * axes @ across])
-
-
-def _sensed(parameters: Array, std: Array) -> SensorErrors:
-    (turn, scale, (mass,), moment), (turn_std, scale_std, (mass_std,), moment_std) = (
-        np.split(part, [3, 6, 7]) for part in (parameters, std)
-    )
-    center = moment / mass if mass else np.full(3, np.nan)
-    center_std = np.hypot(moment_std, center * mass_std) / abs(mass) if mass else np.full(3, np.nan)
-    return SensorErrors(
-        float(mass), float(mass_std), center, center_std, turn, turn_std, scale, scale_std
-    )
 
 
 def shifts_after_contacts(reading: FreeReading, time: Array) -> Array:

@@ -1,12 +1,10 @@
 """Singularities of the arm, and the forces that cause no joint torques there."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.stats import qmc
 
 from ur5lib.robots.description import Robot
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 Limits = list[tuple[float, float]]
 
@@ -42,33 +40,12 @@ def sample_joints(limits: Limits, count: int) -> Array:
     return low + (high - low) * qmc.Halton(len(limits), scramble=False).random(count)
 
 
-@dataclass(frozen=True)
-class SingularityMap:
-    """Singularity measures of joint positions q (M, 6).
+def singular_shares(robot: Robot, q: Array, singular: Mask) -> dict[str, float]:
+    """Return the share of positions q (M, 6) with each kind of singularity; singular: (M,).
 
-    sigma_min, manipulability: (M,); distances: (M, 3); share: of the positions that are singular,
-    by kind.
+    A position's kind is that with the smallest distance, the shoulder's relative to the length of
+    the stretched arm.
     """
-
-    q: Array
-    sigma_min: Array
-    manipulability: Array
-    distances: Array
-    share: dict[str, float]
-
-
-def map_singularities(
-    robot: Robot, q: Array, jacobian: Array, min_singular_value: float
-) -> SingularityMap:
-    """Determine which positions q (M, 6), with Jacobians (M, 6, 6), are singular, and their kind.
-
-    A position counts as singular below `min_singular_value`; its kind is that with the smallest
-    distance, the shoulder's relative to the length of the stretched arm.
-    """
-    sigma = smallest_singular_value(jacobian)
-    distances = singular_distances(robot, q)
     stretched = sum(abs(link.a) for link in robot.denavit_hartenberg)
-    kind = np.argmin(distances / [stretched, 1, 1], axis=1)
-    singular = sigma < min_singular_value
-    share = {name: float((singular & (kind == i)).mean()) for i, name in enumerate(KINDS)}
-    return SingularityMap(q, sigma, manipulability(jacobian), distances, share)
+    kind = np.argmin(singular_distances(robot, q) / [stretched, 1, 1], axis=1)
+    return {name: float((singular & (kind == i)).mean()) for i, name in enumerate(KINDS)}

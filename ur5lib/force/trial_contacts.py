@@ -11,7 +11,7 @@ from ur5lib.force.detection import PAUSE, PUSH, Span, alarms, overlap, pushes
 from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
 from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.gate import Observations
-from ur5lib.force.missed_contacts import hiding, largest_missed
+from ur5lib.force.missed_contacts import largest_missed
 from ur5lib.force.residual_model import MISSED_TO, ResidualModel
 from ur5lib.force.wrench_estimate import thinning, used_rows
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -136,8 +136,8 @@ def try_contacts(
         torque, time, seen.states, gears, prior.stiction * model.breakaway, random
     )
     # z² = xᵀ S⁻¹ x, and where the gate is shut
-    hidden = hiding(seen.states, seen.noise)
-    size = np.sqrt(np.vecdot(torque, np.linalg.solve(hidden, torque[..., None])[..., 0]))
+    weighted = np.linalg.solve(seen.noise.hiding(), torque[..., None])[..., 0]
+    size = np.sqrt(np.vecdot(torque, weighted))
     missed: Mask = ~np.asarray(wrench_under(felt)[rows].any(axis=1))
     touched: Mask = np.asarray(size > 0) & finite_rows(run.torque[rows])
     return Tried(size[touched], missed[touched])

@@ -16,12 +16,7 @@ from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wr
 from ur5lib.force.detection import Span, spans
 from ur5lib.force.force_input import MEAN, ForceInput, held
 from ur5lib.force.gate import Observations, find_contacts, log_odds
-from ur5lib.force.missed_contacts import (
-    hiding,
-    missed_contacts,
-    mixture_std,
-    probability_while_shut,
-)
+from ur5lib.force.missed_contacts import missed_contacts, mixture_std, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import STEP, interpolated
@@ -141,17 +136,17 @@ def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
     torque, period, noise = seen.torque, seen.period, seen.noise
     model, prior = seen.model, seen.prior
     # p(contact), the background b, and the spans of contacts
-    gate = find_contacts(seen, ablation.contacts)
-    contacts = contact_spans(gate.probability, period)
+    probability, background = find_contacts(seen, ablation.contacts)
+    contacts = contact_spans(probability, period)
     inside = marked(contacts, len(torque))
-    likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)  # (n,)
+    likely = np.where(inside, np.maximum(probability, INSIDE), probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its covariance S; joints
     # count as independent, because correlations that were learnt without contact mislead in contact
-    left = torque - ablation.background * gate.background.mean
+    left = torque - ablation.background * background.mean
     carried, share = seen.gears.contact_torque(left)
     carried += noise.still * held(carried, model.breakaway, prior.stiction)
     hidden = np.where(noise.still[:, :, None], 1 - MEAN**2, 1.0) * noise.hidden
-    covariance = (noise.quick + gate.background.covariance + hidden) * np.eye(torque.shape[1])
+    covariance = (noise.quick + background.covariance + hidden) * np.eye(torque.shape[1])
     covariance = share[:, :, None] * covariance * share[:, None, :]
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
     between = prior.without_gears() if model.sensed else prior
@@ -165,7 +160,7 @@ def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
         chosen.mean[part], chosen.variance[part] = found
         plain.mean[part], plain.variance[part] = least_squares_wrench(*own)
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
-    shut = _std_while_shut(seen, gate.probability, inside)
+    shut = _std_while_shut(seen, probability, inside)
     wrench = likely[:, None] * chosen.mean
     second = model.doubt**2 * chosen.variance + chosen.mean**2
     second = likely[:, None] * second + (1 - likely[:, None]) * shut**2
@@ -173,8 +168,8 @@ def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
     return StretchEstimate(
         wrench=wrench,
         std=np.where(inside[:, None], std, shut),
-        log_odds=log_odds(gate.probability),
-        background=gate.background.mean,
+        log_odds=log_odds(probability),
+        background=background.mean,
         least_squares=plain.mean,
         least_squares_std=np.sqrt(plain.variance),
     )
@@ -194,7 +189,7 @@ def _std_while_shut(seen: Observations, likely: Array, inside: Mask) -> Array:
     missed contact. likely: probability of contact by the gate (n,); inside: the contacts (n,).
     """
     model, prior = seen.model, seen.prior
-    hidden = (model.doubt * model.missed_to) ** 2 * hiding(seen.states, seen.noise)
+    hidden = (model.doubt * model.missed_to) ** 2 * seen.noise.hiding()
     share, variance = missed_contacts(seen.jacobian, hidden, prior)
     probability = probability_while_shut(share, inside, seen.period, prior)
     free = np.diagonal(prior.when_free())
