@@ -143,18 +143,9 @@ def record(
     from ur5lib.commands.check import text_console
     from ur5lib.commands.record import RecordOptions, record
 
+    without_these = tuple(without or ())
     options = RecordOptions(
-        name,
-        role,
-        seconds,
-        tuple(without or ()),
-        move,
-        by_hand,
-        speed,
-        wait,
-        yes,
-        add,
-        emulate,
+        name, role, seconds, without_these, move, by_hand, speed, wait, yes, add, emulate
     )
     if record(study, options, text_console()):
         raise SystemExit(1)
@@ -252,9 +243,7 @@ def excite(
 
 
 @app.command()
-def audit(
-    study: RanStudy,
-) -> None:
+def audit(study: RanStudy) -> None:
     """Print the faults of the wrist sensors in a study's recordings, and the remedies."""
     from ur5lib.commands.answers import audit_answers
 
@@ -262,9 +251,7 @@ def audit(
 
 
 @app.command()
-def payload(
-    study: RanStudy,
-) -> None:
+def payload(study: RanStudy) -> None:
     """Print the payload of each recording by motor currents and by wrist sensor."""
     from ur5lib.commands.answers import payload_answers
 

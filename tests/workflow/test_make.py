@@ -127,8 +127,3 @@ def test_a_user_installs_nothing_that_only_tests_need() -> None:
     assert named <= locked("requirements.lock")
     assert for_tests <= locked("requirements.lock") | locked("requirements-dev.lock")
     assert not locked("requirements.lock") & locked("requirements-dev.lock")
-
-
-def test_make_test_is_what_the_checks_of_a_change_run() -> None:
-    assert (PROJECT / ".ci" / "run").read_text().splitlines()[-1] == "make test"
-    assert "make test " in (PROJECT / "README.md").read_text()

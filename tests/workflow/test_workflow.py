@@ -14,8 +14,12 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT, STUDY, Workflow
+from tests.library.test_hostile import BOMBS
+from tests.time_limit import time_limit
 from ur5lib.study.turn import take_turn
+from ur5lib.tables import read_csv
 
+SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
 TABULATED = "tabulate_recording"
@@ -134,10 +138,7 @@ def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
     for step in EACH_RECORDING:
         for recording in ("pushed",) if step == "ablate_forces" else ("still", "pushed"):
             assert (folder / "logs" / step / f"{recording}.log").read_text() == ""
-            benchmark = (folder / "benchmarks" / step / f"{recording}.tsv").read_text()
-            names, times = (line.split("\t") for line in benchmark.splitlines())
-            assert names == ["s", "max_rss", "start_up_time", "cpu_time"]
-            assert all(float(time) >= 0 for time in times)
+            assert (folder / "benchmarks" / step / f"{recording}.tsv").exists()
 
 
 def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path) -> None:
@@ -146,12 +147,6 @@ def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path
     report = (tmp_path / "report.html").read_text()
     assert "Recording pushed, drawn by rule draw_figures" in report
     assert all(f'"{category}"' in report for category in ("Figures", "Tables", "Report"))
-
-
-def test_the_report_says_what_the_study_lacks(built_workflow: Workflow) -> None:
-    report = (built_workflow.folder / "results" / "small" / "report.html").read_text()
-    reason = "no recording has an IMU whose clock could be aligned by its motion"
-    assert f"<li>Accelerations: {reason}.</li>" in report
 
 
 def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
@@ -282,10 +277,8 @@ def test_a_changed_raw_file_reruns_its_recording(built_workflow: Workflow, chang
 DELETED = {
     "recordings/pushed/torques.parquet":
         jobs("compute_torques", *FROM_FRICTION, recordings=1) | REPORT,
-    "recordings/pushed/load_regressor.parquet": jobs(*FROM_CURRENTS, recordings=1) | REPORT,
     "tables/force_mae.csv": REPORT,
     "figures/still/torques.svg": {"draw_figures": 1} | DOCUMENT,
-    "report.pdf": DOCUMENTED,
 }  # fmt: skip
 
 
@@ -354,18 +347,15 @@ def test_runs_killed_at_random_moments_go_on_to_the_same_results(
     assert workflow.plan() == {}
 
 
-def test_a_second_run_at_once_is_refused_and_changes_nothing(workflow: Workflow) -> None:
-    before = results(workflow)
-    folder = workflow.folder / "results" / "small"
+def test_a_second_run_at_once_is_refused_and_changes_nothing(
+    built_workflow: Workflow, change: Change
+) -> None:
+    change("results/small/tables/clocks.csv", None)
+    folder = built_workflow.folder / "results" / "small"
     with take_turn(folder):
-        (folder / "tables" / "clocks.csv").unlink()
-        done = workflow.run()
-        assert done.returncode == 1
-        assert f"being made by process {os.getpid()} of " in done.stdout
-        assert workflow.plan() != {}
+        fails_with(built_workflow, f"being made by process {os.getpid()} of ")
+        assert built_workflow.plan() == REPORT
         assert not (folder / "tables" / "clocks.csv").exists()
-    workflow.build()
-    assert results(workflow) == before
 
 
 # Other studies
@@ -391,10 +381,10 @@ def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
     append(workflow.folder / "config.yaml", "compare_with: [before]\n")
     compared = {"compare_studies": 1} | DOCUMENT
     assert workflow.plan() == compared
-    workflow.build()
-    report = (folder / "small" / "report.html").read_text()
-    assert re.search(r"<li>Compared with before, none of \d+ numbers changed\.</li>", report)
-    assert workflow.plan() == {}
+    workflow.build("--until", "compare_studies")
+    rows = read_csv(folder / "small" / "tables" / "changes.csv")
+    assert {*rows["study"], *rows["changed"]} == {"before", "no"}
+    assert workflow.plan() == DOCUMENT
     (workflow.folder / "config.yaml").write_text(STUDY)
     assert workflow.plan() == compared
 
@@ -420,21 +410,28 @@ def test_a_misspelt_key(built_workflow: Workflow, change: Change) -> None:
     fails_with(built_workflow, fault)
 
 
-def test_a_missing_folder(built_workflow: Workflow, change: Change) -> None:
-    change("raw/still", None)
-    fails_with(built_workflow, "`recordings[0].folder` is 'raw/still', which does not exist in ")
+# Snakemake itself writes out mappings of mappings before it reads any rule.
+@pytest.mark.parametrize("kind", ["lists", "a circle"])
+def test_a_study_that_expands_beyond_measure(
+    built_workflow: Workflow, change: Change, kind: str
+) -> None:
+    change("config.yaml", BOMBS[kind])
+    with time_limit(SECONDS):
+        fails_with(built_workflow, "config.yaml ")
 
 
 def test_recordings_that_cannot_be_read(workflow: Workflow) -> None:
-    """One lacks a file, in the other is a letter; each has its sentence, once more at the end."""
-    letter = workflow.folder / "raw/pushed/csv_files/log_i_actual.csv"
-    letter.write_text("This is a letter, not a recording.\n")
-    (workflow.folder / "raw/still/csv_files/log_m_target.csv").unlink()
+    """One has a pipe for a file, the other a letter; each has its sentence, again at the end."""
+    letter, pipe = (workflow.folder / f"raw/{name}/csv_files" for name in ("pushed", "still"))
+    (letter / "log_i_actual.csv").write_text("This is a letter, not a recording.\n")
+    (pipe / "log_m_target.csv").unlink()
+    os.mkfifo(pipe / "log_m_target.csv")
     sentences = (
-        "repair_frames: raw/still/csv_files/log_m_target.csv is missing",
+        "repair_frames: raw/still/csv_files/log_m_target.csv is a named pipe",
         "raw/pushed/csv_files/log_i_actual.csv, line 1: expected 7 numbers (it has 2 cells)",
     )
-    [*_, end] = fails_with(workflow, *sentences).split("2 failed:\n")
+    with time_limit(SECONDS):
+        [*_, end] = fails_with(workflow, *sentences).split("2 failed:\n")
     assert all(sentence in end for sentence in sentences)
 
 
@@ -479,14 +476,15 @@ def test_every_script_has_a_rule() -> None:
         assert re.search(rf'code\(\s*"{path.stem}"', rules)
 
 
-def test_parsing_imports_neither_torch_nor_pandas(workflow: Workflow) -> None:
+def test_parsing_imports_neither_torch_nor_pandas(built_workflow: Workflow) -> None:
     """Each job of a cluster parses the workflow again."""
     heavy = "{'torch', 'pandas', 'pyarrow', 'mujoco', 'scipy'}"
-    snakefile = workflow.folder / "Snakefile"  # a plugin of Snakemake's may have loaded them before
+    folder = built_workflow.folder  # a plugin of Snakemake's may have loaded them before
     before, after = "import sys\nbefore = {*sys.modules}\n", "{*sys.modules} - before"
-    snakefile.write_text(f"{before}{snakefile.read_text()}\nprint(bool({heavy} & ({after})))\n")
-    command = workflow.command("--dry-run")
-    done = subprocess.run(
-        command, cwd=workflow.folder, env=workflow.environment, text=True, capture_output=True
+    measured = f"{before}include: 'Snakefile'\nprint(bool({heavy} & ({after})))\n"
+    (folder / "measured.smk").write_text(measured)
+    command = built_workflow.command("--snakefile", "measured.smk", "--dry-run", "--quiet", "all")
+    printed = subprocess.check_output(
+        command, cwd=folder, env=built_workflow.environment, text=True
     )
-    assert "\nFalse\n" in "\n" + done.stdout
+    assert "\nFalse\n" in "\n" + printed

@@ -2,13 +2,13 @@
 
 import shutil
 import tempfile
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pooch
 import requests
+from pooch.hashes import hash_matches
 
 from ur5lib.datasets.catalogue import catalogue
 from ur5lib.errors import InputError
@@ -18,19 +18,20 @@ TIMEOUT = 30  # s
 PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
 
 
-def is_there(path: Path, checksum: str, kind: str = "sha256") -> bool:
-    """Return whether a file exists. Raises InputError if its checksum is another."""
-    if not path.exists():
-        return False
-    if pooch.file_hash(path, alg=kind) != checksum:
+def is_there(path: Path, checksum: str) -> bool:
+    """Return whether a file exists; checksum: SHA-256, or another kind as in `md5:…`.
+
+    Raises InputError if its checksum is another.
+    """
+    if path.exists() and not hash_matches(path, checksum):
         raise InputError(
             f"{path} differs from the published file; move it away and fetch again, "
             "or put your own recording into another folder"
         )
-    return True
+    return path.exists()
 
 
-def place(source: Path, target: Path, checksum: str, kind: str = "sha256") -> None:
+def place(source: Path, target: Path, checksum: str) -> None:
     """Copy a file under a temporary name, verify it and rename it.
 
     Raises InputError if its checksum is another, or it cannot be written.
@@ -38,7 +39,7 @@ def place(source: Path, target: Path, checksum: str, kind: str = "sha256") -> No
 
     def copy(aside: Path) -> None:
         shutil.copyfile(source, aside)
-        if pooch.file_hash(aside, alg=kind) != checksum:
+        if not hash_matches(aside, checksum):
             raise InputError(
                 f"{source} is not the published file (its checksum differs); download it again"
             )
@@ -64,11 +65,30 @@ def fetch_archive(
     others = unverified and len(others_beside(target, checksums)) < unverified
     if not (missing or others):
         return 0
-    with _unpacked(archive) if source is None else nullcontext(source) as folder:
-        _copy_all(folder, str(source or archive), missing, target)
+    with tempfile.TemporaryDirectory() as unpacked:
+        if source is None:
+            remedy = "check the network, or copy the recordings from a local folder with --from"
+            unzip = pooch.Unzip(extract_dir=".")
+            # Archives are repacked on request; their files are verified.
+            _retrieve(archive, None, Path(unpacked, "archive.zip"), remedy, processor=unzip)
+        _copy_all(source or Path(unpacked), str(source or archive), missing, target)
         if others:
-            _copy_others(folder, checksums, target)
+            _copy_others(source or Path(unpacked), checksums, target)
     return len(missing)
+
+
+def _retrieve(
+    url: str, checksum: str | None, path: Path, remedy: str, processor: object = None
+) -> None:
+    """Download a file, and verify it. Raises InputError with the remedy if that fails."""
+    pooch.get_logger().setLevel("WARNING")
+    downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT)
+    try:
+        pooch.retrieve(url, checksum, path.name, path.parent, processor, downloader)
+    except (requests.RequestException, OSError, ValueError, KeyError) as error:
+        raise InputError(
+            f"{url} could not be downloaded ({type(error).__name__}); {remedy}"
+        ) from error
 
 
 def others_beside(folder: Path, checksums: Mapping[str, str]) -> list[Path]:
@@ -83,28 +103,6 @@ def _copy_others(source: Path, checksums: Mapping[str, str], target: Path) -> No
         for path in others_beside(folder, checksums):
             if not (target / path.name).exists():
                 place(path, target / path.name, pooch.file_hash(path))
-
-
-@contextmanager
-def _unpacked(archive: str) -> Iterator[Path]:
-    """Download an archive; a folder with its files for as long as the context lasts."""
-    pooch.get_logger().setLevel("WARNING")
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            pooch.retrieve(
-                archive,
-                known_hash=None,  # archives are repacked on request; the files are verified
-                fname="archive.zip",
-                path=folder,
-                processor=pooch.Unzip(extract_dir="."),
-                downloader=pooch.HTTPDownloader(progressbar=True),
-            )
-        except (requests.RequestException, OSError, ValueError, KeyError) as error:
-            raise InputError(
-                f"{archive} could not be downloaded ({type(error).__name__}); check the "
-                "network, or copy the recordings from a local folder with --from"
-            ) from error
-        yield Path(folder)
 
 
 def _copy_all(source: Path, origin: str, checksums: Mapping[str, str], target: Path) -> None:
@@ -134,12 +132,12 @@ def located(checksums: Mapping[str, str], source: Path) -> dict[str, Path]:
 
 
 class Listed(NamedTuple):
-    """A file of a record: its URL, size [bytes] and MD5."""
+    """A file of a record: its URL, size [bytes] and checksum, as in `md5:…`."""
 
     name: str
     url: str
     size: int
-    md5: str
+    checksum: str
 
 
 class Record(NamedTuple):
@@ -162,12 +160,16 @@ def fetch_record(
     listed = read_listing(record)
     wanted = [file for file in listed.files if file.name not in leave_out]
     for file in wanted:
-        if is_there(target / file.name, file.md5, "md5"):
+        if is_there(target / file.name, file.checksum):
             continue
         if source is None:
             _download(file, target)
+        elif (source / file.name).is_file():
+            place(source / file.name, target / file.name, file.checksum)
         else:
-            _copy(file, source, target)
+            raise InputError(
+                f"{source} lacks {file.name}; use --from with a folder that contains it"
+            )
     return Record(wanted, listed.licence)
 
 
@@ -187,35 +189,19 @@ def read_listing(record: str) -> Record:
 
 
 def _listed(entry: dict[str, Any]) -> Listed:
-    name, (kind, md5) = str(entry["key"]), entry["checksum"].split(":")
-    if kind != "md5" or not {*name} <= PLAIN or name.startswith("."):
+    name, checksum = str(entry["key"]), str(entry["checksum"])
+    if not checksum.startswith("md5:") or not {*name} <= PLAIN or name.startswith("."):
         raise ValueError(name)  # a name that might leave the folder, or another kind of checksum
-    return Listed(name, entry["links"]["self"], int(entry["size"]), md5)
+    return Listed(name, entry["links"]["self"], int(entry["size"]), checksum)
 
 
 def _download(file: Listed, target: Path) -> None:
-    pooch.get_logger().setLevel("WARNING")
+    space = f"the disk space ({file.size / 1e6:,.0f} MB)"
     with tempfile.TemporaryDirectory(dir=made(target), prefix=".") as folder:
-        try:
-            path = pooch.retrieve(
-                file.url,
-                known_hash=f"md5:{file.md5}",
-                fname=file.name,
-                path=folder,
-                downloader=pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT),
-            )
-        except (requests.RequestException, OSError, ValueError) as error:
-            raise InputError(
-                f"{file.url} could not be downloaded ({type(error).__name__}); check the network "
-                f"and the disk space ({file.size / 1e6:,.0f} MB), and fetch again"
-            ) from error
-        Path(path).rename(target / file.name)
-
-
-def _copy(file: Listed, source: Path, target: Path) -> None:
-    if not (source / file.name).is_file():
-        raise InputError(f"{source} lacks {file.name}; use --from with a folder that contains it")
-    place(source / file.name, target / file.name, file.md5, "md5")
+        aside = Path(folder, file.name)
+        remedy = f"check the network and {space}, and fetch again"
+        _retrieve(file.url, file.checksum, aside, remedy)
+        aside.rename(target / file.name)
 
 
 def fetch(name: str, target: Path | None = None, source: Path | None = None) -> str:

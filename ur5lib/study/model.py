@@ -215,19 +215,17 @@ class MotionLowpass(Strict):
     cutoff_hz: float = Field(10.0, gt=0, lt=1000, description=CUTOFF)
 
 
-class CurrentLowpass(Strict):
+class CurrentLowpass(MotionLowpass):
     """For currents, the motion that explains them, and external torques."""
 
-    order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
         2.0, gt=0, lt=1000, description="above this frequency, measured currents are mostly noise"
     )
 
 
-class AccelerationLowpass(Strict):
+class AccelerationLowpass(MotionLowpass):
     """For the comparison of accelerations by joints and IMU."""
 
-    order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF)
 
 

@@ -1,8 +1,13 @@
-"""Reading of a study: all of its errors are reported at once."""
+"""Reading of a study: all of its errors are reported at once.
+
+A pattern in the `file` of an entry stands for an entry of each file that it matches.
+"""
 
 import math
-from collections import Counter
-from collections.abc import Iterator, Mapping
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from glob import glob
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,10 +21,12 @@ from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand import layout
 from ur5lib.strict import FAST_DUMPER, expect_few_values, read_yaml
 from ur5lib.study.model import Study
-from ur5lib.study.patterns import is_pattern, of_each_file
 from ur5lib.study.schema import explain, shown
 
 Raw = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
+WILDCARD = re.compile(r"[*?\[]")
+DAY = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
+NOT_OF_NAMES = re.compile(r"[^A-Za-z0-9_.-]+")
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth"}
 RENAMED = {  # settings of earlier versions, by step and key
     ("repair_frames", "max_gap_s"): "frames.max_gap_s",
@@ -97,17 +104,48 @@ def parse_study(raw: Raw, source: str) -> Study:
     return study
 
 
+def is_pattern(entry: Any) -> bool:
+    """Return whether the file of a recording's entry is a pattern, as in 2026-*/*.csv."""
+    if not isinstance(entry, dict) or "simulate" in entry:
+        return False
+    file, folder = entry.get("file"), entry.get("folder")
+    if not isinstance(file, str) or not isinstance(folder, str) or not WILDCARD.search(file):
+        return False
+    return not Path(folder, file).exists()
+
+
+def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield the entries that an entry with a pattern stands for, in the order of their paths.
+
+    To the name, what the path has beyond the folder is added, without suffix; the date is the first
+    in the path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
+    """
+    folder = Path(entry["folder"])
+    found = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))
+    for file in sorted(file for file in found if (folder / file).is_file()):
+        own = NOT_OF_NAMES.sub("-", str(file.with_suffix("")))
+        day = DAY.search(str(file))
+        date = {"date": "-".join(day.groups())} if day else {}
+        yield date | {**entry, "file": str(file), "name": f"{entry.get('name')}_{own}"}
+
+
+def names_by_pattern(entries: Iterable[Any]) -> frozenset[str]:
+    """Return the names of the recordings that a study takes by patterns."""
+    patterns = (entry for entry in entries if is_pattern(entry))
+    return frozenset(str(one["name"]) for entry in patterns for one in of_each_file(entry))
+
+
 def _with_each_file(raw: Raw) -> tuple[Raw, list[int]]:
     """Return the configuration with an entry of each file, and the index of each as stated."""
     recordings = raw.get("recordings")
     if not isinstance(recordings, list):
         return raw, []
-    found = [(entry, k) for k, stated in enumerate(recordings) for entry in _of_files(stated)]
-    return {**raw, "recordings": [entry for entry, _ in found]}, [k for _, k in found]
-
-
-def _of_files(entry: Any) -> list[Any]:
-    return ([*of_each_file(entry)] if is_pattern(entry) else []) or [entry]
+    entries, places = [], []
+    for k, entry in enumerate(recordings):
+        found = ([*of_each_file(entry)] if is_pattern(entry) else []) or [entry]
+        entries += found
+        places += [k] * len(found)
+    return {**raw, "recordings": entries}, places
 
 
 def _as_stated(error: ErrorDetails, stated: list[int]) -> ErrorDetails:
@@ -258,14 +296,13 @@ def _repeated_names(raw: Raw) -> Iterator[str]:
 
 def _repeated_files(raw: Raw) -> Iterator[str]:
     """Yield errors for recordings of the same frames: validating on fit data proves nothing."""
-    files: dict[str, list[Raw]] = {}
+    files = defaultdict(list)
     for _, entry in _entries(raw):
-        if isinstance(entry.get("folder"), str):
-            files.setdefault(str(Path(entry["folder"], str(entry.get("file", "")))), []).append(
-                entry
-            )
+        if isinstance(folder := entry.get("folder"), str):
+            files[str(Path(folder, str(entry.get("file", ""))))].append(entry)
     for path, entries in sorted(files.items()):
-        if _overlap([_extent(entry) for entry in entries]):
+        extents = sorted(map(_extent, entries))
+        if any(end > start for (_, end), (start, _) in pairwise(extents)):
             names = " and ".join(str(entry.get("name")) for entry in entries)
             yield (
                 f"recordings: {names} use the same {path}; give each its own file, or its own part "
@@ -280,11 +317,6 @@ def _extent(entry: Raw) -> tuple[float, float]:
         float(start) if isinstance(start, int | float) else 0.0,
         float(end) if isinstance(end, int | float) else math.inf,
     )
-
-
-def _overlap(extents: list[tuple[float, float]]) -> bool:
-    ordered = sorted(extents)
-    return any(end > start for (_, end), (start, _) in pairwise(ordered))
 
 
 def _devices_on_two_hosts(raw: Raw) -> Iterator[str]:

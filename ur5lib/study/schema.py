@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic_core import ErrorDetails
 
-from ur5lib.channels import RECORDED, ChannelSpec
+from ur5lib.channels import RECORDED
 from ur5lib.study.model import Study
 
 QUOTE = "'"  # pydantic puts it around a discriminator's name
@@ -147,23 +147,16 @@ def settings_text() -> str:
     """Return a Markdown table of every key of a study: allowed values, default, meaning."""
     schema = Study.model_json_schema()
     parts = sorted(_parts(schema), key=lambda part: part[0].split(".")[0])
-    return "\n".join([HEAD, *(_section(*part) for part in parts), CHANNELS + _channel_rows()])
+    sections = (_section(*part) for part in parts)
+    return "\n".join([HEAD, *sections, CHANNELS + "".join(_channel_rows())])
 
 
-def _channel_rows() -> str:
-    return "".join(
-        f"| `{name}` | {_columns_in_words(name, spec)} | {spec.unit} | {_bound(spec)} |\n"
-        for name, spec in RECORDED.items()
-    )
-
-
-def _columns_in_words(name: str, spec: ChannelSpec) -> str:
-    first, *others = spec.suffixes
-    return f"`{name}{first}` … `{name}{others[-1]}`" if others else f"`{name}`"
-
-
-def _bound(spec: ChannelSpec) -> str:
-    return f"{spec.bound:.4g}" if math.isfinite(spec.bound) else ""
+def _channel_rows() -> Iterator[str]:
+    for name, spec in RECORDED.items():
+        first, *others = spec.suffixes
+        columns = f"`{name}{first}` … `{name}{others[-1]}`" if others else f"`{name}`"
+        bound = f"{spec.bound:.4g}" if math.isfinite(spec.bound) else ""
+        yield f"| `{name}` | {columns} | {spec.unit} | {bound} |\n"
 
 
 def _parts(schema: Schema) -> Iterator[tuple[str, str, Schema]]:
@@ -225,11 +218,7 @@ def _allowed(node: Schema) -> str:
     """Return the values that a key allows, without null, which means omitting it."""
     present = [option for option in node.get("anyOf", [node]) if option.get("type") != "null"]
     types = [] if "discriminator" in present[0] else present[0].get("oneOf", [])
-    return ", or ".join(map(_allowed_type, types or present[:1]))
-
-
-def _allowed_type(node: Schema) -> str:
-    """Return the values that one type allows."""
-    if "$ref" in node:
-        return "a mapping, below"
-    return allowed(node) + (", below" if any(_named(node)) else "")
+    return ", or ".join(
+        ("a mapping" if "$ref" in one else allowed(one)) + (", below" if any(_named(one)) else "")
+        for one in types or present[:1]
+    )

@@ -19,8 +19,7 @@ from ur5lib.steps.batches import Batches, Step
 from ur5lib.steps.progress import show_progress
 from ur5lib.steps.workers import FAILED, run_batch, run_step
 from ur5lib.strict import read_yaml
-from ur5lib.study.patterns import names_by_pattern
-from ur5lib.study.reading import parse_study, study_text
+from ur5lib.study.reading import names_by_pattern, parse_study, study_text
 from ur5lib.study.turn import share_turn, take_turn
 
 waits = config.pop("wait", False)
