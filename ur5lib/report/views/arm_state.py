@@ -1,9 +1,9 @@
 """An arm's state: how each joint changed over time, the verdict, what can be observed."""
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
@@ -96,24 +96,19 @@ def velocities(results: Results) -> pd.DataFrame:
 
     slower, between, faster: share [%] of the samples within the band, below, in and above them.
     """
+    key = ["robot", "joint"]
     rows = results.rows("observability", quantity="least_velocity")
     shares = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
-    ranges = [_ranges(shares, row) for _, row in rows.iterrows()]
-    return rows.reset_index(drop=True).join(pd.DataFrame(ranges))
-
-
-def _ranges(shares: pd.DataFrame, row: "pd.Series[float]") -> dict[str, float]:
-    own = shares[(shares["robot"] == row["robot"]) & (shares["joint"] == row["joint"])]
-    slower = ~(own["speed_low"] >= row["speed_low"])  # all, where no range suffices
-    faster = own["speed_low"] >= row["speed_high"]
-    parts = {"slower": slower, "between": ~slower & ~faster, "faster": faster}
-    return {name: _share(own[within]) for name, within in parts.items()}
-
-
-def _share(rows: pd.DataFrame) -> float:
-    """Return the share [%] of samples within the band over several bins, NaN without samples."""
-    count = rows["samples"].sum()
-    return float(100 * (rows["value"] * rows["samples"]).sum() / count) if count else math.nan
+    bins = shares.merge(rows[[*key, "speed_low", "speed_high"]], on=key, suffixes=("", "_of"))
+    slower = ~(bins["speed_low"] >= bins["speed_low_of"])  # all, where no range suffices
+    faster = bins["speed_low"] >= bins["speed_high_of"]
+    place = np.select([slower, faster], ["slower", "faster"], "between")
+    bins = bins.assign(inside=100 * bins["value"] * bins["samples"], place=place)
+    sums = bins.groupby([*key, "place"])[["inside", "samples"]].sum()
+    sums["share"] = sums["inside"] / sums["samples"]
+    parts = sums.pivot_table("share", key, "place")
+    columns = ["slower", "between", "faster"]
+    return rows.join(parts.reindex(columns=columns), on=key).reset_index(drop=True)
 
 
 def judge_drift(results: Results) -> Verdict | None:

@@ -8,7 +8,7 @@ import pandas as pd
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.baseline import ZERO, error_bar, state
-from ur5lib.report.document import MOST_SHOWN, Number, State, Verdict
+from ur5lib.report.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.formats import Sentence, joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
@@ -227,60 +227,32 @@ def errors_in_contact(results: Results) -> pd.DataFrame:
     return rows.assign(axis=rows["component"].str[1:])
 
 
-class Worst(NamedTuple):
-    """Where the force is worst.
-
-    error: row of the largest error (axis and recording); share: means over x, y, z of the recording
-    with the largest error relative to the sensor's force; held: row with the smallest coverage of
-    the band, None where no band is stated.
-    """
-
-    error: pd.Series
-    share: pd.Series
-    held: pd.Series | None
-
-    @property
-    def has_interval(self) -> bool:
-        """Whether the largest error has one."""
-        return not pd.isna(self.error["mae_low"])
-
-    def state(self) -> State:
-        """Judge by the larger relative error, that of the axis or that of the recording."""
-        tested = self.has_interval and self.error["estimate"] != UNCALIBRATED
-        shares = [row["mae"] / row["mean_force"] for row in (self.error, self.share)]
-        held = 1.0 if self.held is None else self.held["coverage95"]
-        return state(max(shares), 1.0, held, tested)
-
-
-def worst_of(rows: pd.DataFrame) -> Worst:
-    """Return where errors in contact are worst."""
-    means = rows.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
-    stated = rows.dropna(subset="coverage95")
-    return Worst(
-        error=rows.loc[rows["mae"].idxmax()],
-        share=means.loc[(means["mae"] / means["mean_force"]).idxmax()],
-        held=stated.loc[stated["coverage95"].idxmin()] if len(stated) else None,
-    )
-
-
 def judge_force(results: Results) -> Verdict:
-    """Judge the force by the axis and the recording on which it is worst."""
+    """Judge the force by the larger relative error, that of the axis with the largest error or of
+    the recording with the largest share, and by the smallest coverage of a stated band.
+    """
     if results.stopped():
         return Verdict(TOPIC, "do not use", say("force.stopped"))
     judged = errors_in_contact(results)
     if judged.empty:
         return _unjudged(results)
-    worst = worst_of(judged)
-    row, share, held = worst
-    about = {"known": worst.has_interval, "calibrated": row["estimate"] != UNCALIBRATED}
+    row = judged.loc[judged["mae"].idxmax()]  # the axis with the largest error
+    means = judged.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
+    share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
+    stated = judged.dropna(subset="coverage95")
+    held = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
+    known, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != UNCALIBRATED
+    error = max(one["mae"] / one["mean_force"] for one in (row, share))
+    covered = 1.0 if held is None else held["coverage95"]
+    about = {"known": known, "calibrated": calibrated}
     return Verdict(
         topic=TOPIC,
-        state=worst.state(),
+        state=state(error, 1.0, covered, tested=known and calibrated),
         sentence=say("force.verdict", row=row, estimate=_named(row["estimate"])),
         evidence=say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=say("force.caption", known=worst.has_interval),
-        numbers=tuple(_numbers(worst)),
+        caption=say("force.caption", known=known),
+        numbers=tuple(_numbers(row, share, held)),
     )
 
 
@@ -294,9 +266,8 @@ def _named(estimate: str) -> str:
     return f"{noun} {ESTIMATES[estimate]}"
 
 
-def _numbers(worst: Worst) -> Iterator[Number]:
+def _numbers(row: pd.Series, share: pd.Series, held: pd.Series | None) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
-    row, share, held = worst
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     place = f"{row['recording']}, along {row['axis']}, in contact"
     error = Number(name, float(row["mae"]), "N", place)

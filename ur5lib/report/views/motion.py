@@ -18,8 +18,8 @@ MOTION = "Motion"  # topic
 
 def drawn(results: Results) -> list[str]:
     """Return the recordings whose acceleration is drawn: with printed errors, or the first."""
-    first = results.shown(results.listed("acceleration_mae"), 1)
-    return results.shown(results.printed("acceleration_mae")) or first
+    printed = results.shown(results.printed("acceleration_mae"))
+    return printed or results.shown(results.listed("acceleration_mae"), 1)
 
 
 def filtered_first(results: Results) -> list[str]:
