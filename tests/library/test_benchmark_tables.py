@@ -66,15 +66,10 @@ def test_who_was_refused_on_some_seeds_is_said() -> None:
     assert "picky" not in simulated_table(table)
 
 
-def test_an_estimator_that_lacks_a_seed_is_left_out() -> None:
+@pytest.mark.parametrize("of_seed_0", [[], [{"seed": 0, "estimator": "other"}]])
+def test_an_estimator_without_figures_for_a_seed_is_left_out(of_seed_0: list[dict]) -> None:
     rows = [seed_row(0, OURS, 3.0), seed_row(1, OURS, 3.0), seed_row(1, "other", 4.0)]
-    assert "other" not in simulated_table(pd.DataFrame(rows))
-
-
-def test_an_estimator_without_figures_for_a_seed_is_left_out() -> None:
-    rows = [seed_row(seed, name, 3.0) for seed in (0, 1) for name in (OURS, "other")]
-    rows[1] = {"seed": 0, "estimator": "other"}
-    assert "other" not in simulated_table(pd.DataFrame(rows))
+    assert "other" not in simulated_table(pd.DataFrame([*rows, *of_seed_0]))
 
 
 def simulate(monkeypatch: pytest.MonkeyPatch, *arguments: str, stop: int = -1) -> list[int]:

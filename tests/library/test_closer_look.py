@@ -63,12 +63,11 @@ def test_lines_are_packed_within_half_a_level(tmp_path: Path) -> None:
     assert (worst <= 0.51 * np.ptp(told[:, known], axis=1) / (LEVELS - 1)).all()
 
 
-def test_lines_keep_the_colours_of_the_figure(tmp_path: Path) -> None:
+def test_colours_of_a_figure_over_time_are_kept_and_others_have_no_closer_look(
+    tmp_path: Path,
+) -> None:
     head, *_ = unpacked(packed_lines(drawn(tmp_path / "currents.svg", CURRENT, "joint")))
     assert [line["colours"] for line in head["lines"]] == [["#000000"], [*JOINTS[:6]]]
-
-
-def test_figures_that_are_not_over_time_have_no_closer_look(tmp_path: Path) -> None:
     save(response_panel(np.arange(1.0, 9.0), {"a": np.ones(8)}), tmp_path / "filters.svg")
     save(draw_traces(Traces(np.arange(3.0), {}), CURRENT), tmp_path / "empty.svg")
     assert [packed_lines(tmp_path / f"{name}.svg") for name in ("filters", "empty")] == ["", ""]

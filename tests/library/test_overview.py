@@ -99,13 +99,10 @@ def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Docum
     assert [block.label for block in few.blocks() if isinstance(block, Table)] == ["a"]
 
 
-def test_a_month_is_a_bar_of_the_first_screen() -> None:
-    months = DAYS.strftime("%Y-%m").nunique()
-    assert judge_files(made()).drawing.count("<rect") == 2 * months
-
-
 def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
     whole = made()
+    months = DAYS.strftime("%Y-%m").nunique()
+    assert judge_files(whole).drawing.count("<rect") == 2 * months  # a bar of each month
     without = replace(whole, tables=whole.tables | {"quality": whole.tables["quality"][:0]})
     assert judge_files(without).state == "usable"
     assert judge_files(without).sentence == say("quality.left out", count=1, of=MANY)

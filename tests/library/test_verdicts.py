@@ -85,10 +85,7 @@ def test_a_state_follows_from_the_error_beside_zero(
     error: float, more: dict[str, Any], expected: str
 ) -> None:
     assert state(error, 1.0, **more) == expected
-
-
-def test_nothing_is_judged_where_nothing_acts() -> None:
-    assert state(0.0, 0.0) == "not determined"
+    assert state(0.0, 0.0, **more) == "not determined"  # nothing acts
 
 
 # Torque constants
@@ -143,13 +140,11 @@ def test_the_worst_file_is_named() -> None:
     assert [number.value for number in verdict.evidence.numbers] == [3, 1, 2, 3]
 
 
-@pytest.mark.parametrize(
-    ("severity", "expected"),
-    [("note", "good"), ("warning", "usable"), ("error", "usable"), ("stop", "do not use")],
-)
-def test_the_most_serious_finding_decides(severity: str, expected: str) -> None:
-    rows = [finding("note", "jitter"), finding(severity, "contradiction")]
-    assert judge_files(study(quality=rows)).state == expected
+def test_the_most_serious_finding_decides() -> None:
+    states = {"note": "good", "warning": "usable", "error": "usable", "stop": "do not use"}
+    for severity, expected in states.items():
+        rows = [finding("note", "jitter"), finding(severity, "contradiction")]
+        assert judge_files(study(quality=rows)).state == expected
 
 
 # Link models
@@ -197,14 +192,11 @@ def test_a_standstill_does_not_distinguish_models() -> None:
     verdict = judge_links(results)
     assert (verdict.state, verdict.sentence) == ("not determined", say("models.at rest"))
     assert findings(results) == [say("findings.unsearched")]
+    assert said(judge_links(study())) == f"not determined: {say('models.no torques')}"
 
 
 def test_equal_models_have_no_nearest() -> None:
     assert findings(study(torque_mae=torques({"A": 0.1, "B": 0.1}))) == [say("models.same")]
-
-
-def test_without_the_controllers_torques_nothing_is_judged() -> None:
-    assert judge_links(study()).state == "not determined"
 
 
 # Currents
@@ -218,12 +210,7 @@ def predicted(error: float, held: float = 0.95, recording: str = "seen") -> list
 
 @pytest.mark.parametrize(
     ("error", "held", "expected", "narrow"),
-    [
-        (0.2, 0.95, "good", False),
-        (0.2, 0.8, "usable", True),
-        (0.7, 0.95, "usable", False),
-        (0.99, 0.95, "usable", False),
-    ],
+    [(0.2, 0.95, "good", False), (0.2, 0.8, "usable", True), (0.7, 0.95, "usable", False)],
 )
 def test_currents_are_judged_beside_a_constant(
     error: float, held: float, expected: str, narrow: bool
@@ -292,18 +279,13 @@ def test_no_mean_over_axes_hides_the_worst_one() -> None:
     assert (held.value, held.place) == (83, "seen, along y, in contact")
 
 
-def test_an_axis_that_is_worse_than_zero_is_not_to_be_used() -> None:
-    rows = touched(1.0)
-    rows[1] |= {"mae": 6.0, "mean_force": 5.0}
-    assert judge_force(study(force_mae=rows)).state == "do not use"
-
-
 @pytest.mark.parametrize(
     ("rows", "expected"),
     [
         (touched(4.9), "good"),
         (touched(5.0), "usable"),
         (touched(10.0), "do not use"),
+        ([*touched(1.0)[:1], *touched(6.0, mean_force=5.0)[1:]], "do not use"),  # along one axis
         (touched(4.0, coverage95=0.89), "usable"),
         (touched(4.0, mae_low=np.nan, mae_high=np.nan), "usable"),
         (touched(4.0, "fitted"), "not determined"),
@@ -312,10 +294,7 @@ def test_an_axis_that_is_worse_than_zero_is_not_to_be_used() -> None:
 def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: str) -> None:
     searched = [{"recording": "pushed", "estimate": "Fmap"}]
     assert judge_force(study(force_mae=rows, detection=searched)).state == expected
-
-
-def test_a_stop_sign_forbids_the_force() -> None:
-    stopped = study(force_mae=touched(1.0), quality=[finding("stop", "contradiction")])
+    stopped = study(force_mae=rows, quality=[finding("stop", "contradiction")])
     assert judge_force(stopped).state == "do not use"
 
 
@@ -369,11 +348,7 @@ def test_the_estimate_without_a_fit_is_never_called_good() -> None:
     assert (card.state, card.numbers[0].value) == ("usable", 1.0)
     assert "not calibrated" in card.evidence
     assert judge_force(study(force_mae=touched(1.0))).state == "good"
-
-
-def test_the_controller_s_own_estimate_is_judged_by_its_name() -> None:
-    """Where nothing else was estimated; it has no band."""
-    rows = [row | {"estimate": "controller_currents"} for row in touched(1.0)]
+    rows = [row | {"estimate": "controller_currents"} for row in rows]
     card = judge_force(study(force_mae=rows, sensed=[SENSED]))
     assert "the force by the controller, from currents is off" in card.sentence
 
@@ -437,17 +412,13 @@ def test_the_first_figure_shows_what_the_study_is_about() -> None:
 
 def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     load = {"recording": "seen", "mass": 2.0, "std_error": 0.1, "configured": 0.5, "taken": "yes"}
-    remark = {
-        "robot": "ur5",
-        "step": "friction",
-        "code": "one path",
-    }
+    remark = {"robot": "ur5", "step": "friction", "code": "one path"}
     results = study(
         quality=[finding("warning", count=500)],
         force_mae=touched(1.0, "fitted"),
         payload=[load],
         remarks=[remark | {"joint": joint} for joint in (1, 2, 3)],
-    )  # fmt: skip
+    )
     first, second, third = next_steps(results)
     assert first.startswith("Check fitted: its role is fit")
     assert second.endswith("the currents show 2.50 ± 0.10 kg on seen.")
