@@ -29,7 +29,7 @@ from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
+from ur5lib.pipeline.force_estimates import Problem, direct_problems
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
@@ -277,9 +277,3 @@ class Fitted:
         known = self.problem(one)
         pushed = known.pushed(extra + 0 * known.input.torque)
         return pushed.solve(one.kinematics.jacobian[pushed.rows], prior)
-
-    def repeated(self, one: RealRecording, free: Sequence[RealRecording]) -> WrenchEstimate | None:
-        """The repeat-aware estimate; None where none of the others is of the same trajectory."""
-        alike = ((self.currents(other), other.motion) for other in free)
-        found = repeat_problem(self.problem(one), alike, self.lowpass.cutoff).get("repeat")
-        return found and found.solve(one.kinematics.jacobian[found.rows], PRIOR)

@@ -41,24 +41,22 @@ def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
     return (rows["estimate"] - rows["truth"]).abs()
 
 
-def test_paths_are_left_out(demo: Workflow) -> None:
-    printed = run_benchmark("leave_out", demo.folder)
-    assert "alarms a minute" in printed
-    assert "slope over the sizes: pooled" in printed
-
-
-def test_few_recordings_are_tried(demo: Workflow) -> None:
-    """The last subset that is drawn, of all paths but one or more: bands and contacts."""
-    printed = run_benchmark("few_recordings", demo.folder)
-    assert "inside" in printed
-    assert "in motion" in printed
-
-
-def test_a_learning_curve_has_no_recording_and_all(demo: Workflow) -> None:
-    """Without any recording, and with all."""
-    printed = run_benchmark("learning_curve", demo.folder, "demo")
-    assert "| demo_ur5 | 0 |" in printed
-    assert "| demo_ur5 | all | 1.00 |" in printed
+@pytest.mark.parametrize(
+    ("name", "given", "texts"),
+    [
+        ("leave_out", [], ["alarms a minute", "slope over the sizes: pooled"]),
+        # the last subset that is drawn, of all paths but one or more: bands and contacts
+        ("few_recordings", [], ["inside", "in motion"]),
+        # without any recording, and with all
+        ("learning_curve", ["demo"], ["| demo_ur5 | 0 |", "| demo_ur5 | all | 1.00 |"]),
+        ("current_prediction", ["demo"], ["| demo_ur5 | 6 |"]),
+    ],
+)
+def test_what_was_built_is_measured(
+    demo: Workflow, name: str, given: list[str], texts: list[str]
+) -> None:
+    printed = run_benchmark(name, demo.folder, *given)
+    assert all(text in printed for text in texts)
 
 
 def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -> None:
@@ -76,11 +74,6 @@ def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -
     counts = table.groupby("estimator").size()
     assert counts["moving average"] == counts["least squares"]
     assert page.read_text() == before
-
-
-def test_currents_along_unseen_paths_are_predicted(demo: Workflow) -> None:
-    printed = run_benchmark("current_prediction", demo.folder, "demo")
-    assert "| demo_ur5 | 6 |" in printed
 
 
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import said
+from tests.made_records import signals_of
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Payload
@@ -15,19 +16,15 @@ TOLD = Payload(mass=1.5, center_of_mass=(0.01, 0.02, 0.03), inertia=(1.0, 2.0, 3
 NOTHING = Payload.model_construct(mass=0.0, center_of_mass=(0.0, 0.0, 0.0), inertia=(0.0,) * 6)
 
 
-def recorded(payload: Payload | None, count: int = 5) -> Signals:
-    """Signals with RTDE's channels of a payload, if any; their first and last row are wrong."""
-    signals = Signals(
-        time=np.arange(count) * 0.002,
-        segment=np.zeros(count, np.int64),
-        interpolated=np.zeros(count, bool),
-        actual_q=np.zeros((count, 6)),
-    )
+def recorded(payload: Payload | None, count: int = 5, steady: bool = False) -> Signals:
+    """Signals with RTDE's channels of a payload, if any: steady, or wrong in first and last row."""
+    signals = signals_of(np.arange(count) * 0.002, np.zeros((count, 6)))
     if payload is None:
         return signals
     rows = [payload.mass, *payload.center_of_mass, *payload.inertia]
     values = np.tile(rows, (count, 1))
-    values[0], values[-1] = np.nan, 100.0
+    if not steady:
+        values[0], values[-1] = np.nan, 100.0
     mass, cog, inertia = np.split(values, [1, 4], axis=1)
     return replace(signals, payload=mass[:, 0], payload_cog=cog, payload_inertia=inertia)
 
@@ -85,22 +82,9 @@ def test_an_empty_flange_is_no_payload(mass: float) -> None:
 def test_another_payload_than_the_controller_s_is_told(
     declared: Payload | None, channels: Payload | None, words: list[str] | None
 ) -> None:
-    signals = steady(recorded(channels))
-    found = disagreements(declared, None, signals)
+    found = disagreements(declared, None, recorded(channels, steady=True))
     assert [one.finding for one in found] == (["payload"] if words else [])
     assert all(text in said(one) for one in found for text in words or [])
-
-
-def steady(signals: Signals) -> Signals:
-    """With the channels' medians throughout."""
-    if signals.payload is None:
-        return signals
-    whole = {
-        name: np.broadcast_to(values[1], values.shape)
-        for name, values in vars(signals).items()
-        if name.startswith("payload")
-    }
-    return replace(signals, **whole)
 
 
 def test_a_payload_that_changes_is_told() -> None:

@@ -99,13 +99,12 @@ class Mounted:
         self.run("estimate_clocks")
         self.run("align_signals")
         own = {name: [self.files[name]] for name in ("signals", "kinematics", "clocks")}
-        others = {f"other_{name}": files for name, files in own.items()}
         gravity = [self.params["gravity"]]
         self.run("calibrate_imu", own, recordings=["other"], gravities=gravity)
         self.run("smooth_motion")
         account = {"account": f"{self.folder}/smooth_motion.json"}
         self.run("fuse_imu", account, recording="made")
-        self.run("compare_accelerations", others, others=["other"], other_gravities=gravity)
+        self.run("compare_accelerations")
         self.run("compute_torques")
         grid = {"time": self.signals.time, "segment": self.signals.segment}
         Forces(**grid).write(self.files["forces"])
