@@ -1,6 +1,8 @@
 """Made-up contact-free recordings of an arm whose current-torque map is known."""
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy import signal
@@ -10,7 +12,7 @@ from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, columns_of
 from ur5lib.pipeline.current_samples import Smoother
 from ur5lib.robots.friction import Term
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 PERIOD = 0.02
 CONSTANT = np.array([8.5, 10.8, 10.2, 10.0, 11.0, 10.5])
@@ -72,3 +74,14 @@ def with_noise(record: Record, seed: int) -> Record:
     noise = make_noise(random, len(record.q), record.period)
     white = 0.1 * random.standard_normal(record.current.shape)
     return replace(record, current=record.current + noise + white)
+
+
+def noisy(seeds: Iterable[int], seconds: float = 24.0) -> list[Record]:
+    """A recording with noise of each seed."""
+    return [with_noise(make_record(seed, seconds), seed) for seed in seeds]
+
+
+def cut(record: Record, rows: slice | Mask, **changes: Any) -> Record:
+    """Some samples of a recording."""
+    names = ("segment", "q", "qd", "torque", "current")
+    return replace(record, **{name: getattr(record, name)[rows] for name in names}, **changes)

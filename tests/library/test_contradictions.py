@@ -12,6 +12,7 @@ from tests.library.current_study import (
     FRICTION,
     PLAIN,
     make_record,
+    noisy,
     prior,
     smooth,
     with_current,
@@ -45,7 +46,7 @@ WRONG = "another arm"
 
 @pytest.fixture(scope="module")
 def records() -> list[Record]:
-    return [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2, 3)]
+    return noisy((1, 2, 3), seconds=12.0)
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,10 @@ from tests.library.current_study import (
     PRESLIDING,
     TERMS,
     coefficients,
+    cut,
     make_noise,
     make_record,
+    noisy,
     prior,
     smooth,
     with_noise,
@@ -80,7 +82,7 @@ from ur5lib.pipeline.records.friction import Friction, LeftOut
 from ur5lib.robots import friction
 from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
 from ur5lib.tables import read_record, write_json
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import DEAD_ZONE
 
@@ -92,18 +94,12 @@ WAYS = [PRESLIDING] * 6
 
 @pytest.fixture(scope="module")
 def study() -> list[Record]:
-    return [with_noise(make_record(seed), seed) for seed in range(STUDY)]
+    return noisy(range(STUDY))
 
 
 @pytest.fixture(scope="module")
 def fitted(study: list[Record]) -> CurrentFit:
     return fit_currents(study, smooth, prior())
-
-
-def cut(record: Record, rows: slice | Mask, **changes: str) -> Record:
-    """Some samples of a recording."""
-    names = ("segment", "q", "qd", "torque", "current")
-    return replace(record, **{name: getattr(record, name)[rows] for name in names}, **changes)
 
 
 def constants_of(fit: CurrentFit) -> dict[tuple[int, str], float]:
@@ -195,7 +191,7 @@ def test_what_does_not_determine_a_constant_leaves_it_to_the_prior(fitted: Curre
 
 def test_shares_of_knowledge_are_those_of_prior_days_and_recordings() -> None:
     """Joint 6 carries nothing; a second day tells as much as what is recorded on it."""
-    records = [with_noise(make_record(seed), seed) for seed in range(3)]
+    records = noisy(range(3))
     days = [replace(record, day=str(day)) for record, day in zip(records, (1, 1, 2), strict=True)]
     for own, others in ((records, 0.0), (days, 0.2)):
         rows = parameters(fit_currents(own, smooth, prior(), []))
@@ -576,7 +572,7 @@ def test_one_short_recording_is_as_certain_as_its_blocks() -> None:
     """Of 10 s there is one stretch: it alone tells nothing of how certain a result is."""
     inside, width = [], []
     for seed in range(10):
-        fit = fit_currents([with_noise(make_record(seed, seconds=10.0), seed)], smooth, prior(), ())
+        fit = fit_currents(noisy([seed], seconds=10.0), smooth, prior(), ())
         for row in parameters(fit):
             if row.name == "coulomb" and row.joint != 3:  # which has a term that is not fitted
                 low, high = row.interval
@@ -588,8 +584,7 @@ def test_one_short_recording_is_as_certain_as_its_blocks() -> None:
 
 def test_a_band_of_short_recordings_is_of_all_together() -> None:
     """None of 1.8 s alone is long enough; a joint without a band has no coverage either."""
-    short = [with_noise(make_record(seed, seconds=1.8), seed) for seed in range(12)]
-    fit = fit_currents(short, smooth, prior(), ())
+    fit = fit_currents(noisy(range(12), seconds=1.8), smooth, prior(), ())
     assert all(0.01 < joint.band_moving < 1.0 for joint in fit.joints)
     other = with_noise(make_record(99), 99)
     unknown = np.full_like(other.current, np.nan)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tests.library.current_study import make_record, prior, smooth, with_noise
+from tests.library.current_study import cut, make_record, noisy, prior, smooth, with_noise
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import CurrentFit, predict
 from ur5lib.identification.payload import (
@@ -24,8 +24,7 @@ CARRIED = np.array([2.8, 0.1, -0.3])
 
 @pytest.fixture(scope="module")
 def fitted() -> CurrentFit:
-    records = [with_noise(make_record(seed), seed) for seed in range(6)]
-    return fit_currents(records, smooth, prior(), ())
+    return fit_currents(noisy(range(6)), smooth, prior(), ())
 
 
 def regressor(record: Record) -> np.ndarray:
@@ -89,7 +88,7 @@ def test_its_interval_holds_the_mass_and_not_zero(fitted: CurrentFit, seed: int)
 
 def test_an_empty_flange_weighs_nothing(fitted: CurrentFit) -> None:
     """As runs differ, and some stray far: what they seem to carry says how far."""
-    records = [with_noise(make_record(seed), seed) for seed in range(52, 72)]
+    records = noisy(range(52, 72))
     empty = [estimate_payload(fitted, own, regressor(own), smooth) for own in records]
     told = np.array([own.parameters for own in empty]), np.array([own.std_error for own in empty])
     spread = run_to_run(*told, paths=len(empty))[0]
@@ -113,11 +112,7 @@ def test_what_is_there_for_a_part_of_a_run_is_no_load_all_along(
 
 def test_too_short_a_run_tells_no_load_all_along(fitted: CurrentFit) -> None:
     """Of one block there are no three parts."""
-    record = loaded(fitted, 68)
-    short = slice(0, 100)
-    fields = ("segment", "q", "qd", "torque", "current")
-    record = replace(record, **{name: getattr(record, name)[short] for name in fields})
-    assert not load_of(fitted, record).certain
+    assert not load_of(fitted, cut(loaded(fitted, 68), slice(100))).certain
 
 
 # What a mass is worth

@@ -9,6 +9,7 @@ from tests.library.current_study import (
     CONSTANT,
     PERIOD,
     PRESLIDING,
+    cut,
     make_record,
     prior,
     smooth,
@@ -168,14 +169,7 @@ def test_samples_are_a_tenth_of_a_second_apart() -> None:
     """Of a slow recording, each sample is one."""
     record = make_record(0)
     for every, count in ((1, 240), (5, 240), (10, 120)):
-        slow = replace(
-            record,
-            period=every * PERIOD,
-            **{
-                name: getattr(record, name)[::every]
-                for name in ("segment", "q", "qd", "torque", "current")
-            },
-        )
+        slow = cut(record, slice(None, None, every), period=every * PERIOD)
         samples = joint_samples([slow], lambda values, _: values, (), WAYS)
         assert [len(own.current) for own in samples] == [count] * 6
         np.testing.assert_array_equal(samples[2].current, record.current[:: max(5, every), 2])

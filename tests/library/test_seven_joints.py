@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from tests.library.current_study import make_record, prior, smooth, with_noise
+from tests.library.current_study import noisy, prior, smooth
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.force.contact_prior import ContactPrior
@@ -190,7 +190,7 @@ def seventh(values: Array) -> Array:
 
 def test_currents_are_fitted() -> None:
     """A seventh joint with the motion and current of the first has its map."""
-    six = [with_noise(make_record(seed, 10.0), seed) for seed in range(2)]
+    six = noisy(range(2), seconds=10.0)
     names = ("q", "qd", "torque", "current")
     records = [replace(r, **{name: seventh(getattr(r, name)) for name in names}) for r in six]
     known = prior()

@@ -54,64 +54,38 @@ def test_fast_runs_of_one_trajectory_are_known_as_one(start: float) -> None:
     assert group_by_path(runs).tolist() == [0, 1, 0, 0]
 
 
-def test_a_part_of_a_longer_run_is_of_its_trajectory() -> None:
-    whole, part = wave(0), wave(0, start=8.0, seconds=5.0)
-    assert labels(whole, part) == labels(part, whole) == [0, 0]
+Q, QD = wave(0)
+KNOWN = np.isin(np.arange(len(Q)), range(100, 400), invert=True)[:, None]
+HOME, POSE = np.zeros(6), np.full(6, 0.3)
+WAIT = rest(HOME, seconds=60.0)
+PART, LATER = wave(0, seconds=8.0), wave(0, start=10.0, seconds=8.0)
+RUNS = {  # and their labels: those of the first of each, from 0 on without a hole
+    "none": ([], []),
+    "repeated in turn": ([wave(seed) for seed in (3, 1, 3, 2, 1, 3)], [0, 1, 0, 2, 1, 0]),
+    "the whole, then a part": ([wave(0), LATER], [0, 0]),
+    "two parts": ([PART, LATER], [0, 1]),
+    "two parts, then the whole": ([PART, LATER, wave(0)], [0, 0, 0]),
+    "the whole between its parts": ([PART, wave(0), LATER, wave(1)], [0, 0, 0, 1]),
+    "half in common": (
+        [joined(wave(0, seconds=10.0), wave(seed, seconds=10.0)) for seed in (1, 2)],
+        [0, 1],
+    ),
+    "the way back, with another friction": ([(Q, QD), (Q[::-1], -QD[::-1])], [0, 1]),
+    "another speed": ([(Q, QD), (Q[::2], 2 * QD[::2])], [0, 1]),
+    "moves that wait long at one pose": (
+        [*(joined(WAIT, wave(seed, seconds=5.0), WAIT) for seed in (0, 1)), rest(HOME)],
+        [0, 1, 2],
+    ),
+    "standstills": ([rest(POSE), rest(POSE, seconds=9.0), rest(POSE + 0.1)], [0, 0, 1]),
+    "rows unknown": ([(np.where(KNOWN, Q, np.nan), QD), (Q, QD)], [0, 0]),
+    "all unknown": ([(Q * np.nan, QD), (Q, QD), (Q, QD * np.nan)], [0, 1, 2]),
+}
 
 
-def test_two_parts_belong_together_by_way_of_the_whole() -> None:
-    """Neither passes the other, both pass the third, in whichever order they come."""
-    parts = wave(0, seconds=8.0), wave(0, start=10.0, seconds=8.0)
-    assert labels(*parts) == [0, 1]
-    assert labels(*parts, wave(0)) == [0, 0, 0]
-    assert labels(parts[0], wave(0), parts[1], wave(1)) == [0, 0, 0, 1]
-
-
-def test_half_a_run_in_common_is_not_the_same() -> None:
-    one = joined(wave(0, seconds=10.0), wave(1, seconds=10.0))
-    other = joined(wave(0, seconds=10.0), wave(2, seconds=10.0))
-    assert labels(one, other) == [0, 1]
-
-
-def test_the_way_back_is_another_trajectory() -> None:
-    """The same places at the opposite velocity: friction is another."""
-    q, qd = wave(0)
-    assert labels((q, qd), (q[::-1], -qd[::-1])) == [0, 1]
-
-
-def test_another_speed_is_another_trajectory() -> None:
-    q, qd = wave(0)
-    assert labels((q, qd), (q[::2], 2 * qd[::2])) == [0, 1]
-
-
-def test_a_pose_where_others_stop_does_not_make_them_one() -> None:
-    """Two short motions that wait long at home, and a standstill there: three, not one."""
-    home = np.zeros(6)
-    wait = rest(home, seconds=60.0)
-    moves = [joined(wait, wave(seed, seconds=5.0), wait) for seed in (0, 1)]
-    assert labels(*moves, rest(home)) == [0, 1, 2]
-
-
-def test_a_standstill_is_the_same_as_another_at_its_pose() -> None:
-    pose = np.full(6, 0.3)
-    assert labels(rest(pose), rest(pose, seconds=9.0), rest(pose + 0.1)) == [0, 0, 1]
-
-
-def test_rows_that_are_unknown_are_left_out() -> None:
-    q, qd = (values.copy() for values in wave(0))
-    q[100:300], qd[250:400] = np.nan, np.nan
-    assert labels((q, qd), wave(0)) == [0, 0]
-    nothing = np.full_like(q, np.nan)
-    assert labels((nothing, nothing), wave(0), (nothing, nothing)) == [0, 1, 2]
-
-
-def test_labels_are_those_of_the_first_of_each() -> None:
-    """From 0 on without a hole, however runs are ordered."""
-    runs = [wave(seed) for seed in (3, 1, 3, 2, 1, 3)]
-    found = labels(*runs)
-    assert sorted(set(found)) == [0, 1, 2]
-    assert [found[k] == found[0] for k in range(6)] == [True, False, True, False, False, True]
-    assert (labels(), labels(wave(0))) == ([], [0])
+@pytest.mark.parametrize("case", RUNS)
+def test_runs_are_grouped_by_trajectory(case: str) -> None:
+    motions, expected = RUNS[case]
+    assert labels(*motions) == expected
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
