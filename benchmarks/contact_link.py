@@ -17,9 +17,9 @@ import numpy as np
 import pandas as pd
 import torch
 
-from benchmarks.harness.links import link_table
 from benchmarks.harness.options import asked
 from benchmarks.harness.pushes import FORCES, LASTS, PAUSE, push
+from benchmarks.harness.sections import link_table
 from benchmarks.stand_seeds import Taken, currents, fitted_map, plans, residuals_of, taken
 from ur5lib.dynamics.flange import link_frames
 from ur5lib.force.contact_link import TOOL, likely_links, touched_link

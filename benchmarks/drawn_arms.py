@@ -11,7 +11,6 @@ parameters contain them, by the number of recordings to fit on; how often the jo
 which friction was doubled; and how often any joint of an arm is that was not changed.
 """
 
-import argparse
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
+from benchmarks.harness.options import options_of
 from ur5lib.commands.population import CLEAR
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.condition import joint_conditions
@@ -62,9 +62,8 @@ class Arm:
 
 def main() -> None:
     """Print spreads beside the true ones, shares of intervals that hold, and arms named."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options = options_of(__doc__)
     options.add_argument("arms", type=int, nargs="?", default=200)
-    options.add_argument("--quick", action="store_true", help="four arms")
     given = options.parse_args()
     numbers = range(4 if given.quick else given.arms)
     truth, rows = fit_population(read_measured(POPULATION)), []
@@ -207,11 +206,9 @@ def between(found: Array) -> dict[str, float]:
 def print_spreads(truth: Population, found: Population, friction: Mapping[str, float]) -> None:
     """Print each level's standard deviation, and the true one; friction: of days and runs."""
     for name, own in truth.items():
-        parts = [
-            f"{found[name].arm:.3f} ({own.arm:.3f})",
-            f"{found[name].joint:.3f} ({own.joint:.3f})",
-        ]
-        print(f"{name}, found (true): of arms {parts[0]}, of joints {parts[1]}")
+        arms = f"{found[name].arm:.3f} ({own.arm:.3f})"
+        joints = f"{found[name].joint:.3f} ({own.joint:.3f})"
+        print(f"{name}, found (true): of arms {arms}, of joints {joints}")
     true = {"days": BETWEEN_DAYS, "runs": BETWEEN_RUNS}
     parts = [f"of {level} {friction[level]:.3f} ({true[level]:.3f})" for level in true]
     print(f"friction, found (true): {', '.join(parts)}")

@@ -71,11 +71,7 @@ def subsets(study: Study, draws: int) -> list[list[Recording]]:
 def judged(study: Study, fitted: list[Recording]) -> str:
     """What a fit tells of the recordings along other paths in which a sensor felt contacts."""
     seen = {own.path for own in fitted}
-    touched = [
-        own
-        for own in study.recordings
-        if own.entry["role"] == "contact" and own.path not in seen and len(sensed(own))
-    ]
+    touched = [own for own in touched_of(study) if own.path not in seen]
     with tempfile.TemporaryDirectory() as folder:
         fold = Fold(study, fitted, Path(folder))
         if why := refusal(fold, touched):
@@ -89,17 +85,29 @@ def sensed(own: Recording) -> Array:
     return found.get("compensated", np.empty((0, 6)))
 
 
-def result(fold: Fold, own: Recording) -> Result:
-    """What a fold tells of one recording."""
+def touched_of(study: Study) -> list[Recording]:
+    """The recordings with contacts that a force sensor felt."""
+    contacts = (own for own in study.recordings if own.entry["role"] == "contact")
+    return [own for own in contacts if len(sensed(own))]
+
+
+def in_contact_of(fold: Fold, own: Recording) -> tuple[Array, Array, Array]:
+    """Of what a fold tells in contact: absolute errors, half bands and forces, (n, 3) [N] each."""
     forces, true = Forces.read(fold.own(own, "forces.parquet")), sensed(own)[:, :3]
     force, half = forces.wrench["Fmap"][:, :3], NORMAL95 * forces.std["Fmap"][:, :3]
-    size = np.linalg.norm(true, axis=1)
-    during = in_contact(size) & np.isfinite(force).all(axis=1)
+    during = in_contact(np.linalg.norm(true, axis=1)) & np.isfinite(force).all(axis=1)
+    return np.abs(force - true)[during], half[during], true[during]
+
+
+def result(fold: Fold, own: Recording) -> Result:
+    """What a fold tells of one recording."""
+    error, half, _ = in_contact_of(fold, own)
+    forces = Forces.read(fold.own(own, "forces.parquet"))
     raised = alarms(forces.log_odds["Fmap"], read_json(fold.shared("threshold.json"))["Fmap"])
+    size = np.linalg.norm(sensed(own)[:, :3], axis=1)
     matched = compare(raised, contacts(size), forces.period)
     rests = bool(np.nanmax(np.abs(Motion.read(own.file("motion.parquet")).qd)) < SLOW)
-    inside = np.abs(force - true)[during] <= half[during]
-    return Result(inside, half[during], rests, matched.contacts, matched.found)
+    return Result(error <= half, half, rests, matched.contacts, matched.found)
 
 
 def told(results: Sequence[Result]) -> str:

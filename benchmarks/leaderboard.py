@@ -24,13 +24,12 @@ import torch
 from benchmarks.estimators import all_estimators
 from benchmarks.estimators.ours import OURS
 from benchmarks.harness import page
-from benchmarks.harness.detection import detection_tables
 from benchmarks.harness.estimator import Estimator, Learned
 from benchmarks.harness.options import built, study_options
 from benchmarks.harness.outside import outside
 from benchmarks.harness.run import Run
 from benchmarks.harness.scores import Estimates, free_rows, sensed_rows
-from benchmarks.harness.sections import sections
+from benchmarks.harness.sections import detection_tables, sections
 from benchmarks.harness.study import Arm, read_arms
 from ur5lib.errors import InputError
 from ur5lib.tables import write_csv, write_text

@@ -26,7 +26,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.current_prediction import Known, read_arms
-from benchmarks.few_recordings import sensed
+from benchmarks.few_recordings import in_contact_of, touched_of
 from benchmarks.harness.curve import (
     MODELS,
     days_table,
@@ -35,21 +35,18 @@ from benchmarks.harness.curve import (
     learning_table,
 )
 from benchmarks.harness.options import built, study_options
-from benchmarks.leave_out import Fold, Recording, read_study, refusal, unseen
+from benchmarks.leave_out import Fold, read_study, refusal, unseen
 from ur5lib.finished import FinishedStudy
-from ur5lib.force.detection import in_contact
 from ur5lib.identification.current_regression import expected_fit, fit_currents
 from ur5lib.identification.currents import CurrentFit, band, parameters, predict
 from ur5lib.identification.population import fit_population
 from ur5lib.identification.samples import Record, record_days
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
 from ur5lib.pipeline.current_samples import prior_of
-from ur5lib.pipeline.records.forces import Forces
 from ur5lib.robots.description import POPULATION
 from ur5lib.robots.population import read_measured
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.metrics import NORMAL95
 
 RESULTS = Path("results")
 FIGURE = Path(__file__).parents[1] / "docs" / "learning_curve.svg"
@@ -216,7 +213,7 @@ def forces_of(
     fitted = [own for own in study.recordings if own.name in names]
     free = {own.name for own in records(arm, tested)}
     untouched = [own for own in study.recordings if own.name in free]
-    touched = [own for own in touched_of(study.recordings) if own in unseen(study, fitted)]
+    touched = [own for own in touched_of(study) if own in unseen(study, fitted)]
     with tempfile.TemporaryDirectory() as kept:
         fold = Fold(study, fitted, Path(kept))
         if why := refusal(fold, [*touched, *untouched]):
@@ -224,28 +221,13 @@ def forces_of(
             return
         about = {"arm": arm.name, "fitted": size}
         for own in touched:
-            yield about | in_contact_with(fold, own)
+            error, half, force = in_contact_of(fold, own)
+            relative, inside = error.mean() / np.abs(force).mean(), (error <= half).mean()
+            errors = {"error": float(relative), "inside": float(inside)}
+            yield about | {"recording": own.name} | errors
         alarms = fold.alarms(untouched)
         alarms = alarms[alarms["estimate"] == "Fmap"]
         yield about | {"alarms": int(alarms["alarms"].sum()), "minutes": alarms["minutes"].sum()}
-
-
-def in_contact_with(fold: Fold, own: Recording) -> dict[str, Any]:
-    """Return the mean absolute error in contact, relative to that of zero, and the band's share."""
-    forces, true = Forces.read(fold.own(own, "forces.parquet")), sensed(own)[:, :3]
-    force, half = forces.wrench["Fmap"][:, :3], NORMAL95 * forces.std["Fmap"][:, :3]
-    during = in_contact(np.linalg.norm(true, axis=1)) & np.isfinite(force).all(axis=1)
-    error = np.abs(force - true)[during]
-    return {
-        "recording": own.name,
-        "error": float(error.mean() / np.abs(true[during]).mean()),
-        "inside": float((error <= half[during]).mean()),
-    }
-
-
-def touched_of(recordings: Sequence[Recording]) -> list[Recording]:
-    """Return the recordings with contacts that a force sensor felt."""
-    return [own for own in recordings if own.entry["role"] == "contact" and len(sensed(own))]
 
 
 if __name__ == "__main__":

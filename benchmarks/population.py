@@ -12,14 +12,15 @@ currents inside the expected band, and that of the measured values inside the ex
 intervals. `--quick` fits to one recording only.
 """
 
-import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.current_prediction import read_arms
+from benchmarks.harness.options import options_of
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.current_regression import expected_fit, fit_currents
@@ -42,9 +43,7 @@ MOVES = 0.05  # rad/s, that a recording to fit on reaches on every joint
 
 def main() -> None:
     """Print a line for each arm, and the share of intervals that hold."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--quick", action="store_true", help="fit to one recording only")
-    given = options.parse_args()
+    given = options_of(__doc__).parse_args()
     measured, inside = read_measured(POPULATION), []
     for arm in measured.arms:
         try:
@@ -66,24 +65,21 @@ def judged(
     described = load_robot(robot_path(arm.arm))
     records = recorded(study.folder, arm.arm)
     prior = prior_of(described, [], fit_population(others))
-    own = rmse(
-        [record.current - predict(friction.fit_for(record.name), record) for record in records],
-        records,
-    )
     expected = expected_fit(prior)
 
-    def error(fit: CurrentFit, seen: str = "") -> Array:
-        chosen = [record for record in records if record.name != seen]
-        return rmse([record.current - predict(fit, record) for record in chosen], chosen)
+    def cross_fitted(record: Record) -> Array:
+        return predict(friction.fit_for(record.name), record)
 
+    def error(fit: CurrentFit, seen: str = "") -> Array:
+        return rmse(partial(predict, fit), [own for own in records if own.name != seen])
+
+    own = rmse(cross_fitted, records)
     guesses = {
         "no friction": guessed(described, None),
         "median friction": guessed(described, others),
     }
     errors = {"expected": error(expected)} | {
-        name: rmse(
-            [record.current - baseline_current(record, guess) for record in records], records
-        )
+        name: rmse(partial(baseline_current, coefficients=guess), records)
         for name, guess in guesses.items()
     }
     parts = [f"{name} {(each / own).mean():.2f}" for name, each in errors.items()]
@@ -105,11 +101,10 @@ def recorded(folder: Path, robot: str) -> list[Record]:
     return [own.record for arm in read_arms(folder) if arm.folder.name == robot for own in arm.runs]
 
 
-def rmse(residuals: Sequence[Array], records: Sequence[Record]) -> Array:
-    """Return the RMSE (n,) [A] below CUTOFF over all recordings."""
-    pairs = zip(residuals, records, strict=True)
-    slow = np.concatenate([SMOOTH(residual, record) for residual, record in pairs])
-    error: Array = np.sqrt(np.nanmean(slow**2, axis=0))
+def rmse(predicted: Callable[[Record], Array], records: Sequence[Record]) -> Array:
+    """Return the RMSE (n,) [A] of predicted currents below CUTOFF over all recordings."""
+    residuals = [SMOOTH(own.current - predicted(own), own) for own in records]
+    error: Array = np.sqrt(np.nanmean(np.concatenate(residuals) ** 2, axis=0))
     return error
 
 

@@ -1,10 +1,12 @@
 """The page's sections that other benchmarks measure, from their tables in results/."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import yaml
 
 from benchmarks.harness.curve import (
     days_table,
@@ -12,13 +14,18 @@ from benchmarks.harness.curve import (
     learning_findings,
     learning_table,
 )
-from benchmarks.harness.links import link_table
+from benchmarks.harness.page import markdown
 from benchmarks.harness.prediction import prediction_findings, prediction_table
 from benchmarks.harness.pushes import EACH, FORCES, PLACES
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
+from ur5lib.report.compose import shown_table
+from ur5lib.report.results import Results
 from ur5lib.tables import read_csv
 
 Section = dict[str, Any]
+FORCE_EDGES = (5, 10, 20, 40, 80)  # N
+LINK_COLUMNS = ["contact", "contacts", "named right", "named wrong", "cannot tell",
+           "likeliest link: stated probability", "right", "likely links", "hold it"]  # fmt: skip
 
 
 def sections(results: Path) -> dict[str, Section | None]:
@@ -67,3 +74,39 @@ def currents(table: pd.DataFrame) -> Section:
 def few_recordings(table: pd.DataFrame) -> Section:
     """Return the section on currents by few recordings."""
     return {"findings": [*learning_findings(table)], "table": learning_table(table)}
+
+
+def link_table(table: pd.DataFrame) -> str:
+    """Return a row for each range of forces and for each link, and one for all."""
+    rows = [
+        link_cells(f"{low} to {high} N", own)
+        for low, high in pairwise(FORCE_EDGES)
+        if len(own := table[table["force"].between(low, high, inclusive="left")])
+    ]
+    rows += [link_cells(f"on link {link}", own) for link, own in table.groupby("link")]
+    return markdown(LINK_COLUMNS, [*rows, link_cells("all", table)])
+
+
+def link_cells(title: str, own: pd.DataFrame) -> list[str]:
+    """Return the cells of some contacts."""
+    named, right, held = (own[name].astype(bool) for name in ("named", "right", "held"))
+    counts = (len(own), (named & right).sum(), (named & ~right).sum(), (~named).sum())
+    shares = f"{own['stated'].mean():.0%}", f"{right.mean():.0%}"
+    return [title, *map(str, counts), *shares, f"{own['likely'].mean():.1f}", f"{held.mean():.0%}"]
+
+
+def detection_tables(folders: Sequence[Path]) -> str:
+    """Return, for each study, its contacts at a force sensor, and its alarms where none is."""
+    tables = ("forces.detections", "forces.alarms")
+    bodies = [shown_table(table, judged(folder)) for folder in folders for table in tables]
+    texts = [(body.header, [[cell.text for cell in row] for row in body.rows]) for body in bodies]
+    return "\n\n".join(markdown(header, rows) for header, rows in texts if rows)
+
+
+def judged(folder: Path) -> Results:
+    """Return the detections of a study on recordings with a sensor, or of the role `validate`."""
+    study = yaml.safe_load((folder / "configuration.yaml").read_text())
+    table = read_csv(folder / "tables" / "detection.csv")
+    untouched = table["recording"].isin(Results(study, {}, folder).with_role("validate"))
+    known = table["force_class_n"].notna() | untouched
+    return Results(study, {"detection": table[known]}, folder)
