@@ -12,7 +12,13 @@ from ur5lib.force.external_torque import past_states
 from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.template import repeat_aware
-from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
+from ur5lib.force.wrench_estimate import (
+    NOTHING_LEFT_OUT,
+    Ablation,
+    WrenchEstimate,
+    estimate_wrench,
+    used_rows,
+)
 from ur5lib.pipeline.force_input import force_input, inputs
 from ur5lib.pipeline.records.currents import Currents, Prediction
 from ur5lib.pipeline.records.friction import Friction
@@ -20,8 +26,6 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
-
-WHOLE = Ablation()
 
 
 class Problem(NamedTuple):
@@ -36,7 +40,7 @@ class Problem(NamedTuple):
         return used_rows(self.input.segment, self.input.period)
 
     def solve(
-        self, jacobian: Array, prior: ContactPrior, ablation: Ablation = WHOLE
+        self, jacobian: Array, prior: ContactPrior, ablation: Ablation = NOTHING_LEFT_OUT
     ) -> WrenchEstimate:
         """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
         return estimate_wrench(self.input, jacobian, self.model, prior, ablation)

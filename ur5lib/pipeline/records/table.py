@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, fields
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pandas as pd
@@ -24,6 +24,8 @@ SIX = tuple("012345")
 WRENCH = ("Fx", "Fy", "Fz", "nx", "ny", "nz")
 WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
 XYZ = tuple("012")
+
+Load = Callable[[list[str], type], Array]  # of some columns of a table, (N, len(names))
 
 
 @dataclass(frozen=True)
@@ -67,18 +69,24 @@ class Channel:
         of_each_joint = abs(math.prod(self.shape))
         return math.ceil((max(places, default=-1) + 1) / of_each_joint)
 
-    def read(self, source: "Source") -> Any:
-        """Return the samples (N, *shape), None where absent; by key where there are several."""
-        if not self.several:
-            return self._array(source, self.name) if self.is_in(source, self.name) else None
-        names = {key: self.name.format(key) for key in self._found(source.names)}
-        whole = {key: name for key, name in names.items() if self.is_in(source, name)}
-        loads = {key: partial(self._array, source, name) for key, name in whole.items()}
-        return ByKey({key: cache(load) for key, load in loads.items()})
+    def stems(self, names: Collection[str], joints: int) -> dict[str, str]:
+        """Return the channel's name for each key of which a table has all columns.
 
-    def is_in(self, source: "Source", name: str) -> bool:
-        """Return whether a table has all columns; name: the channel's, its key filled in."""
-        return {*self.columns(name, source.joints)} <= {*source.names}
+        The key is empty where there is one channel only.
+        """
+        stems, have = {"": self.name}, {*names}
+        if self.several:
+            first, *_ = self.columns(self.name)
+            pattern = re.compile(re.escape(first).replace(r"\{\}", "(.+)"))
+            found = [match[1] for name in names if (match := pattern.fullmatch(name))]
+            keys = [key for key in self.keys if key in found] if self.keys else found
+            stems = {key: self.name.format(key) for key in keys}
+        return {key: stem for key, stem in stems.items() if {*self.columns(stem, joints)} <= have}
+
+    def samples(self, load: Load, stem: str, joints: int) -> Array:
+        """Return the samples (N, *shape); stem: the channel's name, its key filled in."""
+        flat = load(self.columns(stem, joints), self.dtype)
+        return flat.reshape(len(flat), *self.sized(joints))
 
     def named_arrays(self, value: Any) -> Iterator[tuple[str, Array]]:
         """Yield each column's name and samples (N,) of a field's value."""
@@ -87,27 +95,6 @@ class Channel:
             flat = np.reshape(array, (len(array), math.prod(np.shape(array)[1:]))).T
             joints = len(flat) // abs(math.prod(self.shape))
             yield from zip(self.columns(self.name.format(key), joints), flat, strict=True)
-
-    def _array(self, source: "Source", name: str) -> Array:
-        flat = source.load(self.columns(name, source.joints), self.dtype)
-        return flat.reshape(len(flat), *self.sized(source.joints))
-
-    def _found(self, names: Collection[str]) -> list[str]:
-        """Return the keys of which the table has columns, in their declared order."""
-        pattern = re.compile(re.escape(self.columns(self.name)[0]).replace(r"\{\}", "(.+)"))
-        found = [match[1] for name in names if (match := pattern.fullmatch(name))]
-        return [key for key in self.keys if key in found] if self.keys else found
-
-
-class Source(NamedTuple):
-    """A table's columns: their names, and a function that loads some of them, (N, len(names)).
-
-    joints: of its arm, as many as its widest channel of joints has.
-    """
-
-    names: list[str]
-    load: Callable[[list[str], type], Array]
-    joints: int = 6
 
 
 def channel(
@@ -154,7 +141,7 @@ class Table:
         """
         footer = read_footer(path)
         load = partial(read_columns, path, rows=rows, footer=footer)
-        return cls._of(Source([*footer.schema.names], load))
+        return cls._of([*footer.schema.names], load)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame) -> Self:
@@ -163,29 +150,31 @@ class Table:
         def load(names: list[str], dtype: type) -> Array:
             return table[names].to_numpy(dtype, copy=True)
 
-        return cls._of(Source([*map(str, table)], load))
+        return cls._of([*map(str, table)], load)
 
     @classmethod
-    def _of(cls, source: Source) -> Self:
-        have = {*source.names}
-        joints = max((declared.joints_in(have) for declared in _channels(cls).values()), default=0)
-        source = source._replace(joints=joints or 6)
-        for declared in _channels(cls).values():
-            needed = not (declared.optional or declared.several)
-            if needed and not declared.is_in(source, declared.name):
+    def _of(cls, names: list[str], load: Load) -> Self:
+        channels, made = _channels(cls), object.__new__(cls)
+        # as many joints as the widest channel of joints has
+        joints = max(declared.joints_in(names) for declared in channels.values()) or 6
+        loads = made.__dict__["_loads"] = {}
+        for name, declared in channels.items():
+            stems = declared.stems(names, joints).items()
+            found = {key: partial(declared.samples, load, stem, joints) for key, stem in stems}
+            if not (found or declared.optional or declared.several):
                 raise KeyError(declared.name)
-        made = object.__new__(cls)
-        made.__dict__["_source"] = source
+            by_key = ByKey({key: cache(samples) for key, samples in found.items()})
+            loads[name] = by_key if declared.several else found.get("")
         return made
 
     if not TYPE_CHECKING:  # a type checker knows the fields by their declarations
 
         def __getattr__(self, name: str) -> Any:
             """Load a field."""
-            declared = _channels(type(self)).get(name)
-            if declared is None or "_source" not in self.__dict__:
+            if name not in self.__dict__.get("_loads", ()):
                 raise AttributeError(name)
-            self.__dict__[name] = declared.read(self._source)
+            samples = self._loads[name]
+            self.__dict__[name] = samples() if callable(samples) else samples
             return self.__dict__[name]
 
     def write(self, path: str | Path) -> None:
