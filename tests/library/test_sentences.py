@@ -36,7 +36,7 @@ def test_a_sentence_knows_its_numbers_and_no_digits_of_names() -> None:
 
 
 def test_numbers_of_parts_stand_in_their_order() -> None:
-    parts = [say("steps.some", names=["run"], more=more) for more in (3, 4)]
+    parts = [say("steps.some", names=["run"] * count) for count in (4, 5)]
     told = say("steps.touched", some=joined(parts))
     assert [number.value for number in told.numbers] == [3, 4]
     assert capital(joined(parts)).numbers == told.numbers

@@ -54,7 +54,10 @@ def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
         yield from rotor_rows(rotors, inertias)
     identified = read_record(Identification, files["identification"])
     if (true := shared(truths, identified.from_, true_parameters)) is not None:
-        yield from parameter_rows(identified, true)
+        for row in identified.parameters:
+            if row.determined:
+                numbers = [float(row.weights @ true)], [row.value], [row.std_error]
+                yield from values("base_parameter", [row.parameter], "", *numbers)
     imu = read_record(dict[str, ImuCalibration], files["calibration"]).get("all")
     if imu and (plan := shared(truths, imu.from_, attrgetter("plan.imu"))):
         yield from imu_rows(imu, plan)
@@ -63,8 +66,8 @@ def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
         yield from friction_rows(friction, *truth)
 
 
-def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> list[Row]:
-    """Return rows about one recording; design: low-pass of the accelerations.
+def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> Iterator[Row]:
+    """Yield rows about one recording; design: low-pass of the accelerations.
 
     files: paths of its clocks, motion, fused, accelerations, forces and truth, and of the described
     and the fitted arm.
@@ -74,14 +77,15 @@ def recording_rows(files: Files, truth: TrueParameters, design: Butterworth) -> 
     robot = load_robot(files["described"])
     exact = point_acceleration(robot, true.q, true.qd, true.qdd, np.array(robot.mounting.imu))
     acceleration = by_segment(inner_lowpass, exact, motion.segment, 1 / true.period, *design)
-    motions = {"encoders": motion, "encoders+imu": fused}
-    return [
-        *clock_rows(read_record(dict[str, SettledClock], files["clocks"]), truth),
-        *joint_acceleration_rows(motions, true),
-        *end_effector_rows(Accelerations.read(files["accelerations"]), acceleration),
-        *torque_rows(load_robot(files["fitted"]), truth, true),
-        *wrench_rows(Forces.read(files["forces"]), true),
-    ]
+    yield from clock_rows(read_record(dict[str, SettledClock], files["clocks"]), truth)
+    yield from joint_acceleration_rows({"encoders": motion, "encoders+imu": fused}, true)
+    estimated = Accelerations.read(files["accelerations"])
+    felt = {} if estimated.felt is None else {"imu": estimated.felt}
+    about = "end_effector_acceleration", [*COMPONENTS], [*COMPONENTS.values()]
+    for method, estimate in (felt | estimated.acceleration).items():
+        yield from errors(*about, acceleration, estimate, method)
+    yield from torque_rows(load_robot(files["fitted"]), truth, true)
+    yield from wrench_rows(Forces.read(files["forces"]), true)
 
 
 def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Row]:
@@ -178,14 +182,6 @@ def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iter
             yield from rows(quantity, joints, "1", INSIDE2, inside, method=method)
 
 
-def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Row]:
-    """Yield the RMSE of the end effector's acceleration; truth: (N, 6), low-passed alike."""
-    felt = {} if accelerations.felt is None else {"imu": accelerations.felt}
-    for method, estimate in (felt | accelerations.acceleration).items():
-        about = ("end_effector_acceleration", [*COMPONENTS], [*COMPONENTS.values()])
-        yield from errors(*about, truth, estimate, method)
-
-
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
     """Yield RMSE, MAE and coverage of the 95 % band of each estimate."""
     true, of_wrench = truth.wrench, (WRENCH, WRENCH_UNITS)
@@ -224,14 +220,6 @@ def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
         axes = AXES[: len(truth)]
         found, std = getattr(calibration, name), getattr(calibration, f"{name}_std")
         yield from values(f"imu_{name}", axes, unit, truth, found, std)
-
-
-def parameter_rows(identification: Identification, truth: Array) -> Iterator[Row]:
-    """Yield base parameters that the data determine; truth: π (P,)."""
-    for row in identification.parameters:
-        if row.determined:
-            numbers = [float(row.weights @ truth)], [row.value], [row.std_error]
-            yield from values("base_parameter", [row.parameter], "", *numbers)
 
 
 def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array]) -> Iterator[Row]:

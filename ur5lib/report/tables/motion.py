@@ -53,12 +53,11 @@ def gains(gains: GainSummary) -> Iterator[Row]:
             ("velocity", found.velocity, "1/s"),
         ):
             bounds = gain.grid[0], gain.grid[-1]
-            yield {
+            known = {"value": gain.best, "std_error": gain.std_error} if gain.determined else {}
+            yield known | {
                 "joint": joint,
                 "gain": name,
                 "unit": unit,
-                "value": gain.best if gain.determined else None,
-                "std_error": gain.std_error if gain.determined else None,
                 "determined": gain.determined,
                 "low": None if gain.low in bounds else gain.low,
                 "high": None if gain.high in bounds else gain.high,
@@ -115,24 +114,17 @@ def acceleration_bands(
 
 
 def _band(found: Difference, std: Array, plain: Array) -> Iterator[Row]:
-    held = _held(found.quantiles, NORMAL95 * std)
+    levels = np.linspace(0, 1, len(found.quantiles))  # of the absolute values
     for index, (component, unit) in enumerate(COMPONENTS.items()):
+        held = np.interp(NORMAL95 * std[index], found.quantiles[:, index], levels)
         yield {
             "component": component,
             "unit": unit,
             "rms": float(np.sqrt(found.square[index])),
             "std": float(std[index]),
-            "held": float(held[index]),
+            "held": float(held),
             "filterpy_rms": float(np.sqrt(plain[index])),
         }
-
-
-def _held(quantiles: Array, limits: Array) -> Array:
-    """Return the shares (6,) within limits (6,) of absolute values with quantiles (101, 6)."""
-    levels = np.linspace(0, 1, len(quantiles))
-    return np.array(
-        [np.interp(x, column, levels) for x, column in zip(limits, quantiles.T, strict=True)]
-    )
 
 
 def imu_calibration(calibration: dict[str, ImuCalibration]) -> Iterator[Row]:

@@ -69,8 +69,7 @@ def undetermined_moments(results: Results) -> Iterator[Sentence]:
     determined = {*moments.loc[moments["determined"] == "yes", "component"]}
     names = [name for name in moments["component"].unique() if name not in determined]
     if names:
-        words = {"several": len(names) > 1, "name": SPOKEN[rows["estimate"].iloc[0]]}
-        yield say("contacts.undetermined", moments=names, **words)
+        yield say("contacts.undetermined", moments=names, name=SPOKEN[rows["estimate"].iloc[0]])
 
 
 def bands_held(results: Results) -> Iterator[Sentence]:
@@ -100,7 +99,7 @@ def felt_while_fitted(results: Results) -> list[str]:
 def counted(results: Results) -> Iterator[Sentence]:
     """Report the number of contacts on each recording without a sensor, also zero."""
     for name, count in [*found_without_sensor(results).items()][:MOST_SHOWN]:
-        yield say("contacts.counted", name=name, estimate=ESTIMATES["Fmap"], count=count)
+        yield say("contacts.counted", name=name, count=count)
 
 
 def largest_contacts(results: Results) -> Iterator[Sentence]:
@@ -128,20 +127,18 @@ def detection(results: Results) -> Iterator[Sentence]:
     """Report the contacts found by their force, those of the weakest that past samples alone show,
     and the smallest push detected along each axis.
     """
-    rows, name = results.rows("detection", estimate="Fmap"), ESTIMATES["Fmap"]
+    rows = results.rows("detection", estimate="Fmap")
     by_class = rows.groupby("force_class_n")[["found", "contacts"]].sum()
     if len(by_class):
-        yield say("contacts.found", name=name, classes=[*by_class.itertuples()])
+        yield say("contacts.found", classes=[*by_class.itertuples()])
         weakest = rows[rows["force_class_n"] == rows["force_class_n"].min()]
         rated = weakest.dropna(subset="causal_found")
         if len(rated):
-            found, count = (int(rated[column].sum()) for column in ("causal_found", "contacts"))
             delays = [*rated["causal_delay_s"].dropna()]
-            words = {"found": found, "count": count, "delays": delays, "most": MOST_SHOWN}
-            yield say("contacts.causal", **words)
+            yield say("contacts.causal", rows=rated, delays=delays, most=MOST_SHOWN)
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
-        yield say("contacts.smallest", name=name, forces=smallest)
+        yield say("contacts.smallest", forces=smallest)
 
 
 def quiet(results: Results) -> pd.DataFrame:

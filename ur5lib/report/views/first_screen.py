@@ -7,7 +7,6 @@ import pandas as pd
 from scipy.special import bdtr, bdtrc
 
 from ur5lib.identification.samples import FEW
-from ur5lib.pipeline.estimators import ESTIMATES
 from ur5lib.report.document import MOST_SHOWN, Verdict
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
@@ -124,8 +123,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
         yield say("steps.advised", robot=row.robot, motion=motion)
     remarks = results.rows("remarks", code=ASKING)
     for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
-        words = {"robot": robot, "numbers": part["joint"], "several": len(part) > 1, "few": FEW}
-        yield say(f"steps.{code}", **words)
+        yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=FEW)
     for role in ("fit", "validate"):
         if not results.with_role(role):
             yield say(f"steps.{role}")
@@ -139,7 +137,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
 
 def _some(names: list[str]) -> Sentence:
     """Name the first recording, and count the others."""
-    return say("steps.some", names=names, more=len(names) - 1)
+    return say("steps.some", names=names)
 
 
 IMPROBABLE = 0.025  # below this chance, the count of intervals that contain the truth is remarkable
@@ -214,20 +212,18 @@ def nearest_model(results: Results) -> Iterator[Sentence]:
     if not compared.differ:
         yield say("models.same")
     else:
-        words = {"near": compared.near, "differ": compared.differ, "unseen": compared.unseen}
-        yield say("models.nearest", best=[*map(models.named, compared.best)], **words)
+        yield say("models.nearest", best=[*map(models.named, compared.best)], compared=compared)
 
 
 def _detection(results: Results) -> Iterator[Sentence]:
     """Report the contacts found, the false alarms, and the smallest push detected."""
-    rows, name = results.rows("detection", estimate="Fmap"), ESTIMATES["Fmap"]
+    rows = results.rows("detection", estimate="Fmap")
     least = rows[rows["force_class_n"] == rows["force_class_n"].min()]
     if len(least):
-        found, count = (int(least[column].sum()) for column in ("found", "contacts"))
-        yield say("findings.contacts", name=name, found=found, count=count)
+        yield say("findings.contacts", rows=least)
     free = contacts.quiet(results)
     if len(free):
-        yield say("findings.false alarms", name=name, rate=free["alarms_per_min"].mean())
+        yield say("findings.false alarms", rate=free["alarms_per_min"].mean())
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield say("findings.hardest", axis=smallest.idxmax()[-1], force=smallest.max())
