@@ -3,7 +3,7 @@
 import os
 import platform
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import metadata
@@ -121,9 +121,11 @@ class Results:
         """Return the role of each recording."""
         return {recording["name"]: recording["role"] for recording in self.study["recordings"]}
 
-    def with_role(self, role: str) -> list[str]:
-        """Return the names of the recordings with a role."""
-        return [name for name, other in self.roles().items() if other == role]
+    def with_role(self, role: str, among: Iterable[str] | None = None) -> list[str]:
+        """Return the names of the recordings with a role, of all or among some."""
+        roles = self.roles()
+        names = roles if among is None else {*among}
+        return [name for name in roles if roles[name] == role and name in names]
 
     def listed(self, table: str, column: str = "recording") -> list[str]:
         """Return the names in a column of a table, each once."""

@@ -81,43 +81,40 @@ def bands_held(results: Results) -> Iterator[Sentence]:
         yield say("contacts.averaged", held=[*known.itertuples()])
 
 
-def found_without_sensor(results: Results) -> dict[str, int]:
-    """Return the number of contacts that F̂ᵐᵃᵖ finds, by contact recording without a sensor."""
+def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
+    """Return the contacts that F̂ᵐᵃᵖ finds, by contact recording without a sensor."""
     searched = {*results.rows("detection", estimate="Fmap")["recording"]}
-    without = searched.difference(results.listed("force_mae"))
-    contacts = results.rows("contacts", estimate="Fmap", kind="contact")["recording"]
-    names = [name for name in results.with_role("contact") if name in without]
-    return contacts.value_counts().reindex(names, fill_value=0).to_dict()
+    names = results.with_role("contact", searched.difference(results.listed("force_mae")))
+    contacts = results.rows("contacts", estimate="Fmap", kind="contact")
+    found = dict([*contacts.groupby("recording")])
+    return {name: found.get(name, contacts[:0]) for name in names}
 
 
 def felt_while_fitted(results: Results) -> list[str]:
     """Return the recordings of the role fit on which F̂ᵐᵃᵖ finds contacts, by a fit without them."""
-    found = {*results.rows("contacts", estimate="Fmap", kind="contact")["recording"]}
-    return [name for name in results.with_role("fit") if name in found]
+    found = results.rows("contacts", estimate="Fmap", kind="contact")
+    return results.with_role("fit", found["recording"])
 
 
 def counted(results: Results) -> Iterator[Sentence]:
     """Report the number of contacts on each recording without a sensor, also zero."""
-    for name, count in [*found_without_sensor(results).items()][:MOST_SHOWN]:
-        yield say("contacts.counted", name=name, count=count)
+    for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
+        yield say("contacts.counted", name=name, count=len(rows))
 
 
 def largest_contacts(results: Results) -> Iterator[Sentence]:
     """Report the largest force on each contact recording without a sensor."""
-    contacts = results.rows("contacts", estimate="Fmap", kind="contact")
-    for name, count in [*found_without_sensor(results).items()][:MOST_SHOWN]:
-        if count:
-            rows = contacts[contacts["recording"] == name]
+    for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
+        if len(rows):
             largest = rows.loc[(rows[FORCES] ** 2).sum(axis="columns").idxmax()]
-            place = {"links": likely(largest), "flange": FLANGE}
-            yield say("contacts.largest", name=name, row=largest, **place)
+            links = likely(largest)
+            yield say("contacts.largest", name=name, row=largest, links=links, flange=FLANGE)
 
 
 def elsewhere(results: Results) -> Iterator[Sentence]:
     """Report the contacts that are not on the flange: stated forces hold only for the flange."""
-    contacts = results.rows("contacts", estimate="Fmap", kind="contact")
-    for name in [*found_without_sensor(results)][:MOST_SHOWN]:
-        links = [likely(row) for _, row in contacts[contacts["recording"] == name].iterrows()]
+    for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
+        links = [likely(row) for _, row in rows.iterrows()]
         others = [likely for likely in links if likely and FLANGE not in likely]
         if others:
             yield say("contacts.elsewhere", name=name, count=len(others), total=len(links))
@@ -158,11 +155,6 @@ class Score(NamedTuple):
     found: int
     pushes: int
     above: float
-
-    @property
-    def reliable(self) -> bool:
-        """Whether every push is found and nothing else is above the threshold."""
-        return self.found == self.pushes and self.above == 0
 
 
 def score(results: Results, estimate: str) -> Score | None:
@@ -282,7 +274,7 @@ def _unjudged(results: Results) -> Verdict:
         return Verdict(TOPIC, "not determined", say("force.none"), joined(readings(results)))
     if len(results.tables["force_mae"]):
         return Verdict(TOPIC, "not determined", say("force.untouched"))
-    counts = [*found_without_sensor(results).values()]
+    counts = [*map(len, found_without_sensor(results).values())]
     alarms = quiet(results)["alarms_per_min"]
     known = counts or len(alarms)
     evidence = say("force.plausible", counts=counts, alarms=alarms) if known else ""

@@ -24,9 +24,8 @@ CONSTANT = "a constant current"
 
 def predicted(results: Results) -> list[str]:
     """Return the validate recordings whose currents were predicted."""
-    rows = results.tables["current_rmse"]
-    fitted = {*rows.loc[rows["model"] == "fitted", "recording"]}
-    return results.shown([name for name in results.with_role("validate") if name in fitted])
+    fitted = results.rows("current_rmse", model="fitted")["recording"]
+    return results.shown(results.with_role("validate", fitted))
 
 
 def constants(results: Results) -> pd.DataFrame:

@@ -89,8 +89,8 @@ def corrections(results: Results) -> Iterator[Sentence]:
         yield say("steps.stop recording", file=results.file_of(row.recording), row=row)
     for row in results.rows("remarks", step=STOP)[:1].itertuples():
         yield say("steps.stop arm", row=row)
-    sensed = {*results.rows("force_mae", during="contact")["recording"]}
-    if touched := [name for name in results.with_role("fit") if name in sensed]:
+    sensed = results.rows("force_mae", during="contact")["recording"]
+    if touched := results.with_role("fit", sensed):
         yield say("steps.touched", some=_some(touched))
     if felt := [name for name in contacts.felt_while_fitted(results) if name not in touched]:
         yield say("steps.felt", some=_some(felt))

@@ -20,8 +20,7 @@ RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # in the 
 
 def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
-    drawn = {*searched(results)["recording"]}
-    touched = [name for name in results.with_role("contact") if name in drawn]
+    touched = results.with_role("contact", searched(results)["recording"])
     beside = [*results.listed("force_mae"), *results.listed("sensed")]
     return results.shown([*results.printed("force_mae", "printed_mae"), *beside, *touched])
 

@@ -18,10 +18,9 @@ LINKS = "Link model"  # topic
 
 def compared(results: Results) -> list[str]:
     """Return recordings with a table of torques: printed errors, and validate recordings."""
-    torque = results.tables["torque_mae"]
-    recordings = [*torque.loc[torque["mae"].notna(), "recording"].unique()]
-    others = [name for name in results.with_role("validate") if name in recordings]
-    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(recordings, 1)
+    known = results.printed("torque_mae", "mae")
+    others = results.with_role("validate", known)
+    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(known, 1)
 
 
 def mean_errors(results: Results) -> pd.DataFrame:
@@ -60,10 +59,9 @@ def identified(results: Results) -> Iterator[Sentence]:
 
 def loop_drawn(results: Results) -> list[str]:
     """Return the recordings whose closed loop is drawn."""
-    recordings = results.listed("closed_loop_mae")
-    validated = [name for name in results.with_role("validate") if name in recordings]
+    known = results.listed("closed_loop_mae")
     printed = results.shown(results.printed("closed_loop_mae"))
-    return printed or results.shown([*validated, *recordings], 1)
+    return printed or results.shown([*results.with_role("validate", known), *known], 1)
 
 
 def loop_older(results: Results) -> list[str]:
