@@ -1,6 +1,4 @@
-"""A Slurm cluster of one node on this machine, for as long as a block or a command runs.
-
-    python tests/one_node_slurm.py sinfo
+"""A Slurm cluster of one node on this machine, for as long as a block runs.
 
 It needs Debian's slurm-wlm and munge, and root. All of it is in one temporary folder, listens on
 127.0.0.1 alone, and is gone at the end.
@@ -11,13 +9,14 @@ import pwd
 import shutil
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
+CORES = 2  # of the node, whatever the machine has
+START_UP_S = 30.0  # that a daemon may take to answer
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "setpriv")
 CONFIGURATION = """\
 ClusterName=test
@@ -48,23 +47,27 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 
 
+IS_READY = ("sinfo", "--noheader", "--format=%T")
+
+
 class NoSlurmError(Exception):
     """Slurm cannot run here; the message says why."""
 
 
 @contextmanager
-def one_node_slurm(cores: int = 2, start_up_s: float = 30.0) -> Iterator[dict[str, str]]:
+def one_node_slurm() -> Iterator[dict[str, str]]:
     """Run Slurm on this machine; give the environment in which its commands find it.
 
-    cores: how many the node has, whatever the machine has; start_up_s: how long it may take to
-    answer [s]. Raises NoSlurmError.
+    Raises NoSlurmError.
     """
-    if reason := why_not():
-        raise NoSlurmError(reason)
+    if missing := [name for name in PROGRAMS if shutil.which(name) is None]:
+        raise NoSlurmError(f"{', '.join(missing)} not found: `apt-get install slurm-wlm munge`")
+    if os.geteuid() != 0:
+        raise NoSlurmError("Slurm's daemons need root")
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="slurm-")))
         folder.chmod(0o755)  # munge's own user passes through it
-        environment = os.environ | {"SLURM_CONF": str(write_files(folder, cores))}
+        environment = os.environ | {"SLURM_CONF": str(write_files(folder))}
         daemons: dict[str, subprocess.Popen[bytes]] = {}
         stack.callback(stop, daemons, environment)
         for name, command in commands(folder).items():
@@ -77,20 +80,12 @@ def one_node_slurm(cores: int = 2, start_up_s: float = 30.0) -> Iterator[dict[st
                 stderr=subprocess.STDOUT,
             )
             if name == "munged":
-                wait_for((folder / "munge" / "socket").exists, daemons, folder, start_up_s)
-        wait_for(lambda: answers(environment), daemons, folder, start_up_s)
+                wait_for((folder / "munge" / "socket").exists, daemons, folder)
+        wait_for(lambda: ask(environment, *IS_READY) == "idle", daemons, folder)
         yield environment
 
 
-def why_not() -> str:
-    """Return why Slurm cannot run here; empty if it can."""
-    missing = [name for name in PROGRAMS if shutil.which(name) is None]
-    if missing:
-        return f"{', '.join(missing)} not found: `apt-get install slurm-wlm munge`"
-    return "" if os.geteuid() == 0 else "Slurm's daemons need root"
-
-
-def write_files(folder: Path, cores: int) -> Path:
+def write_files(folder: Path) -> Path:
     """Write what the daemons need below a folder; return Slurm's configuration."""
     for name in ("munge", "state", "spool"):
         (folder / name).mkdir(mode=0o755)
@@ -106,7 +101,7 @@ def write_files(folder: Path, cores: int) -> Path:
         CONFIGURATION.format(
             host=socket.gethostname().split(".")[0],
             folder=folder,
-            cores=cores,
+            cores=CORES,
             memory=os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2**20,
             controller_port=controller_port,
             node_port=node_port,
@@ -142,23 +137,17 @@ def wait_for(
     happens: Callable[[], bool],
     daemons: dict[str, subprocess.Popen[bytes]],
     folder: Path,
-    limit_s: float,
 ) -> None:
     """Wait until something happens; raise NoSlurmError if a daemon ends or it takes too long."""
-    ends = time.monotonic() + limit_s
+    ends = time.monotonic() + START_UP_S
     while not happens():
         for name, process in daemons.items():
             if process.poll() is not None:
                 said = (folder / f"{name}.log").read_text(errors="replace").strip()
                 raise NoSlurmError(f"{name} ended: {said.splitlines()[-1] if said else 'silent'}")
         if time.monotonic() > ends:
-            raise NoSlurmError(f"Slurm did not answer within {limit_s:.0f} s")
+            raise NoSlurmError(f"Slurm did not answer within {START_UP_S:.0f} s")
         time.sleep(0.1)
-
-
-def answers(environment: dict[str, str]) -> bool:
-    """Whether the node is ready for jobs."""
-    return ask(environment, "sinfo", "--noheader", "--format=%T") == "idle"
 
 
 def ask(environment: dict[str, str], *command: str) -> str:
@@ -185,16 +174,3 @@ def stop(daemons: dict[str, subprocess.Popen[bytes]], environment: dict[str, str
             process.wait(timeout=5)
         process.kill()
         process.wait()
-
-
-def main() -> None:
-    """Run a command with Slurm at hand."""
-    try:
-        with one_node_slurm() as environment:
-            sys.exit(subprocess.run(sys.argv[1:], env=environment, check=False).returncode)
-    except NoSlurmError as error:
-        sys.exit(str(error))
-
-
-if __name__ == "__main__":
-    main()

@@ -277,17 +277,15 @@ def _null_is_nan(schema: Any) -> Any:
     """Return pydantic's schema with every number that may not be null as NaN where it is."""
     if isinstance(schema, list):
         return [_null_is_nan(part) for part in schema]
-    if not isinstance(schema, dict) or _is_optional_number(schema):
+    if not isinstance(schema, dict):
+        return schema
+    if schema.get("type") == "nullable" and schema["schema"].get("type") == "float":
         return schema
     if schema.get("type") == "float":
         from pydantic_core.core_schema import no_info_before_validator_function as before
 
         return before(lambda value: math.nan if value is None else value, schema)
     return {name: _null_is_nan(part) for name, part in schema.items()}
-
-
-def _is_optional_number(schema: Mapping[str, Any]) -> bool:
-    return schema.get("type") == "nullable" and schema["schema"].get("type") == "float"
 
 
 def key(field: str) -> str:

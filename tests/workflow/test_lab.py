@@ -120,30 +120,26 @@ def test_a_new_lab_simulates_and_computes_on_its_own(installed: Installed) -> No
     assert "Usage" in installed.run("ur5", "--help", folder=lab)
 
 
-@pytest.mark.parametrize("name", ["Snakefile", "workflow/Snakefile"])
-def test_the_installed_workflow_runs_where_one_stands(installed: Installed, name: str) -> None:
-    """Also without a Snakefile of one's own, and from where Snakemake's catalogue expects it."""
-    folder = installed.labs / f"ohne {name.replace('/', ' ')}"
-    folder.mkdir()
-    small_study(folder)
-    snakefile = str(installed.library / "workflow" / name)
-    assert "write_report" in installed.snakemake(folder, "--snakefile", snakefile, "--dry-run")
-
-
-def test_the_workflow_is_a_module_of_another(installed: Installed) -> None:
-    folder = installed.labs / "Modul"
-    folder.mkdir()
-    small_study(folder)
-    snakefile = installed.library / "workflow" / "Snakefile"
-    (folder / "Snakefile").write_text(
-        f"""configfile: "config.yaml"
+MODULE = """configfile: "config.yaml"
 module ur5:
     snakefile: "{snakefile}"
     config: config
 use rule * from ur5
 """
-    )
-    assert "write_report" in installed.snakemake(folder, "--cores", "1", "--dry-run")
+
+
+@pytest.mark.parametrize("text", ["", MODULE])
+@pytest.mark.parametrize("name", ["Snakefile", "workflow/Snakefile"])
+def test_the_installed_workflow_runs_where_one_stands(
+    installed: Installed, tmp_path: Path, name: str, text: str
+) -> None:
+    """Also without a Snakefile of one's own, and from where Snakemake's catalogue expects it."""
+    small_study(tmp_path)
+    snakefile = installed.library / "workflow" / name
+    given = tmp_path / "Snakefile" if text else snakefile
+    if text:
+        given.write_text(text.format(snakefile=snakefile))
+    assert "write_report" in installed.snakemake(tmp_path, "--snakefile", str(given), "--dry-run")
 
 
 def files_of(folder: Path) -> dict[Path, int]:

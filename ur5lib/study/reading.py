@@ -7,6 +7,7 @@ import math
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from glob import glob
 from itertools import pairwise
 from pathlib import Path
@@ -87,16 +88,12 @@ def parse_study(raw: Raw, source: str) -> Study:
         *_missing_results(raw),
     ]
     try:
-        study = Study.model_validate(_completed(raw))
+        study = _with_arms(Study.model_validate(_with_files(raw)))
         if all(recording.robot for recording in study.recordings):
             problems += [*_different_arms(study), *_wrong_arms(study), *_misfits(study)]
     except ValidationError as error:
         schema = Study.model_json_schema()
-        unknown = (
-            detail
-            for detail in error.errors()
-            if not (_is_renamed(raw, detail["loc"]) or _is_inherited_arm(raw, detail["loc"]))
-        )
+        unknown = (detail for detail in error.errors() if not _is_renamed(raw, detail["loc"]))
         found = (explain(_as_stated(detail, stated), schema) for detail in unknown)
         problems = [*found, *problems]
     if problems:
@@ -168,9 +165,14 @@ def _without_files(raw: Raw) -> Iterator[str]:
 
 def _entries(raw: Raw) -> list[tuple[int, Raw]]:
     """Return the entries of the recordings that are mappings, each with its index."""
-    recordings = raw.get("recordings")
-    entries = recordings if isinstance(recordings, list) else []
-    return [(k, entry) for k, entry in enumerate(entries) if isinstance(entry, dict)]
+    entries = enumerate(_listed(raw, "recordings"))
+    return [(k, entry) for k, entry in entries if isinstance(entry, dict)]
+
+
+def _listed(raw: Raw, key: str) -> list[Any]:
+    """Return a list of the configuration; empty where it is none."""
+    value = raw.get(key)
+    return value if isinstance(value, list) else []
 
 
 def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
@@ -201,40 +203,36 @@ def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
 
 
 def _missing_results(raw: Raw) -> Iterator[str]:
-    studies = raw.get("compare_with")
-    names = studies if isinstance(studies, list) else []
-    for name in (name for name in names if isinstance(name, str)):
+    for name in _listed(raw, "compare_with"):
         if name == raw.get("study"):
             yield f"`compare_with` names {shown(name)}, this study itself; name another"
-        elif not Path("results", name, "tables").is_dir():
+        elif isinstance(name, str) and not Path("results", name, "tables").is_dir():
             yield (
                 f"`compare_with` names {shown(name)}, but results/{name} holds no results; run "
                 "snakemake on that study first"
             )
 
 
-def _completed(raw: Raw) -> Raw:
-    """Return the configuration with the study's arm in each recording that names none, and with
-    the files that the test stand will write.
-    """
-    recordings = raw.get("recordings")
-    if not isinstance(recordings, list):
-        return raw
-    return {**raw, "recordings": [_completed_entry(entry, raw) for entry in recordings]}
+def _with_files(raw: Raw) -> Raw:
+    """Return the configuration with the files that the test stand will write."""
+    entries = [*_listed(raw, "recordings")]
+    for k, entry in _entries(raw):
+        if isinstance(plan := entry.get("simulate"), dict):
+            files: dict[str, Any] = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
+            if entry.get("format") in layout.FORMATS:
+                sensors = [name for name in layout.COLUMNS if plan.get(name) is not None]
+                files |= layout.device_keys(entry["format"], sensors)
+            entries[k] = {**entry, **files}
+    return {**raw, "recordings": entries} if entries else raw
 
 
-def _completed_entry(entry: Any, raw: Raw) -> Any:
-    if not isinstance(entry, dict):
-        return entry
-    inherits = not entry.get("robot") and raw.get("robot") is not None
-    arm = {"robot": raw["robot"]} if inherits else {}
-    if not isinstance(plan := entry.get("simulate"), dict):
-        return entry | arm
-    folder = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
-    if entry.get("format") not in layout.FORMATS:
-        return entry | folder | arm
-    sensors = [name for name in layout.COLUMNS if plan.get(name) is not None]
-    return entry | folder | layout.device_keys(entry["format"], sensors) | arm
+def _with_arms(study: Study) -> Study:
+    """Return the study with its arm in each recording that names none."""
+    recordings = [
+        recording if recording.robot else recording.model_copy(update={"robot": study.robot})
+        for recording in study.recordings
+    ]
+    return study.model_copy(update={"recordings": recordings})
 
 
 def study_text(study: Study) -> str:
@@ -271,21 +269,21 @@ def _wrong_arms(study: Study) -> Iterator[str]:
 
 def _misfits(study: Study) -> Iterator[str]:
     """Yield what of simulated recordings does not fit their arms."""
-    plans = [(own, getattr(own, "simulate", None)) for own in study.recordings]
-    simulated = [(own, plan) for own, plan in plans if plan is not None]
-    for name in dict.fromkeys(own.arm.arm for own, _ in simulated):
+    described = cache(load_robot)
+    for recording in study.recordings:
+        if (plan := getattr(recording, "simulate", None)) is None:
+            continue
         try:
-            robot = load_robot(robot_path(name))
+            robot = described(robot_path(recording.arm.arm))
         except InputError as error:
             yield str(error)
             continue
-        for recording, plan in ((own, plan) for own, plan in simulated if own.arm.arm == name):
-            place = f"`recordings.{recording.name}"
-            misfits = plan.misfits(recording.arm.known_as, len(robot.joints))
-            yield from (f"{place}.simulate.{misfit}" for misfit in misfits)
-            of_ur = recording.format in layout.FORMATS_OF_UR
-            if of_ur and (len(robot.joints) != 6 or robot.senses_torque()):
-                yield f"{place}.format` is {recording.format}, of UR arms alone; give rtde-csv"
+        place = f"`recordings.{recording.name}"
+        misfits = plan.misfits(recording.arm.known_as, len(robot.joints))
+        yield from (f"{place}.simulate.{misfit}" for misfit in misfits)
+        of_ur = recording.format in layout.FORMATS_OF_UR
+        if of_ur and (len(robot.joints) != 6 or robot.senses_torque()):
+            yield f"{place}.format` is {recording.format}, of UR arms alone; give rtde-csv"
 
 
 def _repeated_names(raw: Raw) -> Iterator[str]:
@@ -334,13 +332,6 @@ def _renamed_settings(raw: Raw) -> Iterator[str]:
         old = settings.get(step) if isinstance(settings, dict) else None
         if isinstance(old, dict) and key in old:
             yield f"`settings.{step}.{key}` is now `settings.{present}`; move the value there"
-
-
-def _is_inherited_arm(raw: Raw, location: tuple[int | str, ...]) -> bool:
-    """Return whether an error is that of the study's arm, inherited by a recording."""
-    if location[0] != "recordings" or "robot" not in location[:4]:
-        return False
-    return raw["recordings"][location[1]].get("robot") is None
 
 
 def _is_renamed(raw: Raw, location: tuple[int | str, ...]) -> bool:
