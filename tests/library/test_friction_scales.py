@@ -20,7 +20,7 @@ from ur5lib.commands.friction_scales import Expected, Scales, friction_scales, w
 from ur5lib.errors import InputError
 from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.identification.estimation import Estimate
-from ur5lib.identification.samples import Record, design
+from ur5lib.identification.samples import Record, columns_of
 from ur5lib.timeseries.arrays import Array
 
 PLAIN = [0, 3, 4, 5]  # joints with Coulomb and viscous friction only
@@ -46,7 +46,7 @@ def expected(record: Record) -> Expected:
     qd = record.qd
     known = np.zeros_like(qd)
     for joint in range(6):
-        columns, _ = design(record, joint, TERMS[joint][:2], 3e-4)
+        columns, _ = columns_of(record.joint(joint, 3e-4), TERMS[joint][:2])
         coulomb, viscous = coefficients(joint)[2:4]
         known[:, joint] = SHARES[0, joint] * viscous * qd[:, joint]
         known[:, joint] += SHARES[1, joint] * coulomb * columns[:, 2]

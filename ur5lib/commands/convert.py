@@ -127,12 +127,9 @@ def _add_topic(writer: Any, name: str, table: pd.DataFrame) -> int:
 
 
 def _messages(table: pd.DataFrame) -> Iterator[bytes]:
-    names = [*table]
     for row in table.itertuples(index=False, name=None):
-        message = {
-            name: value for name, value in zip(names, row, strict=True) if math.isfinite(value)
-        }
-        yield json.dumps(message).encode()
+        values = zip(table, row, strict=True)
+        yield json.dumps({name: x for name, x in values if math.isfinite(x)}).encode()
 
 
 WRITERS: dict[str, tuple[str, Callable[[Contents, Path], None]]] = {  # ending of a path, writer

@@ -7,7 +7,7 @@ torque constant plus friction. The scale is the measured friction over the expec
 currents: these are what the motor gets, whichever torque constant is right.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -105,19 +105,14 @@ def measured_friction(model: JointFit, joint: int, runs: Sequence[Expected]) -> 
 
     The errors are a jackknife over blocks and, for constant and offset, the bootstrap of the fit.
     """
-    rows = []
-    for run in runs:
-        qd, torque, current = (
-            values[:, joint] for values in (run.record.qd, run.record.torque, run.record.current)
-        )
-        rows.append(_fast(qd, np.column_stack([torque, np.ones_like(qd), current])))
-    whole, known = np.vstack(rows), model.estimate.coefficients[:2]
-
-    def friction(part: Array) -> Array:
-        return _solved(part[:, :2], part[:, 4] - part[:, 2:4] @ known)
-
-    own, error = _jackknifed(friction, whole)
-    of_known = _solved(whole[:, :2], whole[:, 2:4]) @ model.estimate.replicates[:, :2].T
+    parts = []
+    for record in (run.record for run in runs):
+        qd, torque, current = record.qd[:, joint], record.torque[:, joint], record.current[:, joint]
+        parts.append(_fast(qd, np.column_stack([torque, np.ones_like(qd), current])))
+    rows, estimate = np.vstack(parts), model.estimate
+    columns, of_links, current = rows[:, :2], rows[:, 2:4], rows[:, 4]
+    own, error = _jackknifed(columns, current - of_links @ estimate.coefficients[:2])
+    of_known = _solved(columns, of_links) @ estimate.replicates[:, :2].T
     return np.stack([own, np.hypot(error, spread(of_known.T))])
 
 
@@ -125,15 +120,12 @@ def expected_friction(joint: int, runs: Sequence[Expected]) -> Array:
     """Return viscous [A s/rad] and Coulomb [A] friction in `target_current`, and their standard
     errors by a jackknife over blocks, (2, 2); joint: 0 to 5.
     """
-    rows = []
+    parts = []
     for run in runs:
         qd, qdd, moment, current = (values[:, joint] for values in run[1:])
-        rows.append(_fast(qd, np.column_stack([moment, qdd, np.ones_like(qd), current])))
-
-    def friction(part: Array) -> Array:
-        return _solved(part[:, :-1], part[:, -1])[:2]
-
-    return np.stack(_jackknifed(friction, np.vstack(rows)))
+        parts.append(_fast(qd, np.column_stack([moment, qdd, np.ones_like(qd), current])))
+    rows = np.vstack(parts)
+    return np.stack(_jackknifed(rows[:, :-1], rows[:, -1]))
 
 
 def written(robot: str, scales: Scales) -> str:
@@ -165,11 +157,12 @@ def _fast(qd: Array, columns: Array) -> Array:
     return np.asarray(rows[(np.abs(qd) > FAST) & np.isfinite(rows).all(axis=1)])
 
 
-def _jackknifed(estimate: Callable[[Array], Array], rows: Array) -> tuple[Array, Array]:
-    """Return an estimate of rows, and its standard errors by leaving out blocks of them."""
-    blocks = np.array_split(np.arange(len(rows)), BLOCKS)
-    left = [estimate(np.delete(rows, block, axis=0)) for block in blocks]
-    return estimate(rows), np.sqrt(BLOCKS - 1) * np.std(left, axis=0)
+def _jackknifed(columns: Array, values: Array) -> tuple[Array, Array]:
+    """Return the first two coefficients, and standard errors by leaving out blocks of rows."""
+    every = np.arange(len(values))
+    kept = (np.delete(every, block) for block in np.array_split(every, BLOCKS))
+    left = [_solved(columns[rows], values[rows])[:2] for rows in kept]
+    return _solved(columns, values)[:2], np.sqrt(BLOCKS - 1) * np.std(left, axis=0)
 
 
 def _solved(columns: Array, values: Array) -> Array:

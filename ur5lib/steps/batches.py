@@ -136,25 +136,17 @@ class Batches:
 
     @cached_property
     def levels(self) -> list[list[Step]]:
-        """The steps of each level, each after those that it reads from."""
+        """The steps of each level, each after those of the same recording that it reads from."""
+        order = TopologicalSorter[str]()
+        for name, step in self.steps.items():
+            read = ((file, one) for one in self.samples for file in step.files("input", one))
+            made = ((self.maker(file), sample) for file, sample in read)
+            order.add(name, *(maker[0] for maker, of in made if maker and maker[1] == of))
         found: list[list[Step]] = []
-        for name in TopologicalSorter(self.read_from).static_order():
+        for name in order.static_order():
             found += [[] for _ in range(len(found), self.level(name) + 1)]
             found[self.level(name)].append(self.steps[name])
         return found
-
-    @cached_property
-    def read_from(self) -> dict[str, set[str]]:
-        """The steps of the same recording that a step reads from."""
-        return {
-            step.name: {
-                made[0]
-                for sample in self.samples
-                for file in step.files("input", sample)
-                if (made := self.maker(file)) and made[1] == sample
-            }
-            for step in self.steps.values()
-        }
 
     @cached_property
     def batches(self) -> dict[str, list[str]]:
