@@ -56,22 +56,15 @@ def test_what_comes_later_changes_nothing(
     assert not np.array_equal(before[later], after[later])
 
 
-def test_data_cut_off_give_the_same_odds(ur5: Robot) -> None:
+def test_every_stretch_is_judged_alone(ur5: Robot) -> None:
+    """By its own samples from its start on, of whatever number."""
     run = pushed(free_run(ur5, 5, 14.0), 8.0, 9.0)
-    whole = odds(run)
-    for count in (100, 255, 270):
-        part = Free(*(getattr(run, name)[:count] for name in vars(run)))
-        np.testing.assert_array_equal(odds(part), whole[:count])
-
-
-def test_every_stretch_starts_anew(ur5: Robot) -> None:
-    run = pushed(free_run(ur5, 5, 14.0), 8.0, 9.0)
-    half = len(run.time) // 2
-    second = Free(*(getattr(run, name)[half:] for name in vars(run)))
-    second = replace(second, time=second.time - second.time[0])
-    segment = (np.arange(len(run.time)) >= half).astype(int)
-    found, alone = (np.clip(own, -20, 20) for own in (odds(run, segment=segment), odds(second)))
-    np.testing.assert_allclose(found[half:], alone, rtol=1e-6)
+    segment = (np.arange(len(run.time)) >= 255).astype(int)
+    found = np.clip(odds(run, segment=segment), -20, 20)
+    for part in (slice(255), slice(255, None)):
+        own = Free(*(getattr(run, name)[part] for name in vars(run)))
+        alone = odds(replace(own, time=own.time - own.time[0]))
+        np.testing.assert_allclose(found[part], np.clip(alone, -20, 20), rtol=1e-6)
 
 
 @pytest.mark.parametrize("moving", [True, False])

@@ -1,6 +1,5 @@
 """The wrench of one contact: its limits, and what its size is learnt from."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,14 +36,6 @@ def contact(
     return torque, J, np.tile(np.diag(deviation**2), (COUNT, 1, 1))
 
 
-def test_a_large_force_is_what_least_squares_have(ur5: Robot) -> None:
-    """A size that its own samples choose takes nothing off a force that they show clearly."""
-    own = contact(ur5, np.array([300.0, -200, 400, 0, 0, 0]), seed=0)
-    chosen = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).mean[:, :3]
-    plain = least_squares_wrench(*own).mean[:, :3]
-    np.testing.assert_allclose(chosen.mean(axis=0), plain.mean(axis=0), rtol=0.01)
-
-
 def test_a_large_wrench_with_moments_is_what_the_torques_say(ur5: Robot) -> None:
     own = contact(ur5, np.array([300.0, -200, 400, 30, -40, 50]), seed=1, noise=0.01)
     chosen = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).mean
@@ -77,12 +68,9 @@ def test_load_friction_widens_the_band_in_proportion(ur5: Robot) -> None:
     np.testing.assert_allclose((with_it.variance - without.variance), expected, rtol=0.05)
 
 
-@pytest.mark.parametrize("doubted", [range(6), [1]])
-def test_bands_hold_forces_of_motors_whose_constants_are_hardly_known(
-    ur5: Robot, doubted: Sequence[int]
-) -> None:
+def test_bands_hold_forces_of_motors_whose_constants_are_hardly_known(ur5: Robot) -> None:
     """Errors of 30 %, as of known constants; with their width, the band holds 90 % and more."""
-    doubt = np.where(np.isin(np.arange(6), doubted), 0.3, 0.0)
+    doubt = 0.3 * np.eye(6)[1]
     held: dict[bool, list[np.ndarray]] = {True: [], False: []}
     for seed in range(50):
         random = np.random.default_rng(1000 + seed)
@@ -111,16 +99,6 @@ def test_an_estimate_widens_its_band_in_contact_by_the_doubt_of_constants(ur5: R
     assert touched[(free.time > 4.5) & (free.time < 6.5)].all()
     assert (wider.std[touched, :3] > plain.std[touched, :3]).all()
     np.testing.assert_array_equal(wider.std[~touched], plain.std[~touched])
-
-
-def test_a_force_that_changes_is_told_less_exactly(ur5: Robot) -> None:
-    torque, J, noise = contact(ur5, np.array([0.0, 0, 0, 0, 0, 0]), seed=5, noise=0.05)
-    ramp = np.zeros((COUNT, 6))
-    ramp[50:, 2] = 40.0
-    own = torque + torque_of(J, ramp), J, noise
-    blurred = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, resolution=0.1)).variance
-    sharp = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, resolution=0.0)).variance
-    assert (blurred - sharp)[49:51, 2].min() > 10 * (blurred - sharp)[:40, 2].max()
 
 
 @pytest.mark.parametrize("size", [3.0, 15.0, 80.0])

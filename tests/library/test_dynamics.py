@@ -23,7 +23,6 @@ from ur5lib.dynamics.rigid_body import (
     kinetic_energy,
     potential_energy,
     regressor,
-    wrench_torque,
 )
 from ur5lib.robots.description import Payload, load_robot, robot_path
 from ur5lib.robots.exports import urdf
@@ -266,9 +265,3 @@ def test_power_is_the_change_of_energy(arm: Arm) -> None:
 def test_regressor_times_parameters_is_the_torque(arm: Arm) -> None:
     torque = regressor(arm, *states()) @ arm.parameters
     assert (torque - inverse_dynamics(arm, *states())).abs().max() < 1e-11
-
-
-def test_a_wrench_acts_by_the_jacobian_transposed(arm: Arm) -> None:
-    q, _, _ = states()
-    expected = times(jacobian(arm, q).mT, wrenches())
-    torch.testing.assert_close(wrench_torque(arm, q, wrenches()), expected, rtol=0, atol=1e-11)

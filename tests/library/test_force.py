@@ -14,7 +14,7 @@ from ur5lib.force.current_based import (
     motor_torque_as_published,
     wrench_from_torque,
 )
-from ur5lib.force.sensor import bias, move_to_frame_6, wrench_of_environment
+from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import (
     correlation,
@@ -55,12 +55,6 @@ def test_a_published_wrench_is_turned_round_once(ur5: Robot) -> None:
     np.testing.assert_allclose(environment_on_arm(published), lift, atol=1e-8)
 
 
-def test_no_wrench_is_told_at_a_singularity(ur5: Robot) -> None:
-    straight = torch.zeros(1, 6, dtype=torch.float64)  # elbow and wrist stretched
-    J = jacobian(build_arm(ur5, "C"), straight).numpy()
-    assert np.isnan(wrench_from_torque(J, np.ones((1, 6)), 1e-6)).all()
-
-
 def test_missing_torques_give_no_wrench() -> None:
     J = np.tile(np.eye(6), (2, 1, 1))
     torque = np.array([[1.0] * 6, [1.0] * 5 + [np.nan]])
@@ -98,13 +92,6 @@ def test_friction_opposes_motion_and_rests_in_the_dead_zone(ur5: Robot) -> None:
 def test_delay_repeats_the_first_row() -> None:
     np.testing.assert_array_equal(delay(np.arange(5), 2), [0, 0, 0, 1, 2])
     np.testing.assert_array_equal(delay(np.arange(5), 0), np.arange(5))
-
-
-def test_bias_is_read_in_the_first_window() -> None:
-    time = np.arange(0, 3, 0.01)
-    reading = np.where(time[:, None] <= 1.0, [1.0, 2, 3, 4, 5, 6], 100.0)
-    reading[:5] = np.nan  # the sensor starts a little later
-    np.testing.assert_allclose(bias(reading, time, 0.5), [1, 2, 3, 4, 5, 6])
 
 
 def test_a_reading_is_turned_into_base_axes() -> None:

@@ -1,7 +1,5 @@
 """Alarms and how they are judged."""
 
-from random import Random
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -29,20 +27,6 @@ def test_spans_reach_on_and_end_at_off() -> None:
     assert spans(signal, on=9, off=1) == []
 
 
-def test_the_threshold_keeps_its_rate() -> None:
-    """20 recordings of a minute: at most 2 alarms a minute, and one more just below."""
-    recordings = []
-    for _ in range(20):
-        odds = np.full(6000, -5.0)
-        odds[RANDOM.choice(600, 4, replace=False) * 10] = RANDOM.uniform(1, 10, 4)
-        recordings.append(odds)
-    threshold = alarm_threshold(recordings, [0.01] * 20, per_minute=2)
-    count = sum(len(alarms(odds, threshold)) for odds in recordings)
-    assert count == 40
-    lower = sum(len(alarms(odds, threshold - 0.5)) for odds in recordings)
-    assert lower > 40
-
-
 def test_each_recording_counts_for_as_long_as_it_lasts() -> None:
     """Two minutes at 100 Hz and one at 500 Hz allow three alarms, not more and not fewer."""
     often, seldom = np.full(30000, -5.0), np.full(12000, -5.0)
@@ -61,13 +45,13 @@ def test_a_live_alarm_starts_where_the_threshold_is_reached() -> None:
 
 
 def test_contacts_found_missed_and_made_up() -> None:
-    detection = compare(
-        alarm=[(12, 20), (50, 60), (79, 90)], contact=[(10, 20), (30, 40), (80, 82)], period=0.1
-    )
+    """Of the alarms, one is in no contact, and one is the second in its contact."""
+    alarm, contact = [(12, 17), (18, 20), (50, 60), (79, 90)], [(10, 20), (30, 40), (80, 82)]
+    detection = compare(alarm, contact, period=0.1)
     assert (detection.contacts, detection.found) == (3, 2)
-    assert (detection.alarms, detection.extra, detection.false) == (3, 0, 1)
+    assert (detection.alarms, detection.extra, detection.false) == (4, 1, 1)
     assert detection.recall() == pytest.approx(2 / 3)
-    assert detection.precision() == pytest.approx(2 / 3)
+    assert detection.precision() == pytest.approx(2 / 4)
     np.testing.assert_allclose(detection.delays, [0.2, -0.1])
 
 
@@ -79,17 +63,6 @@ def test_without_contacts_there_is_no_recall() -> None:
 
 BOUNDS = st.lists(st.integers(0, 60), max_size=20, unique=True).map(sorted)
 SPANS = BOUNDS.map(lambda edges: [*zip(edges[::2], edges[1::2], strict=False)])
-
-
-@given(SPANS, SPANS, st.randoms(use_true_random=False))
-def test_the_order_of_alarms_and_contacts_does_not_matter(
-    alarm: list, contact: list, random: Random
-) -> None:
-    detection = compare(alarm, contact, 0.1)
-    shuffled = random.sample(alarm, len(alarm)), random.sample(contact, len(contact))
-    again = compare(*shuffled, 0.1)
-    for name in ("found", "extra", "false"):
-        assert getattr(again, name) == getattr(detection, name)
 
 
 @given(SPANS, SPANS)
@@ -115,13 +88,6 @@ def test_no_other_matching_finds_more(alarm: list, contact: list) -> None:
 
 def test_the_longest_overlap_is_matched() -> None:
     assert match([(0, 50)], [(0, 5), (10, 40), (45, 60)]) == [(0, 1)]
-
-
-@given(st.integers(1, 10))
-def test_an_alarm_in_pieces_is_found_once_and_the_rest_is_extra(pieces: int) -> None:
-    split = [(10 * i, 10 * i + 5) for i in range(pieces)]
-    detection = compare(split, [(0, 100)], 0.1)
-    assert (detection.found, detection.extra, detection.false) == (1, pieces - 1, 0)
 
 
 def test_the_receiver_curve_of_a_perfect_and_a_blind_detector() -> None:

@@ -16,16 +16,6 @@ RANDOM = np.random.default_rng(0)
 # F̂ᵐᵃᵖ of one sample
 
 
-def test_certain_torques_give_the_exact_wrench(ur5: Robot) -> None:
-    """With little noise and a wide prior, F̂ᵐᵃᵖ is J^-T tau."""
-    J = jacobians(ur5, REGULAR + RANDOM.uniform(-0.3, 0.3, (50, 6)))
-    torque = RANDOM.normal(size=(50, 6))
-    noise, prior = np.tile(1e-10 * np.eye(6), (50, 1, 1)), 1e6 * np.eye(6)
-    exact = wrench_from_torque(J, torque, 1e-6)
-    estimate = regularised_wrench(torque, J, noise, prior)
-    np.testing.assert_allclose(estimate.mean, exact, rtol=1e-4, atol=1e-4)
-
-
 def test_it_is_the_information_form(ur5: Robot) -> None:
     """(J S^-1 J^T + P^-1)^-1 J S^-1 tau, by the matrix inversion lemma."""
     J = jacobians(ur5, RANDOM.uniform(-3, 3, (50, 6)))

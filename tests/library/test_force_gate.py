@@ -145,21 +145,6 @@ def test_a_release_makes_no_contact_of_its_own(ur5: Robot, share: float) -> None
     assert run.time[last] < 10.6
 
 
-def test_the_background_is_not_what_a_push_leaves(ur5: Robot) -> None:
-    """An offset of 3 Nm that was there all along is no contact; the push on top is told alone."""
-    run = free_run(ur5, seed=22)
-    offset = np.array([0.0, 3.0, -3.0, 0.5, 0.0, 0.0])
-    wrench = push(run, 2, 30.0, 12.0, 14.0)
-    touched = run.pushed(wrench)
-    plain = touched.estimate()
-    offset_too = replace(touched, torque=touched.torque + offset).estimate()
-    assert len(contacts(offset_too)) == 1
-    during = (run.time > 12.2) & (run.time < 13.8)
-    apart = np.abs(offset_too.wrench - plain.wrench)[during, :3]
-    assert apart.mean() < 3
-    assert (apart <= 1.96 * plain.std[during, :3]).mean() > 0.95
-
-
 def test_what_was_there_all_along_is_taken_off(ur5: Robot) -> None:
     """Told when the arm is in contact, and of a wrench that is linear in the torque."""
     run = free_run(ur5, seed=22, scale=0.1)

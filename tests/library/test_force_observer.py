@@ -61,12 +61,6 @@ def test_a_torque_that_swings_at_the_bandwidth_is_halved() -> None:
     )
 
 
-def test_it_lags_behind_no_contact(arm: Arm) -> None:
-    """A first-order lag of 2 Hz alone would shift the peak by 80 ms."""
-    torque = observed(arm, ONE, bandwidth=2.0)
-    assert abs(TIME[np.argmax(torque[:, 0]), 0] - 3) <= 2 * PERIOD
-
-
 def test_a_gap_divides_the_run(arm: Arm) -> None:
     segment = np.repeat([0, 1], len(TIME) // 2)
     torque = observed(arm, segment, bandwidth=8.0)

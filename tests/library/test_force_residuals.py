@@ -73,21 +73,6 @@ def states_of(qd: np.ndarray, period: float = PERIOD) -> np.ndarray:
     return joint_states(qd, np.zeros(len(qd), int), period)
 
 
-@pytest.mark.parametrize("period", [0.002, 0.008, 0.02])
-def test_a_joint_that_stops_settles_then_rests_while_others_move(period: float) -> None:
-    time = np.arange(0, 8, period)
-    qd = np.zeros((len(time), 6))
-    qd[:, 1] = 1.0
-    qd[time < 2, 0] = 1.0
-    states = states_of(qd, period)
-    assert (states[:, 1] == MOVING).all()
-    assert (states[time < 1.7, 0] == MOVING).all()
-    assert (states[(time > 2.05) & (time < 2.95), 0] == SETTLING).all()
-    assert (states[time > 3.05, 0] == RESTING).all()
-    assert (states[:, 2:] == RESTING).all()
-    assert not is_still(states).any()
-
-
 def test_an_arm_is_still_once_all_joints_rest() -> None:
     time = np.arange(0, 8, PERIOD)
     qd = np.zeros((len(time), 6))
@@ -96,18 +81,6 @@ def test_an_arm_is_still_once_all_joints_rest() -> None:
     assert (states[time < 2.95, 1:] == RESTING).all()
     assert (states[time > 3.05] == STILL).all()
     np.testing.assert_array_equal(is_still(states), (states == STILL).all(axis=1))
-
-
-def test_a_joint_that_turns_round_reverses() -> None:
-    """It is slow for a moment only, and friction changes its side: near it, not far off."""
-    time = np.arange(0, 12, PERIOD)
-    angle = 2 * np.pi / 6 * time
-    qd = np.tile(np.cos(angle)[:, None], (1, 6))
-    states = states_of(qd)
-    assert set(np.unique(states)) == {MOVING, REVERSING}
-    turning = np.abs((time % 3) - 1.5) < 0.2
-    assert (states[turning] == REVERSING).all()
-    assert (states[np.abs((time % 3) - 1.5) > 0.4] == MOVING).all()
 
 
 @pytest.mark.parametrize(("speed", "state"), [(0.029, STILL), (0.03, MOVING), (0.031, MOVING)])
@@ -125,26 +98,32 @@ def test_states_of_a_template_are_counted_on() -> None:
     np.testing.assert_array_equal(is_still(states), [True, True, False])
 
 
-@pytest.mark.parametrize(("samples", "stops"), [(10, False), (39, False), (40, True)])
-def test_a_joint_that_is_slow_for_0_4_s_has_stopped(samples: int, stops: bool) -> None:
+@pytest.mark.parametrize("rate", [20, 100, 500])
+@pytest.mark.parametrize(("seconds", "stops"), [(0.1, False), (0.35, False), (0.4, True)])
+def test_a_joint_that_is_slow_for_0_4_s_has_stopped(rate: int, seconds: float, stops: bool) -> None:
     """It reverses or settles from a quarter of a second before to one after."""
-    qd = np.ones((600, 6))
-    qd[200 : 200 + samples, 2] = 0.0
-    states = states_of(qd, 0.01)
-    expected = np.full(600, MOVING)
-    expected[175 : 225 + samples] = SETTLING if stops else REVERSING
+    samples = round(seconds * rate)
+    qd = np.ones((6 * rate, 6))
+    qd[2 * rate : 2 * rate + samples, 2] = 0.0
+    states = states_of(qd, 1 / rate)
+    expected = np.full(6 * rate, MOVING)
+    around = round(rate / 4 - 0.01)
+    expected[2 * rate - around : 2 * rate + samples + around] = SETTLING if stops else REVERSING
     np.testing.assert_array_equal(states[:, 2], expected)
     assert (states[:, [0, 1, 3, 4, 5]] == MOVING).all()
 
 
-def test_friction_relaxes_for_a_second_at_both_ends_of_a_rest() -> None:
+@pytest.mark.parametrize("rate", [20, 100, 500])
+def test_friction_relaxes_for_a_second_at_both_ends_of_a_rest(rate: int) -> None:
     """What settles is spread by a quarter second more, into the rest as into the motion."""
-    qd = np.ones((1000, 6))
-    qd[200:800, 2] = 0.0
-    expected = np.full(1000, RESTING)
-    expected[:175], expected[825:] = MOVING, MOVING
-    expected[175:300] = expected[700:825] = SETTLING
-    np.testing.assert_array_equal(states_of(qd, 0.01)[:, 2], expected)
+    time = np.arange(10 * rate)
+    qd = np.ones((10 * rate, 6))
+    qd[2 * rate : 8 * rate, 2] = 0.0
+    around = round(rate / 4 - 0.01)
+    inside = (time >= 2 * rate - around) & (time < 8 * rate + around)
+    resting = (time >= 3 * rate) & (time < 7 * rate)
+    expected = np.where(resting, RESTING, np.where(inside, SETTLING, MOVING))
+    np.testing.assert_array_equal(states_of(qd, 1 / rate)[:, 2], expected)
 
 
 def test_a_gap_wakes_no_joint() -> None:
@@ -296,6 +275,7 @@ def test_few_paths_leave_the_gate_open(paths: int) -> None:
     model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=7)))
     few = model.of_few_paths(paths)
     inside = few.change / model.change
+    np.testing.assert_allclose(few.spread / model.spread, inside)
     np.testing.assert_allclose(inside * few.doubt, few_paths(paths))
     assert inside.max() <= few_paths(5) * (1 + 1e-12)
     assert few.doubt == 1 or paths < 5
@@ -311,24 +291,11 @@ def test_what_few_paths_do_not_show_is_as_usual(share: float) -> None:
     np.testing.assert_array_equal(model.change, shown.change)
 
 
-@pytest.mark.parametrize("paths", [2, 3, 5, 10, 100])
+@pytest.mark.parametrize("paths", [1, 2, 3, 5, 10, 100])
 def test_few_paths_widen_a_band_as_students_t_does(paths: int) -> None:
-    expected = stats.t.ppf(0.975, paths - 1) / stats.norm.ppf(0.975)
+    """One path counts as two."""
+    expected = stats.t.ppf(0.975, max(paths, 2) - 1) / stats.norm.ppf(0.975)
     assert few_paths(paths) == pytest.approx(expected)
-
-
-def test_one_path_counts_as_two_and_many_as_certain() -> None:
-    assert few_paths(1) == few_paths(2) == pytest.approx(6.48, abs=0.01)
-    assert few_paths(10000) == pytest.approx(1, abs=1e-3)
-
-
-def test_a_wider_model_is_wider_in_all_that_strays() -> None:
-    model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=7)))
-    wider = model.wider(2.0)
-    np.testing.assert_array_equal(wider.spread, 2 * model.spread)
-    np.testing.assert_array_equal(wider.change, 2 * model.change)
-    for name in ("rate", "correlation", "independent", "breakaway"):
-        np.testing.assert_array_equal(getattr(wider, name), getattr(model, name))
 
 
 def test_a_model_survives_json(tmp_path: Path) -> None:

@@ -15,7 +15,6 @@ from ur5lib.force.sensor import (
     SensorOffset,
     bias,
     fit_offset,
-    move_to_frame_6,
     offset_doubt,
     wrench_of_environment,
 )
@@ -79,6 +78,9 @@ def test_bias_and_tool_are_found_between_contacts() -> None:
     np.testing.assert_allclose(offset.center(), CENTER, atol=0.002)
     off = np.abs(offset.moment_arm - MASS * CENTER)
     np.testing.assert_array_less(off, 5 * offset.moment_arm_std + 1e-4, strict=True)
+    estimate = wrench_of_environment(reading - offset.reading(GRAVITY @ rotation), rotation)
+    error = np.nanmax(np.abs(estimate - wrench), axis=0)
+    np.testing.assert_array_less(error, [0.3] * 3 + [0.015] * 3)
 
 
 def test_a_sensor_without_moments_tells_bias_and_weight() -> None:
@@ -95,15 +97,6 @@ def test_a_sensor_without_moments_tells_bias_and_weight() -> None:
     estimate = wrench_of_environment(reading - offset.reading(GRAVITY @ rotation), rotation)
     assert np.abs(estimate - wrench)[:, :3].max() < 0.3
     assert np.isnan(estimate[:, 3:]).all()
-
-
-def test_the_compensated_wrench_is_the_push() -> None:
-    rotation = orientations(60, turning=0.8)
-    reading, wrench = pushed(rotation, seed=1)
-    offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
-    estimate = wrench_of_environment(reading - offset.reading(GRAVITY @ rotation), rotation)
-    assert np.abs(estimate - wrench)[:, :3].max() < 0.3
-    assert np.abs(estimate - wrench)[:, 3:].max() < 0.015
 
 
 def test_without_turning_weight_and_bias_are_one() -> None:
@@ -162,12 +155,6 @@ def test_a_steady_push_is_told_as_a_rival() -> None:
     assert offset.rival == pytest.approx(0.45, abs=0.05)
     told = {"share": offset.agreeing, "other": offset.rival}
     assert offset_doubt(offset) == remark("two biases", **told)
-
-
-def test_a_short_free_time_is_told() -> None:
-    rotation = orientations(0.8, turning=0.0)
-    offset = fit_offset(held(rotation, 0.0)[:80], GRAVITY @ rotation, PERIOD)
-    assert offset_doubt(offset) == remark("few free samples", count=80)
 
 
 @pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value", "ignore:Degrees")
@@ -235,13 +222,6 @@ def test_an_hour_takes_seconds() -> None:
     assert time.process_time() - start < 20
     assert 0.15 < offset.free.mean() < 0.3
     assert off_without_contact(offset, rotation) < 0.1
-
-
-def test_a_wrench_at_the_sensor_keeps_its_force() -> None:
-    """28.6 mm further along z (Equation 6.10): a force along x there turns frame 6 about y."""
-    wrench = np.array([[2.0, 0, 0, 0, 0, 0]])
-    moved = move_to_frame_6(wrench, np.eye(3)[None], np.array([0, 0, 0.0286]))
-    np.testing.assert_allclose(moved, [[2.0, 0, 0, 0, 2 * 0.0286, 0]])
 
 
 def test_a_thinned_record_keeps_away_from_contacts_as_others_do() -> None:
@@ -335,17 +315,6 @@ def test_a_tool_that_a_hand_guides_is_weighed_where_it_is_let_go() -> None:
     assert offset.mass == pytest.approx(MASS, abs=0.01)
     np.testing.assert_allclose(offset.center(), CENTER, atol=0.01)
     np.testing.assert_allclose(offset.bias, BIAS, atol=0.1)
-
-
-def test_noise_is_at_least_what_a_sensor_repeats_to() -> None:
-    """A push of 0.3 N is within four times a tenth, of a sensor that itself reads exactly."""
-    random = np.random.default_rng(0)
-    reading = BIAS + 1e-4 * random.normal(size=(3000, 6))
-    reading[1000:1500] += 0.3 * np.eye(6)[0] + 0.03 * np.eye(6)[5]
-    offset = fit_offset(reading, GRAVITY @ upright(3000), PERIOD)
-    assert offset.free.all()
-    assert offset.agreeing == 1.0
-    assert offset.rival == 0.0
 
 
 def test_a_push_of_six_deviations_is_no_noise() -> None:

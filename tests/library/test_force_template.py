@@ -79,14 +79,6 @@ def test_a_run_at_rest_offers_nothing() -> None:
     assert not may_repeat(still, passed)
 
 
-def test_a_push_is_left_over() -> None:
-    judged = run(0)
-    pushed = judged.torque.copy()
-    pushed[700:750] += 3.0
-    left = pushed - template(replace(judged, torque=pushed), [run(1)])
-    np.testing.assert_allclose(np.nanmedian(left[700:750], axis=0), 3.0, atol=0.1)
-
-
 def test_repeats_are_known_far_better_than_friction() -> None:
     runs = [run(seed) for seed in (1, 2, 3, 4, 5)]
     model = model_of(*runs)
@@ -148,10 +140,9 @@ def test_two_runs_state_their_band_as_few_as_they_are() -> None:
     np.testing.assert_allclose(learned.change, few_paths(2) * plain.change)
 
 
-@pytest.mark.parametrize("period", [0.008, 0.02])
-def test_runs_of_several_rates_repeat_one_another(period: float) -> None:
+def test_runs_of_several_rates_repeat_one_another() -> None:
     """A template is matched by place, not by sample."""
-    judged, free = run(0), run(1, period=period)
+    judged, free = run(0), run(1, period=0.008)
     left = judged.torque - template(judged, [free])
     fast = np.isfinite(left).all(axis=1) & (np.abs(judged.qd).min(axis=1) > 0.1)
     assert left[fast].std() < 0.15

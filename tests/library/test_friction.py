@@ -35,11 +35,6 @@ def test_friction_turns_with_the_velocity(term: Term) -> None:
     assert (term.columns(MOTION)[:, 0] * MOTION.qd >= 0).all()
 
 
-def test_asymmetry_does_not_turn() -> None:
-    term = Term("asymmetric")
-    np.testing.assert_array_equal(term.columns(BACK), term.columns(MOTION))
-
-
 def test_names_tell_terms_apart() -> None:
     names = [name for term in (*BASE, *FAMILY) for name in term.names()]
     assert len(set(names)) == len(names)
@@ -77,12 +72,6 @@ def test_karnopp_sticks_in_the_dead_zone_and_reverses_at_once() -> None:
 
 def test_nothing_is_known_of_friction_where_a_segment_begins() -> None:
     np.testing.assert_array_equal(creep([1e-3, 0, 0], [0, 0, 1, 1])[2:], 0.0)
-
-
-def test_a_joint_rests_within_the_dead_zone() -> None:
-    np.testing.assert_allclose(
-        resting(np.array([0.0, 5 * DEAD_ZONE, -5 * DEAD_ZONE])), [1, 0, 0], atol=1e-3
-    )
 
 
 def test_what_is_expected_of_a_term_has_a_number_for_each_coefficient() -> None:

@@ -62,27 +62,6 @@ def test_a_weight_is_named_within_a_tenth(ur5: Robot, mass: float, seed: int) ->
     assert 0 < load.std_error < mass / 3
 
 
-def test_a_load_has_no_unit_and_no_axes(ur5: Robot) -> None:
-    """Twice the weight, of which joints are half as sure; or its lever along other axes."""
-    states = motion(8.0, 1)
-    payload = Payload(mass=3.0, center_of_mass=(0.02, -0.01, 0.08))
-    torque = weight(ur5, states, payload) + noise(len(states[0]), 1, scale=0.1)
-    Y = per_load(ur5, states)
-    load, twice, turned = (
-        grasped_load(*given, PERIOD)
-        for given in (
-            (torque, Y, DEVIATION),
-            (2 * torque, Y, 2 * DEVIATION),
-            (torque, Y[:, :, [0, 3, 1, 2]], DEVIATION),
-        )
-    )
-    assert load is not None
-    assert twice is not None
-    assert turned is not None
-    assert (twice.mass, twice.std_error) == pytest.approx((2 * load.mass, 2 * load.std_error))
-    assert (turned.mass, turned.std_error) == pytest.approx((load.mass, load.std_error))
-
-
 def test_a_weight_held_still_is_one_too(ur5: Robot) -> None:
     states = motion(4.0, 0, swing=0.0)
     payload = Payload(mass=3.0, center_of_mass=(0.0, 0.0, 0.05))

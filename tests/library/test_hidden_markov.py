@@ -35,12 +35,6 @@ def test_smoothing_is_bayes_rule_over_all_histories(seed: int) -> None:
     np.testing.assert_allclose(posterior(*given), enumerated(*given), atol=1e-12)
 
 
-def test_a_constant_in_the_evidence_changes_nothing() -> None:
-    evidence, *rest = problem(0)
-    shifted = evidence + np.arange(SAMPLES)[:, None] * 1e3
-    np.testing.assert_allclose(posterior(shifted, *rest), posterior(evidence, *rest), atol=1e-9)
-
-
 def test_what_cannot_be_is_not() -> None:
     """Whatever single samples say, states that follow in turn do so."""
     evidence = np.random.default_rng(1).normal(0, 20, (9, STATES))
@@ -74,25 +68,11 @@ def test_log_odds_are_those_of_the_probability() -> None:
     assert (np.diff(odds) > 0).all()
 
 
-@pytest.mark.parametrize("period", [0.001, 0.032, 0.1])
-def test_the_gates_chain_is_one(period: float) -> None:
-    """Probabilities; a free arm and a contact each last as long as the prior says."""
-    prior = ContactPrior()
-    free, contacts = 1 + len(prior.hunting), len(prior.bank())
-    transitions, start = chain(free, contacts, period, prior)
-    assert (transitions >= 0).all()
-    np.testing.assert_allclose(transitions.sum(axis=1), 1)
-    assert start.sum() == pytest.approx(1)
-    lasts = period / (1 - np.diag(transitions))
-    np.testing.assert_allclose(lasts[free:], prior.duration)
-    assert lasts[0] == pytest.approx(prior.pause, rel=0.01)
-    assert (lasts[1:free] <= prior.settling).all()
-
-
 def test_the_gates_chain_goes_from_free_to_contact_to_hunting_to_free() -> None:
     """Each at its rate; shared evenly by the kinds of contacts and of hunting."""
     prior = ContactPrior(pause=20.0, duration=2.0, settling=5.0, unprovoked=1e-3)
     transitions, start = chain(4, 6, 0.01, prior)
+    np.testing.assert_allclose(transitions.sum(axis=1), 1)
     rates = transitions / 0.01
     np.testing.assert_allclose(rates[:4, 4:], 1 / 20 / 6)
     np.testing.assert_allclose(rates[0, 1:4], 1e-3 / 3)
