@@ -15,7 +15,7 @@ from ur5lib.cli import app
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.description import Robot, joint_sizes, load_robot, robot_names, robot_path
 from ur5lib.robots.exports import urdf
-from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.inertia import RigidBodies, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 CB, E_SERIES, HEAVY = ["ur3", "ur5", "ur10"], ["ur3e", "ur5e", "ur10e", "ur16e"], ["ur20", "ur30"]
@@ -93,16 +93,15 @@ def test_torques_are_those_of_other_engines(name: str) -> None:
     robot = load_robot(robot_path(name))
     model, given = [*robot.models][-1], states(20)
     bodies = rigid_bodies(robot, model)
-    ours, text = LinkModel(robot, model).inverse_dynamics(*given), urdf(robot, bodies)
-    np.testing.assert_allclose(
-        ours, by_pinocchio(robot, text, bodies.rotor_inertia, given), atol=1e-7
-    )
-    np.testing.assert_allclose(ours, by_mujoco(robot, text, bodies.rotor_inertia, given), atol=1e-7)
+    ours = LinkModel(robot, model).inverse_dynamics(*given)
+    for engine in (by_pinocchio, by_mujoco):
+        np.testing.assert_allclose(ours, engine(robot, bodies, given), atol=1e-7)
 
 
-def by_pinocchio(robot: Robot, text: str, rotors: Array, given: Array) -> Array:
-    engine = pinocchio.buildModelFromXML(text)
-    engine.armature, engine.gravity.linear = rotors, np.array(robot.gravity)
+def by_pinocchio(robot: Robot, bodies: RigidBodies, given: Array) -> Array:
+    """Torques (N, n) of motions (3, N, n), by the arm's URDF."""
+    engine = pinocchio.buildModelFromXML(urdf(robot, bodies))
+    engine.armature, engine.gravity.linear = bodies.rotor_inertia, np.array(robot.gravity)
     data = engine.createData()
     rows = zip(*given, strict=True)
     return np.array(
@@ -110,9 +109,9 @@ def by_pinocchio(robot: Robot, text: str, rotors: Array, given: Array) -> Array:
     )
 
 
-def by_mujoco(robot: Robot, text: str, rotors: Array, given: Array) -> Array:
-    engine = mujoco.MjModel.from_xml_string(text)
-    engine.dof_armature[:], engine.opt.gravity[:] = rotors, robot.gravity
+def by_mujoco(robot: Robot, bodies: RigidBodies, given: Array) -> Array:
+    engine = mujoco.MjModel.from_xml_string(urdf(robot, bodies))
+    engine.dof_armature[:], engine.opt.gravity[:] = bodies.rotor_inertia, robot.gravity
     engine.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     data, torques = mujoco.MjData(engine), []
     for data.qpos, data.qvel, data.qacc in zip(*given, strict=True):

@@ -6,26 +6,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio
 import pytest
 import yaml
 from scipy.spatial.transform import Rotation
 
 from tests.commands import words
 from tests.conftest import PROJECT, shared_folder
+from tests.library.test_arm_family import ROS_LINKS, by_pinocchio
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path, robot_yaml
-from ur5lib.robots.exports import urdf
 from ur5lib.robots.individual import calibrated, chain, individual_robot, link_matrix, overridden
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.study.arms import Tilt, base_gravity
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
-
-ROS_LINKS = ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"]
-
 
 # Overrides
 
@@ -196,12 +192,8 @@ def test_a_calibrated_arm_is_the_same_in_another_engine(ur5e: Robot, tmp_path: P
     own = calibrated(ur5e, path)
     (tmp_path / "own.yaml").write_text(robot_yaml(own))
     assert load_robot(tmp_path / "own.yaml") == own
-    bodies = rigid_bodies(own, "maker+rotors")
-    engine = pinocchio.buildModelFromXML(urdf(own, bodies))
-    engine.armature, engine.gravity.linear = bodies.rotor_inertia, np.array(own.gravity)
     given = np.random.default_rng(0).uniform(-3, 3, (3, 20, 6))
-    data = engine.createData()
-    theirs = [pinocchio.rnea(engine, data, *row) for row in zip(*given, strict=True)]
+    theirs = by_pinocchio(own, rigid_bodies(own, "maker+rotors"), given)
     ours = LinkModel(own, "maker+rotors").inverse_dynamics(*given)
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-7)
 

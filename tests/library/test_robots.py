@@ -6,13 +6,12 @@ from typing import Any
 import numpy as np
 import pinocchio
 import pytest
-import torch
 from pydantic import ValidationError
 from typer.testing import CliRunner
 
+from tests.library.test_arm_family import by_pinocchio
 from ur5lib.cli import app
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.exports import urdf
@@ -156,13 +155,9 @@ models:
 def test_a_new_arm_is_a_file_and_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "bent.yaml").write_text(A_NEW_ARM)
     robot = load_robot(tmp_path / "bent.yaml")
-    bodies = rigid_bodies(robot, "only")
-    engine = pinocchio.buildModelFromXML(urdf(robot, bodies))
-    engine.armature = bodies.rotor_inertia
-    engine.gravity.linear = np.array(robot.gravity)
     given = np.random.default_rng(0).uniform(-3, 3, (3, 100, 6))
-    theirs = [pinocchio.rnea(engine, engine.createData(), *row) for row in zip(*given, strict=True)]
-    ours = inverse_dynamics(build_arm(robot, "only"), *map(torch.from_numpy, given))
+    theirs = by_pinocchio(robot, rigid_bodies(robot, "only"), given)
+    ours = LinkModel(robot, "only").inverse_dynamics(*given)
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-11)
 
 

@@ -143,7 +143,7 @@ def velocity(
     arm: Arm, q: Tensor, qd: Tensor, link: int = LAST, point: Tensor | None = None
 ) -> Tensor:
     """Return J_g q̇ of a point, (N, 6) [m/s, rad/s] (2.26). q, qd: (N, n) [rad, rad/s]."""
-    return _apply(jacobian(arm, q, link, point), qd)
+    return apply(jacobian(arm, q, link, point), qd)
 
 
 def velocity_transformation(rotation: Tensor, lever: Tensor) -> Tensor:
@@ -165,7 +165,7 @@ def acceleration(
     q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. No angles, so no singularity of angles (erratum 1).
     """
     free = velocity_product_acceleration(arm, q, qd, link, point)
-    return _apply(jacobian(arm, q, link, point), qdd) + free
+    return apply(jacobian(arm, q, link, point), qdd) + free
 
 
 def velocity_product_acceleration(
@@ -192,5 +192,6 @@ def _chain(arm: Arm, link: int) -> pk.SerialChain:
     return serial_chain(arm.urdf, link, arm.gravity.dtype, arm.gravity.device)
 
 
-def _apply(matrix: Tensor, vector: Tensor) -> Tensor:
+def apply(matrix: Tensor, vector: Tensor) -> Tensor:
+    """Return matrices (N, m, n) times vectors (N, n)."""
     return (matrix @ vector[..., None])[..., 0]

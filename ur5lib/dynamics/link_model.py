@@ -45,8 +45,7 @@ class LinkModel:
         """Return the generalised momentum p = D(q) q̇ (N, n) [Nm s]."""
 
         def product(q: Array, qd: Array) -> Array:
-            inertia = rigid_body.inertia_matrix(self.arm, torch.from_numpy(q))
-            return (inertia @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+            return np.matvec(rigid_body.inertia_matrix(self.arm, torch.from_numpy(q)).numpy(), qd)
 
         return in_chunks(product, q, qd)
 
@@ -55,7 +54,7 @@ class LinkModel:
 
         def product(q: Array, qd: Array) -> Array:
             matrix = rigid_body.coriolis_matrix(self.arm, *map(torch.from_numpy, (q, qd)))
-            return (matrix.mT @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+            return np.matvec(matrix.mT.numpy(), qd)
 
         return in_chunks(product, q, qd)
 

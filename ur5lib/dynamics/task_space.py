@@ -12,6 +12,7 @@ from torch import Tensor
 from ur5lib.dynamics.arm import Arm
 from ur5lib.dynamics.kinematics import (
     analytical_jacobian,
+    apply,
     link_frames,
     velocity_product_acceleration,
     zyz_angles,
@@ -28,7 +29,7 @@ def pose(arm: Arm, q: Tensor) -> Tensor:
 
 def pose_acceleration(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
     """Return Ẍ = J_a q̈ + J̇_a q̇ (N, 6) [m/s², rad/s²] (Equation 2.75)."""
-    return _apply(analytical_jacobian(arm, q), qdd) + drift(arm, q, qd)
+    return apply(analytical_jacobian(arm, q), qdd) + drift(arm, q, qd)
 
 
 def drift(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
@@ -37,10 +38,10 @@ def drift(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
     Its angular part follows from ω = B φ̇ (2.33 corrected, erratum 1): φ̈ = B⁻¹ (α - Ḃ φ̇).
     """
     rotation, _ = link_frames(arm, q)
-    angles, rates = zyz_angles(rotation[:, -1]), _apply(analytical_jacobian(arm, q), qd)[:, 3:]
+    angles, rates = zyz_angles(rotation[:, -1]), apply(analytical_jacobian(arm, q), qd)[:, 3:]
     B, B_rate = torch.func.jvp(zyz_rates_to_angular_velocity, (angles,), (rates,))[:2]
     linear, angular = velocity_product_acceleration(arm, q, qd).split(3, dim=1)
-    return torch.cat([linear, _solve(B, angular - _apply(B_rate, rates))], dim=1)
+    return torch.cat([linear, _solve(B, angular - apply(B_rate, rates))], dim=1)
 
 
 def joint_acceleration(arm: Arm, q: Tensor, qd: Tensor, wanted: Tensor) -> Tensor:
@@ -68,12 +69,8 @@ def wanted_acceleration(
     error = pose(arm, q) - target[0]
     angles = torch.remainder(error[:, 3:] + math.pi, 2 * math.pi) - math.pi
     error = torch.cat([error[:, :3], angles], dim=1)
-    error_rate = _apply(analytical_jacobian(arm, q), qd) - target[1]
+    error_rate = apply(analytical_jacobian(arm, q), qd) - target[1]
     return target[2] - gains[0] * error - gains[1] * error_rate
-
-
-def _apply(matrix: Tensor, vector: Tensor) -> Tensor:
-    return (matrix @ vector[..., None])[..., 0]
 
 
 def _solve(matrix: Tensor, vector: Tensor) -> Tensor:

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from ur5lib.errors import InputError
 from ur5lib.robots.description import INVALID, Pose, Robot
 from ur5lib.robots.individual import link_matrix, pose_of
-from ur5lib.robots.inertia import shift_inertia, tensor
+from ur5lib.robots.inertia import joined, tensor
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
@@ -213,19 +213,15 @@ def _clean(rotation: Array) -> Array:
 
 def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Array, Array]:
     """Return mass, centre of mass (3,) and inertia tensor (3, 3) about it of links, in a frame."""
-    parts = [
-        (inertial.mass, np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin), inertial)
-        for link, place in body.items()
-        if (inertial := tree.link_map[link].inertial) is not None and inertial.mass
-    ]
-    mass = sum(part for part, _, _ in parts)
-    center = sum(part * place[:3, 3] for part, place, _ in parts) / mass
-    inertia = np.zeros((3, 3))
-    for part, place, inertial in parts:
-        own, R = inertial.inertia, place[:3, :3]
-        about = tensor([own.ixx, own.iyy, own.izz, own.ixy, own.ixz, own.iyz])
-        inertia += shift_inertia(R @ about @ R.T, part, place[:3, 3] - center)
-    return float(mass), center, inertia
+    parts = []
+    for link, place in body.items():
+        inertial = tree.link_map[link].inertial
+        if inertial is not None and inertial.mass:
+            pose = np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin)
+            R, own = pose[:3, :3], inertial.inertia
+            about = tensor([own.ixx, own.iyy, own.izz, own.ixy, own.ixz, own.iyz])
+            parts.append((float(inertial.mass), pose[:3, 3], R @ about @ R.T))
+    return joined(parts)
 
 
 def _motor(joint: Any) -> dict[str, float | None]:

@@ -41,6 +41,16 @@ def shift_inertia(inertia: Array, mass: float, offset: Array) -> Array:
     return inertia + mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
 
 
+def joined(parts: Sequence[tuple[float, Array, Array]]) -> tuple[float, Array, Array]:
+    """Return bodies as one (2.45, 2.46), each as mass, centre of mass (3,), and inertia tensor
+    (3, 3) about it, in axes that they share.
+    """
+    mass = sum(mass for mass, _, _ in parts)
+    center = np.sum([mass * center for mass, center, _ in parts], axis=0) / mass
+    shifted = [shift_inertia(inertia, mass, own - center) for mass, own, inertia in parts]
+    return mass, center, np.sum(shifted, axis=0)
+
+
 def combine_cylinders(cylinders: list[Cylinder]) -> Array:
     """Return the inertia tensor (3, 3) of a link about its centre of mass (Equation 2.56)."""
     total = np.zeros((3, 3))
@@ -120,14 +130,12 @@ def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
 
 def mount(bodies: RigidBodies, payload: Payload) -> RigidBodies:
     """Return the links with a payload merged into the last one (Equations 2.45, 2.46)."""
-    center, mounted = bodies.center_of_mass[-1], np.array(payload.center_of_mass)
-    mass = bodies.mass[-1] + payload.mass
-    common = (bodies.mass[-1] * center + payload.mass * mounted) / mass
-    inertia = shift_inertia(bodies.inertia[-1], bodies.mass[-1], center - common)
-    inertia += shift_inertia(tensor(payload.inertia), payload.mass, mounted - common)
+    last = bodies.mass[-1], bodies.center_of_mass[-1], bodies.inertia[-1]
+    load = payload.mass, np.array(payload.center_of_mass), tensor(payload.inertia)
+    mass, center, inertia = joined([last, load])
     return RigidBodies(
         mass=np.append(bodies.mass[:-1], mass),
-        center_of_mass=np.vstack([bodies.center_of_mass[:-1], common]),
+        center_of_mass=np.vstack([bodies.center_of_mass[:-1], center]),
         inertia=np.concatenate([bodies.inertia[:-1], inertia[None]]),
         rotor_inertia=bodies.rotor_inertia,
     )

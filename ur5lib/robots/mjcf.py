@@ -54,7 +54,12 @@ def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12)
         body = _add_link(body, f"link_{k + 1}", pose)
         body.joints[0].armature = bodies.rotor_inertia[k]
         _set_inertia(body, bodies.mass[k], bodies.center_of_mass[k], bodies.inertia[k], share)
-    return _add_tool(body, robot, model, share)
+    tool, payload = body.add_body(name=TOOL), robot.models[model].payload
+    if payload is not None:
+        # MuJoCo accepts no point mass, so the mass gets a negligible inertia.
+        inertia = tensor(payload.inertia) + POINT * np.eye(3)
+        _set_inertia(tool, payload.mass, np.array(payload.center_of_mass), inertia, share)
+    return tool
 
 
 def flange(model: mujoco.MjModel) -> int:
@@ -70,16 +75,6 @@ def _add_link(parent: mujoco.MjsBody, name: str, pose: Pose) -> mujoco.MjsBody:
     hinge = mujoco.mjtJoint.mjJNT_HINGE
     body.add_joint(name=name, type=hinge, axis=rotation[2], pos=-translation @ rotation)
     return body
-
-
-def _add_tool(flange: mujoco.MjsBody, robot: Robot, model: str, share: float) -> mujoco.MjsBody:
-    tool = flange.add_body(name=TOOL)
-    payload = robot.models[model].payload
-    if payload is not None:
-        center = np.array(payload.center_of_mass)
-        # MuJoCo accepts no point mass, so the mass gets a negligible inertia.
-        _set_inertia(tool, payload.mass, center, tensor(payload.inertia) + POINT * np.eye(3), share)
-    return tool
 
 
 def _set_inertia(

@@ -53,8 +53,9 @@ def load_torque(robot: Robot, q: Array) -> Array:
     gravity = np.array(robot.gravity)
     torque = np.zeros((*q.shape, 4))
     for joint in range(q.shape[1]):
-        torque[:, joint, 0] = _holding(rotation, origin, joint, origin[:, -1], gravity)
-        across = np.cross(gravity, rotation[:, joint, :, 2])  # g·(z × c) = (g × z)·c
+        axis = rotation[:, joint, :, 2]
+        torque[:, joint, 0] = -np.cross(axis, origin[:, -1] - origin[:, joint]) @ gravity
+        across = np.cross(gravity, axis)  # g·(z × c) = (g × z)·c
         torque[:, joint, 1:] = -np.einsum("ni,nij->nj", across, rotation[:, -1])
     return torque
 
@@ -64,15 +65,6 @@ def _turned_about_z(rotation: Array, angle: Array) -> Array:
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     x, y, z = np.moveaxis(rotation, 2, 0)
     return np.stack([c * x + s * y, c * y - s * x, z], axis=2)
-
-
-def _holding(rotation: Array, origin: Array, joint: int, point: Array, weight: Array) -> Array:
-    """Return the torque (N,) [Nm] of a joint that holds a weight (3,) [N] at points (N, 3).
-
-    joint: counted from 0.
-    """
-    lever = np.cross(rotation[:, joint, :, 2], point - origin[:, joint])
-    return -lever @ weight
 
 
 SINGULAR_VALUE = 0.03  # smallest allowed of J_g, with rows in m and rad
