@@ -36,10 +36,8 @@ def coefficients_of_constants(
 
     torque_constant [Nm/A], offset [Nm] (Equation 6.6); coulomb [Nm], viscous [Nm s/rad] (6.2).
     """
-    return (
-        np.stack([np.ones_like(offset), -offset, coulomb, viscous], axis=1)
-        / torque_constant[:, None]
-    )
+    torques = np.stack([np.ones_like(offset), -offset, coulomb, viscous], axis=1)
+    return torques / torque_constant[:, None]
 
 
 def least_squares_coefficients(records: Sequence[Record]) -> Array:
@@ -47,12 +45,8 @@ def least_squares_coefficients(records: Sequence[Record]) -> Array:
     columns = np.concatenate([_baseline_columns(record.torque, record.qd) for record in records])
     current = np.concatenate([record.current for record in records])
     known = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
-    return np.stack(
-        [
-            np.linalg.lstsq(columns[known, joint], current[known, joint])[0]
-            for joint in range(current.shape[1])
-        ]
-    )
+    joints = zip(columns[known].swapaxes(0, 1), current[known].T, strict=True)
+    return np.stack([np.linalg.lstsq(*joint)[0] for joint in joints])
 
 
 def baseline_current(record: Record, coefficients: Array) -> Array:

@@ -146,11 +146,8 @@ def encoder_system(
         driven = driven * intensity[:, :, None]
         Q = driven @ driven.mT
         # a new segment starts the filter again
-        first = fresh[rows]
-        F[first], Q[first] = (
-            0,
-            _unknown(noise, np.flatnonzero(fresh[rows]) + rows.indices(count)[0]),
-        )
+        first = np.flatnonzero(fresh[rows])
+        F[first], Q[first] = 0, _unknown(noise, first + rows.indices(count)[0])
         # z = [θ + δ, θ̇ − lag θ̈] + v, cov v = diag(R)
         z = np.stack([q[rows], qd[rows]], axis=2)  # (N, n, 2)
         R = np.stack([noise.position[rows], noise.velocity[rows]], axis=2) ** 2
