@@ -76,9 +76,8 @@ class AgainstBaseline:
         rows = self.rows
         if self.place == "component":
             rows = rows[rows["component"] == self.worst.name]
-        row = rows.loc[rows[self.error].idxmax()]
-        places = {"place": row[self.place], "recording": row["recording"]}
-        return pd.Series(places | {"error": row[self.error], "zero": row[self.baseline]})
+        names = {self.place: "place", self.error: "error", self.baseline: "zero"}
+        return rows.loc[rows[self.error].idxmax()].rename(names)
 
     def state(self, held: float = 1.0, tested: bool = True) -> State:
         """Judge the worst joint or component."""

@@ -14,15 +14,15 @@ Row = dict[str, Any]
 Column = Array | Sequence[float | None]
 
 
-def transposed(columns: Mapping[str, Column], index: str, names: Sequence[Any]) -> list[Row]:
-    """Return rows from columns that hold one value for each name of an index."""
-    return [
-        {index: name} | {column: values[i] for column, values in columns.items()}
-        for i, name in enumerate(names)
-    ]
+def transposed(
+    columns: Mapping[str, Column], index: str, names: Sequence[Any], **about: Any
+) -> Iterator[Row]:
+    """Yield rows from columns that hold one value for each name of an index; about: of all rows."""
+    for i, name in enumerate(names):
+        yield about | {index: name} | {column: values[i] for column, values in columns.items()}
 
 
-def by_joint(columns: Mapping[str, Column]) -> Iterator[Row]:
+def by_joint(columns: Mapping[str, Column], **about: Any) -> Iterator[Row]:
     """Yield a row for each joint, from 1, of columns that hold one value for each."""
     count = max(map(len, columns.values()), default=0)
-    yield from transposed(columns, "joint", range(1, count + 1))
+    yield from transposed(columns, "joint", range(1, count + 1), **about)

@@ -53,8 +53,7 @@ def sensed(forces: Compared) -> Iterator[Row]:
 def ablation(ablation: dict[str, Ablated]) -> Iterator[Row]:
     """Yield the error in contact with each part of the estimate left out."""
     for variant, figures in ablation.items():
-        rows = transposed(vars(figures), "component", FORCES)
-        yield from ({"variant": variant} | row for row in rows)
+        yield from transposed(vars(figures), "component", FORCES, variant=variant)
 
 
 def detection(detection: dict[str, Detected]) -> Iterator[Row]:

@@ -55,16 +55,14 @@ def cross_validation(friction: Friction) -> Iterator[Row]:
     names, tested = friction.from_, friction.cross_validation
     for fitted_on, errors in zip(names, tested, strict=True):
         for tested_on, rmse in zip(names, errors, strict=True):
-            about = {"fitted_on": fitted_on, "tested_on": tested_on}
-            yield from (about | row for row in by_joint({"rmse_2hz": rmse}))
+            yield from by_joint({"rmse_2hz": rmse}, fitted_on=fitted_on, tested_on=tested_on)
 
 
 def current_rmse(currents: Prediction) -> Iterator[Row]:
     """Yield the errors of each model's prediction of a recording's currents."""
     for model, scores in currents.scores.items():
         columns = vars(scores) | {"rmse_2hz": scores.rmse_lowpassed, "coverage95": scores.coverage}
-        about = {"model": model, "fitted": currents.fitted}
-        yield from (about | row for row in by_joint(columns))
+        yield from by_joint(columns, model=model, fitted=currents.fitted)
 
 
 def payload(currents: Prediction) -> Iterator[Row]:
@@ -94,6 +92,5 @@ def torque_constants(constants: PublishedConstants, published: Published) -> Ite
         del columns["lines"]
         if printed and regression == AS_PRINTED:
             columns |= {"printed_torque_constant": printed["k"], "printed_offset": printed["b"]}
-        for row in by_joint(columns):
-            if np.isfinite(row["torque_constant"]):
-                yield {"regression": regression} | row
+        rows = by_joint(columns, regression=regression)
+        yield from (row for row in rows if np.isfinite(row["torque_constant"]))

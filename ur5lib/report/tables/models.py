@@ -41,11 +41,10 @@ def torque_mae(
                 columns = zero | {"mae": mean_absolute_error(known[model][received], moment)}
                 if motion in COMPARED and model in printed:
                     columns |= {"printed": printed[model]}
-                about = {"motion": motion, "model": model}
-                yield from (about | row for row in by_joint(columns))
+                yield from by_joint(columns, motion=motion, model=model)
     for model in printed.keys() - torques.measured.keys():
-        about = {"motion": "closed_loop", "model": model}
-        yield from (about | row for row in by_joint(zero | {"printed": printed[model]}))
+        columns = zero | {"printed": printed[model]}
+        yield from by_joint(columns, motion="closed_loop", model=model)
 
 
 def rotor_inertia(rotors: Rotors) -> Iterator[Row]:

@@ -38,8 +38,7 @@ def closed_loop_mae(
                 "mae": mean_absolute_error(states[received], actual),
                 "max": largest_error(states[received], actual),
             } | ({"printed": printed[model]} if model in printed else {})
-            about = {"model": model, "quantity": quantity}
-            yield from (about | row for row in by_joint(columns))
+            yield from by_joint(columns, model=model, quantity=quantity)
 
 
 def gains(gains: GainSummary) -> Iterator[Row]:

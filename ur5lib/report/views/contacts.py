@@ -204,9 +204,8 @@ def readings(results: Results) -> Iterator[Sentence]:
 
 def uncalibrated(results: Results) -> Iterator[Sentence]:
     """Report the assumptions of the static estimate, which replaces a fit."""
-    if (results.tables["force_mae"]["estimate"] == "static").any():
-        limits = {"error": LEAST_ERROR, "breakaway": BREAKAWAY, "slow": SLOW}
-        yield say("sensed.uncalibrated", **limits)
+    if len(results.rows("force_mae", estimate="static")):
+        yield say("sensed.uncalibrated", error=LEAST_ERROR, breakaway=BREAKAWAY, slow=SLOW)
 
 
 def errors_in_contact(results: Results) -> pd.DataFrame:

@@ -64,11 +64,10 @@ def reversals(results: Results) -> Iterator[Sentence]:
     """Report the error of Karnopp's friction relative to Dahl's on each arm."""
     for robot, rows in results.tables["friction_reversal"].groupby("robot", sort=False):
         least = rows.groupby(["model", "joint"])["rmse"].min()
-        words = {
-            "ratio": least["karnopp"] / least["dahl"],
-            "chosen": [*rows.query("model == 'karnopp' and chosen == 'yes'")["joint"]],
-        }
-        yield say("currents.reversals", robot=robot, moving=DEAD_ZONE, **words)
+        ratio = least["karnopp"] / least["dahl"]
+        chosen = [*rows.query("model == 'karnopp' and chosen == 'yes'")["joint"]]
+        words = {"robot": robot, "moving": DEAD_ZONE, "ratio": ratio, "chosen": chosen}
+        yield say("currents.reversals", **words)
 
 
 def next_recordings(results: Results) -> Iterator[Sentence]:

@@ -25,8 +25,7 @@ def compared(results: Results) -> list[str]:
 
 def mean_errors(results: Results) -> pd.DataFrame:
     """Return the means over recordings by joint, motion and model."""
-    rows = results.tables["torque_mae"]
-    rows = rows[rows["mae"].notna() & (rows["motion"] != "closed_loop")]
+    rows = results.tables["torque_mae"].dropna(subset="mae").query("motion != 'closed_loop'")
     groups = rows.groupby(["joint", "motion", "model"], sort=False, as_index=False)
     return groups[["mae", "zero_mae"]].mean()
 
@@ -34,7 +33,7 @@ def mean_errors(results: Results) -> pd.DataFrame:
 def printed_errors(results: Results, recording: str) -> pd.DataFrame:
     """Return the errors with printed ones, those that cannot be rebuilt first."""
     rows = results.rows("torque_mae", recording=recording, motion="closed_loop")
-    rows = rows[rows["printed"].notna()]
+    rows = rows.dropna(subset="printed")
     if rows["mae"].isna().all():
         return rows[:0]
     return rows.sort_values("mae", key=pd.Series.notna, kind="stable")
@@ -49,9 +48,8 @@ def advice(results: Results) -> Iterator[Sentence]:
 def identified(results: Results) -> Iterator[Sentence]:
     """Report how many parameters of an arm the recordings determine."""
     for robot, parameters in results.tables["parameters"].groupby("robot", sort=False):
-        determined = (parameters["determined"] == "yes").sum()
-        words = {"robot": robot, "determined": int(determined), "count": len(parameters)}
-        yield say("models.identified", **words)
+        determined = int((parameters["determined"] == "yes").sum())
+        yield say("models.identified", robot=robot, determined=determined, count=len(parameters))
         if determined < len(parameters):
             yield say("models.undetermined")
         yield say("models.files", robot=robot)
@@ -77,8 +75,8 @@ def contradictions(results: Results) -> Iterator[Sentence]:
         by_joint = rows.groupby("joint")
         disjoint = by_joint["low"].max() > by_joint["high"].min()
         if disjoint.any():
-            words = {"gain": gain, "robot": robot, "numbers": disjoint.index[disjoint]}
-            yield say("loop.contradiction", **words)
+            joints = disjoint.index[disjoint]
+            yield say("loop.contradiction", gain=gain, robot=robot, numbers=joints)
 
 
 def published_gains(results: Results) -> Iterator[Sentence]:

@@ -84,9 +84,7 @@ def total_time(results: Results) -> Iterator[Sentence]:
     """Report the time of all jobs together."""
     times: pd.DataFrame = results.tables["run_times"]
     if len(times):
-        whole, start_up = times["cpu_s"].sum(), times["start_up_s"].sum()
-        jobs = times["jobs"].sum()
-        yield say("provenance.times", jobs=jobs, whole=whole, start_up=start_up)
+        yield say("provenance.times", sums=times[["jobs", "cpu_s", "start_up_s"]].sum())
 
 
 def configuration_heading(results: Results) -> Iterator[Sentence]:
