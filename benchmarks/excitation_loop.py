@@ -9,8 +9,6 @@ that are least determined before each next recording, with the standard errors t
 and those that the study then states. The study is built in results/excitation-loop.
 """
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +16,7 @@ from typing import Any
 import yaml
 
 from benchmarks.harness.options import options_of
+from benchmarks.study import snakemake
 from ur5lib.commands.excite import ExciteOptions, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
 from ur5lib.excitation.outlook import KEPT
@@ -91,8 +90,7 @@ def built(recordings: list[dict[str, Any]]) -> None:
     study["settings"] = settings
     file = RESULTS / "configuration.yaml"  # where `ur5 excite` looks for it
     file.write_text(yaml.safe_dump(study, sort_keys=False, default_flow_style=None))
-    command = [sys.executable, "-m", "snakemake", "--quiet", "all", "--configfile", str(file)]
-    subprocess.run([*command, "--until", IDENTIFIED], check=True)
+    snakemake(study, "--until", IDENTIFIED)
 
 
 def stated(robot: str) -> dict[str, float]:

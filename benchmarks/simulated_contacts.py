@@ -16,9 +16,7 @@ end, all seeds together are results/simulated_contacts.csv, the table of the pag
 """
 
 import shutil
-import subprocess
 import sys
-import tempfile
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -26,7 +24,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import torch
-import yaml
 
 from benchmarks.estimators import all_estimators
 from benchmarks.estimators.published import ESTIMATORS as PUBLISHED
@@ -38,6 +35,7 @@ from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.study import Arm, label_paths, read_run
 from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK, RESULTS, estimates, learnt
+from benchmarks.study import snakemake
 from ur5lib.force.detection import CONTACT, is_free
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.signals import Signals
@@ -199,11 +197,7 @@ def built(study: dict[str, Any]) -> None:
     """Simulate, identify, and estimate forces, by the workflow."""
     names = [own["name"] for own in study["recordings"]]
     targets = [f"results/{study['study']}/recordings/{own}/{f}" for own in names for f in NEEDED]
-    with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
-        yaml.safe_dump(study, file)
-        file.flush()
-        command = [sys.executable, "-m", "snakemake", "--cores", "1", "--quiet", "all"]
-        subprocess.run([*command, "--configfile", file.name, "--", *targets], check=True)
+    snakemake(study, "--cores", "1", "--", *targets)
 
 
 def figures(

@@ -19,10 +19,9 @@ from benchmarks.excitation import (
 from ur5lib.commands.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import Design, Effort, design, feasible, free_postures, random_path
-from ur5lib.excitation.objective import Objective, Task
+from ur5lib.excitation.objective import QUESTIONS, Objective, Task
 from ur5lib.excitation.outlook import Bands, Earlier, Outlook
 from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, TORQUE_NOISE, nominal_maps
-from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell, Path
 from ur5lib.identification.current_regression import expected_fit
 from ur5lib.identification.currents import parameters

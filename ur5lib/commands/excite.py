@@ -16,10 +16,9 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import write_files
-from ur5lib.excitation.objective import STEP, Task, Worth
+from ur5lib.excitation.objective import QUESTIONS, STEP, Task, Worth
 from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces, problem_after
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
-from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.population import population_of

@@ -19,6 +19,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.problem import (
     CORRELATED,
     LOAD_WIDTH,
+    PREDICTED_ACCELERATION,
+    PREDICTED_SPEED,
     Maps,
     Noise,
     Problem,
@@ -26,7 +28,6 @@ from ur5lib.excitation.problem import (
     nominal_maps,
     random_states,
 )
-from ur5lib.excitation.questions import PREDICTED_ACCELERATION, PREDICTED_SPEED
 from ur5lib.identification.current_regression import MOVING
 from ur5lib.identification.currents import BETWEEN_DAYS, CurrentFit, Parameter
 from ur5lib.identification.population import Population

@@ -49,6 +49,7 @@ UNITS = {  # by a name's start
 }
 PAYLOAD = "payload: "
 LOAD_WIDTH = prior_width(OF_JOINT)[: len(LINK)]  # standard deviations of a load's ten parameters
+PREDICTED_SPEED, PREDICTED_ACCELERATION = 1.0, 2.0  # rad/s, rad/s²: where forces are estimated
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that determine base parameters
 
 
