@@ -81,7 +81,7 @@ def column(device: RtdeArm, values: Array, name: str) -> Array:
 @pytest.mark.parametrize("rate", [500, 125])
 def test_every_package_is_recorded_with_what_is_true(ur5e: EmulatedController, rate: int) -> None:
     device = RtdeArm(HERE, rate)
-    told = device.open()
+    told = device.identity
     received, values, lost = recorded(device, 2 * rate)
     device.close()
     assert (told.rate_hz, told.firmware) == (rate, "5.11.1.108318")
@@ -109,7 +109,6 @@ time.sleep(2)
 robot.stopFileRecording()
 """
     device = RtdeArm(HERE)
-    device.open()
     recorder = subprocess.Popen([sys.executable, "-c", program])
     got = []
     while recorder.poll() is None:
@@ -130,7 +129,7 @@ robot.stopFileRecording()
 def test_outputs_that_a_controller_lacks_are_left_out(controller_ports: None) -> None:
     with EmulatedController("ur5", ports=Ports.free()) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
-        told = device.open()
+        told = device.identity
         recorded(device, 10)
         device.close()
     assert told.rate_hz == 125
@@ -148,7 +147,7 @@ def test_an_e_series_arm_s_wrench_from_currents_is_recorded(controller_ports: No
     options = {"software": (5, 26, 0, 0), "ports": Ports.free()}
     with EmulatedController("ur5e", plan=plan, **options) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
-        told = device.open()
+        told = device.identity
         _, values, _ = recorded(device, 2000)
         device.close()
         stamps = column(device, values, "timestamp")[:, 0]
@@ -163,7 +162,6 @@ def test_an_e_series_arm_s_wrench_from_currents_is_recorded(controller_ports: No
 def test_a_clock_that_drifts_is_told(controller_ports: None) -> None:
     with EmulatedController("ur5e", clock=Clock(drift_ppm=300.0), ports=Ports.free()) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
-        device.open()
         received, values, _ = recorded(device, 1500)
         device.close()
     delay = received - np.asarray(controller.clock.host(values[:, 0]))
@@ -175,7 +173,6 @@ def test_lost_packages_are_counted(controller_ports: None) -> None:
     faults = Faults(late=0.05, split=0.2, lost=0.1)
     with EmulatedController("ur5e", faults=faults, ports=Ports.free()) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
-        device.open()
         _, values, lost = recorded(device, 1000)
         device.close()
     assert lost == round((values[-1, 0] - values[0, 0]) / 0.002) + 1 - len(values)
@@ -187,7 +184,7 @@ def test_lost_packages_are_counted(controller_ports: None) -> None:
 
 def test_the_realtime_port_is_recorded_to_the_bit(ur5e: EmulatedController, tmp_path: Path) -> None:
     device, plain = RealtimeArm(HERE), socket.create_connection((HERE, 30003))
-    told = device.open()
+    told = device.identity
     assert (told.message_bytes, told.rate_hz) == (1220, 500)
     lines, messages = [], 0
     while messages < 1000:
@@ -385,16 +382,15 @@ def test_a_controller_that_dies_is_lost_and_may_come_back(
     ur5e: EmulatedController, make: type[RtdeArm] | type[RealtimeArm]
 ) -> None:
     device = make(HERE)
-    device.open()
     device.read()
     ur5e.ask("die")
     with pytest.raises(DeviceLost, match=r"127\.0\.0\.1"):
         read_until_lost(device)
     device.close()
     with pytest.raises(InputError, match=r"answers.* at 127\.0\.0\.1, port \d+ .*switched on"):
-        make(HERE).open()
+        make(HERE)
     ur5e.ask("come back")
-    device.open()
+    device = make(HERE)
     device.read()
     device.close()
 
@@ -404,7 +400,6 @@ def test_a_silent_controller_is_lost(
     ur5e: EmulatedController, make: type[RtdeArm] | type[RealtimeArm]
 ) -> None:
     device = make(HERE)
-    device.open()
     ur5e.ask("freeze", True)
     with pytest.raises(DeviceLost, match="has sent nothing for 1 s"):
         read_until_lost(device)

@@ -14,10 +14,11 @@ from ur5lib.doubles import urscript
 from ur5lib.doubles.control_box import ControlBox
 from ur5lib.doubles.controller import EmulatedController, Ports
 from ur5lib.doubles.dashboard_server import answer
+from ur5lib.doubles.emulated import Clock
 from ur5lib.doubles.live_arm import JointMotion, LiveArm
 from ur5lib.doubles.truth import Truth, force_reading, imu_reading
 from ur5lib.recorder.rtde_arm import RtdeClient
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState, SafetyMode
 from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
 from ur5lib.stand.rig import STEP
@@ -38,12 +39,15 @@ def run(motion: JointMotion, most: int = 5000) -> Array:
 
 
 @pytest.fixture
-def box() -> Iterator[ControlBox]:
-    truth = Truth.new()
-    truth.begin(0.0, 1.0)
-    arm = LiveArm(load_robot(robot_path("ur5e")), PLAN, truth, np.random.default_rng(0))
-    yield ControlBox(arm, (5, 11, 1, 0), 0.002, 100.0, np.random.default_rng(1))
-    Path(truth.path).unlink()
+def box(tmp_path: Path, ur5e: Robot) -> Iterator[ControlBox]:
+    with (tmp_path / "states").open("wb") as file:
+        arm = LiveArm(ur5e, PLAN, file, np.random.default_rng(0))
+        yield ControlBox(arm, (5, 11, 1, 0), 0.002, 100.0, np.random.default_rng(1))
+
+
+@pytest.fixture
+def truth(box: ControlBox, tmp_path: Path) -> Truth:
+    return Truth(tmp_path / "states", Clock())
 
 
 def execute(box: ControlBox, *lines: str, cycles: int = 2000) -> list[str]:
@@ -231,8 +235,7 @@ def test_nobody_s_arm_stands_still_in_freedrive(box: ControlBox) -> None:
 # Sensors
 
 
-def test_sensors_read_the_truth_with_their_bias(box: ControlBox) -> None:
-    truth = Truth(box.arm._truth.path)
+def test_sensors_read_the_truth_with_their_bias(box: ControlBox, truth: Truth) -> None:
     for _ in range(50):
         box.advance()
     force = force_reading(truth, ForceSensor(), seed=None)(0.05)
@@ -248,8 +251,7 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox) -> None:
     assert noisy.std(axis=0).min() > 0
 
 
-def test_the_truth_is_kept_from_the_beginning(box: ControlBox) -> None:
-    truth = Truth(box.arm._truth.path)
+def test_the_truth_is_kept_from_the_beginning(box: ControlBox, truth: Truth) -> None:
     first = len(truth.states())
     box.arm.advance(10)
     states = truth.states()
@@ -258,8 +260,9 @@ def test_the_truth_is_kept_from_the_beginning(box: ControlBox) -> None:
     np.testing.assert_array_equal(truth.states(first, first + 3)["imu"], states["imu"][first:-7])
 
 
-def test_the_truth_is_interpolated_and_ends_where_it_is_known(box: ControlBox) -> None:
-    truth = box.arm._truth
+def test_the_truth_is_interpolated_and_ends_where_it_is_known(
+    box: ControlBox, truth: Truth
+) -> None:
     for _ in range(10):
         box.advance()
     q = truth.part("q", np.array([0.004, 0.0045, 0.005]))

@@ -19,7 +19,7 @@ from ur5lib.doubles.emulated import Clock, Emulated, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice
 from ur5lib.errors import InputError
-from ur5lib.recorder.device import DeviceLost, Identity
+from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.net_ft import SATURATED, NetFT
 from ur5lib.recorder.xsens import Xsens
 from ur5lib.timeseries.arrays import Array
@@ -30,32 +30,40 @@ WRENCH = np.array([10.0, -20.0, 30.0, 0.5, -1.0, 2.0])
 READING = np.array([0.5, -1.0, 9.75, 0.25, 0.0, -0.125, 0.5, 0.25, -0.75])
 BORN = time.monotonic()
 
-Opened = AbstractContextManager[tuple[Emulated, NetFT | Xsens, Identity]]
+Opened = AbstractContextManager[tuple[Emulated, NetFT | Xsens]]
 
 
 @contextmanager
 def net_ft(
     reading: Array | None = WRENCH, bias: bool = False, **options: Any
-) -> Iterator[tuple[Emulated, NetFT | Xsens, Identity]]:
-    """An emulated box, the open device that records it, and its entry.
+) -> Iterator[tuple[Emulated, NetFT | Xsens]]:
+    """An emulated box, and the device that records it.
 
     reading: None for the host's time [s] since these tests began.
     """
     with NetFTBox(lambda now: _read(reading, now, 6), **options) as box:
-        sensor = NetFT("127.0.0.1", bias=bias, port=box.port, http_port=box.http_port)
-        yield box, sensor, sensor.open()
+        sensor = device_of(box, bias)
+        yield box, sensor
         sensor.close()
 
 
 @contextmanager
 def xsens(
     reading: Array | None = READING, **options: Any
-) -> Iterator[tuple[Emulated, NetFT | Xsens, Identity]]:
+) -> Iterator[tuple[Emulated, NetFT | Xsens]]:
     """The same for a tracker."""
     with XsensDevice(lambda now: _read(reading, now, 9), **options) as tracker:
-        imu = Xsens(tracker.path, rate_hz=256)
-        yield tracker, imu, imu.open()
+        imu = device_of(tracker)
+        yield tracker, imu
         imu.close()
+
+
+def device_of(double: Emulated, bias: bool = False) -> NetFT | Xsens:
+    """A device that records an emulated one."""
+    if isinstance(double, NetFTBox):
+        return NetFT("127.0.0.1", bias, double.port, double.http_port)
+    assert isinstance(double, XsensDevice)
+    return Xsens(double.path, rate_hz=256)
 
 
 def _read(reading: Array | None, now: float, count: int) -> Array:
@@ -76,8 +84,9 @@ def record(device: NetFT | Xsens, seconds: float) -> tuple[Array, Array, int]:
 
 
 def test_force_and_torque_arrive_with_their_counters() -> None:
-    with net_ft() as (_, sensor, entry):
+    with net_ft() as (_, sensor):
         received, values, lost = record(sensor, 2.0)
+    entry = sensor.identity
     assert (entry.serial_number, entry.rate_hz, entry.bias) == ("FT00001", 1000, False)
     assert (entry.units["ft_fz"], entry.units["ft_tz"]) == ("N", "Nm")
     assert values.shape == (len(received), len(sensor.columns))
@@ -90,8 +99,9 @@ def test_force_and_torque_arrive_with_their_counters() -> None:
 
 @pytest.mark.parametrize("is_legacy", [False, True])
 def test_samples_of_a_tracker_arrive_with_their_counters(is_legacy: bool) -> None:
-    with xsens(is_legacy=is_legacy) as (_, imu, entry):
+    with xsens(is_legacy=is_legacy) as (_, imu):
         received, values, lost = record(imu, 2.0)
+    entry = imu.identity
     assert entry.rate_hz == 256
     assert entry.message == ("MTData" if is_legacy else "MTData2")
     assert (entry.model, entry.firmware) == ("MTi-30-2A5G4", "1.8.2")
@@ -115,7 +125,7 @@ def test_samples_of_a_tracker_arrive_with_their_counters(is_legacy: bool) -> Non
 def test_lost_samples_are_counted_as_the_device_lost_them(
     opened: Callable[..., Opened], column: int, per_sample: int, faults: Faults
 ) -> None:
-    with opened(faults=faults) as (double, device, _):
+    with opened(faults=faults) as (double, device):
         _, values, lost = record(device, 2.0)
     numbers = values[:, column] / per_sample
     assert (np.diff(numbers) > 0).all()
@@ -139,7 +149,7 @@ def test_a_device_s_clock_drifts(
     opened: Callable[..., Opened], clock: Clock, ticks: int, error: float
 ) -> None:
     """In 2 s of its own clock, 2 s and 2 % more or less pass here."""
-    with opened(None, clock=clock) as (_, device, _):
+    with opened(None, clock=clock) as (_, device):
         received, values, _ = record(device, 2.0)
     own, taken = values[:, 1] / ticks, BORN + values[:, 3]
     assert own[0] >= clock.offset_s
@@ -149,24 +159,19 @@ def test_a_device_s_clock_drifts(
 
 @pytest.mark.parametrize("opened", [net_ft, xsens])
 def test_a_device_that_dies_is_lost_and_comes_back(opened: Callable[..., Opened]) -> None:
-    with opened(faults=Faults(dies_at=0.8, back_at=2.8)) as (double, device, entry):
+    with opened(faults=Faults(dies_at=0.3, back_at=1.8)) as (double, device):
         with pytest.raises(DeviceLost, match=r"sent nothing for 1 s"):
             record(device, 10.0)
         device.close()
         while not double.is_powered():
             time.sleep(0.05)
-        assert device.open() == entry
-        _, values, _ = record(device, 0.3)
+        again = device_of(double)
+        assert again.identity == device.identity
+        _, values, _ = record(again, 0.3)
+        again.close()
     assert len(values) > 10
-    if opened is net_ft:
+    if isinstance(again, NetFT):
         assert values[0, 0] == 1  # it counts anew
-
-
-@pytest.mark.parametrize("device", [NetFT("127.0.0.1"), Xsens("/dev/null")])
-def test_a_closed_device_is_lost(device: NetFT | Xsens) -> None:
-    device.close()
-    with pytest.raises(DeviceLost, match="not open"):
-        device.read()
 
 
 # The force sensor
@@ -180,20 +185,20 @@ def test_units_of_the_box_become_newtons(
     force_unit: str, torque_unit: str, force: float, torque: float
 ) -> None:
     reading = WRENCH * np.repeat([force, torque], 3)
-    with net_ft(reading, force_unit=force_unit, torque_unit=torque_unit) as (_, sensor, _):
+    with net_ft(reading, force_unit=force_unit, torque_unit=torque_unit) as (_, sensor):
         _, values, _ = record(sensor, 0.1)
     np.testing.assert_allclose(values[-1, 3:], WRENCH, rtol=1e-3)
 
 
 def test_a_bias_is_set_and_recorded() -> None:
-    with net_ft(bias=True) as (_, sensor, entry):
+    with net_ft(bias=True) as (_, sensor):
         _, values, _ = record(sensor, 0.2)
-    assert entry.bias is True
+    assert sensor.identity.bias is True
     np.testing.assert_allclose(values[:, 3:], 0, atol=1e-6)
 
 
 def test_saturation_is_in_the_status() -> None:
-    with net_ft(saturation=25.0) as (_, sensor, _):
+    with net_ft(saturation=25.0) as (_, sensor):
         _, values, _ = record(sensor, 0.1)
     assert (values[:, 5] == 25).all()
     assert (values[:, 2].astype(int) & SATURATED != 0).all()
@@ -201,7 +206,7 @@ def test_saturation_is_in_the_status() -> None:
 
 def test_a_box_that_is_not_there() -> None:
     with pytest.raises(InputError, match=r"no Net F/T box answers at http://127.0.0.1:9/.*cable"):
-        NetFT("127.0.0.1", http_port=9).open()
+        NetFT("127.0.0.1", http_port=9)
 
 
 def test_a_box_that_does_not_stream() -> None:
@@ -209,7 +214,7 @@ def test_a_box_that_does_not_stream() -> None:
         NetFTBox(lambda _: WRENCH) as box,
         pytest.raises(InputError, match=r"no records from UDP port 9; enable RDT"),
     ):
-        NetFT("127.0.0.1", port=9, http_port=box.http_port).open()
+        NetFT("127.0.0.1", port=9, http_port=box.http_port)
 
 
 @pytest.fixture
@@ -251,7 +256,7 @@ ODD_UNITS = NO_COUNTS.replace(b"0</cfgcpf>", b"1</cfgcpf><cfgcpt>1</cfgcpt>").re
 )
 def test_a_page_of_something_else(page: int, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        NetFT("127.0.0.1", http_port=page).open()
+        NetFT("127.0.0.1", http_port=page)
 
 
 # The tracker
@@ -259,7 +264,7 @@ def test_a_page_of_something_else(page: int, words: str) -> None:
 
 def test_the_counter_wraps_around() -> None:
     """It starts half a second before the end of its 16 bits."""
-    with xsens(clock=Clock(offset_s=2**16 / 256 - 0.5)) as (_, imu, _):
+    with xsens(clock=Clock(offset_s=2**16 / 256 - 0.5)) as (_, imu):
         _, values, lost = record(imu, 1.5)
     assert np.diff(values[:, 0]).sum() == len(values) + lost - 1
     assert values[0, 0] < 2**16 < values[-1, 0]
@@ -268,7 +273,6 @@ def test_the_counter_wraps_around() -> None:
 def test_a_cable_that_is_pulled() -> None:
     with XsensDevice(lambda _: READING) as tracker:
         imu = Xsens(tracker.path, rate_hz=256)
-        imu.open()
         record(imu, 0.1)
     with pytest.raises(DeviceLost, match=f"serial port {tracker.path} of the IMU has gone"):
         record(imu, 5.0)
@@ -279,18 +283,18 @@ def test_a_cable_that_is_pulled() -> None:
 def test_a_rate_that_the_tracker_does_not_offer(is_legacy: bool) -> None:
     """The first generation refuses it; later ones choose the nearest."""
     with XsensDevice(lambda _: READING, is_legacy=is_legacy) as tracker:
-        imu = Xsens(tracker.path, rate_hz=100)
         if is_legacy:
             with pytest.raises(InputError, match=r"does not accept 100 Hz; choose"):
-                imu.open()
+                Xsens(tracker.path, rate_hz=100)
         else:
-            assert imu.open().rate_hz == 256
+            imu = Xsens(tracker.path, rate_hz=100)
+            assert imu.identity.rate_hz == 256
             imu.close()
 
 
 def test_a_port_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"ttyUSB7 cannot be opened; check the cable"):
-        Xsens(str(tmp_path / "ttyUSB7")).open()
+        Xsens(str(tmp_path / "ttyUSB7"))
 
 
 def noise(master: int, stopped: threading.Event) -> None:
@@ -307,7 +311,7 @@ def test_a_port_where_no_tracker_answers(is_noisy: bool) -> None:
         if source:
             source.start()
         with pytest.raises(InputError, match=r"no Xsens motion tracker answers at .*baudrate"):
-            Xsens(os.ttyname(slave)).open()
+            Xsens(os.ttyname(slave))
     finally:
         stopped.set()
         if source:

@@ -166,13 +166,11 @@ class MadeUp:
 
     def __init__(self, hangs_in: str = "", width: int = 1) -> None:
         self.columns = tuple(f"reading_{k}" for k in range(width))
+        self.identity = Identity(model="made up", address="here", units="SI", rate_hz=100.0)
         self.hangs_in, self.count = hangs_in, 0
 
-    def device(self) -> "MadeUp":
+    def open(self) -> "MadeUp":
         return self
-
-    def open(self) -> Identity:
-        return Identity(model="made up", address="here", units="SI", rate_hz=100.0)
 
     def read(self) -> NewSamples:
         time.sleep(0.01)

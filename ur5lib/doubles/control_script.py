@@ -9,7 +9,6 @@ Realtime commands are executed in every cycle and need no acknowledgement.
 
 import re
 from asyncio import StreamReader
-from collections.abc import Callable
 
 import numpy as np
 
@@ -25,6 +24,7 @@ COMMAND, ASYNCHRONOUS = 0, 1  # input integers
 STATE, RESULT, PROGRESS = 0, 1, 2  # output integers
 READY, DONE = 1, 2
 STOP_SCRIPT = 255
+REALTIME = (9, 11, 26, 38, 58)
 RUNNING, COUNT, OPERATION = 1 << 15, 1 << 16, 1 << 24  # in the register of progress
 COUNTED = 128  # counts and operations are counted modulo this
 
@@ -53,10 +53,9 @@ class ControlScript:
 
     def __init__(self, text: str, box: ControlBox) -> None:
         """text: the program as uploaded, with the client's insertions."""
-        self.box, self._motion = box, box.arm.motion
-        offset = OFFSET.search(text)
+        self._box = box
+        offset, path = OFFSET.search(text), PATH.search(text)
         self._offset = int(offset[1]) if offset else 0
-        path = PATH.search(text)
         self._path = path[1].splitlines() if path else []
         self._moves: Program | None = None  # of an asynchronous command
         self._count = self._operation = 0
@@ -75,29 +74,87 @@ class ControlScript:
                 acknowledged = False
                 yield from self._execute(command)
                 self._write(STATE, DONE)
-            self._continue_moves()
+            if self._moves is not None and next(self._moves, "ended") == "ended":
+                self._moves = None
+                self._signal_progress(running=False)
             yield
 
     def _execute(self, command: int) -> Program:
-        if command not in HANDLERS:
-            raise UnsupportedCommandError(f"command {command} of ur_rtde is not emulated")
-        yield from HANDLERS[command](self) or ()
+        """Execute a command; yield once per cycle while it lasts."""
+        box, motion = self._box, self._box.arm.motion
+        match command:
+            case 1:  # moveJ
+                *goal, speed, acceleration = self._doubles(8)
+                motion.movej(np.array(goal), speed, acceleration)
+                yield from self._started(urscript.wait_until_done(box))
+            case 45:  # movePath; blends are not emulated
+                yield from self._started(urscript.program(self._path, box))
+            case 9:  # speedJ
+                *speeds, acceleration = self._doubles(7)
+                motion.speedj(np.array(speeds), acceleration)
+            case 11:  # servoJ
+                motion.servoj(self._doubles(6), self._doubles(10)[9])
+            case 15 | 16 | 33 | 34:  # speedStop, servoStop, stopL, stopJ
+                self._moves = None
+                self._signal_progress(running=False)
+                motion.stopj(self._doubles(1)[0])
+                yield from urscript.wait_until_done(box)
+            case 52 if not all(self._integer(axis) for axis in range(1, 7)):
+                raise UnsupportedCommandError("freedrive along some axes only is not emulated")
+            case 18 | 52:  # teachMode, freedriveMode
+                box.arm.release()
+            case 19 | 53:  # endTeachMode, endFreedriveMode
+                yield from urscript.end_freedrive(box)
+            case _:
+                self._set_or_answer(command)
 
-    def _continue_moves(self) -> None:
-        if self._moves is not None and next(self._moves, "ended") == "ended":
-            self._moves = None
-            self._signal_progress(running=False)
+    def _set_or_answer(self, command: int) -> None:
+        """Execute a command that ends at once."""
+        box = self._box
+        match command:
+            case 0 | 29:  # no command; setTcp
+                pass
+            case 8:  # zeroFtSensor
+                box.zero_force()
+            case 17:  # setPayload
+                mass, *center = self._doubles(4)
+                box.arm.declare(mass, center)
+            case 65:  # setTargetPayload
+                mass, *rest = self._doubles(10)
+                box.arm.declare(mass, rest[:3], rest[3:])
+            case 26:  # getStepTime
+                self._answer(box.cycle)
+            case 31:  # triggerProtectiveStop
+                box.protective_stop("commanded by the program")
+            case 35:  # setWatchdog
+                name = f"input_int_register_{self._offset}"
+                box.watchdog = Watchdog(name, 1 / self._doubles(1)[0], box.time)
+            case 37:  # isJointsWithinSafetyLimits
+                limits = [high for _, high in box.arm.rig.robot.position_limits()]
+                self._write(RESULT, bool((np.abs(self._doubles(6)) <= limits).all()))
+            case 38:  # getJointTorques
+                self._answer(*np.asarray(box.outputs["actual_current_as_torque"]))
+            case 40:  # getTCPOffset
+                self._answer(*np.zeros(6))
+            case 43 | 58:  # getForwardKinematics, getActualToolFlangePose
+                self._answer(*np.asarray(box.outputs["actual_TCP_pose"]))
+            case 47:  # isSteady
+                self._write(RESULT, not box.arm.motion.moving)
+            case 54:  # getFreedriveStatus: possible in any posture
+                self._write(RESULT, 0)
+            case _:
+                raise UnsupportedCommandError(f"command {command} of ur_rtde is not emulated")
 
-    def _start(self, moves: Program) -> Program | None:
-        """Return moves to wait for; if asynchronous, start them beside the script."""
+    def _started(self, moves: Program) -> Program:
+        """Yield until moves have ended; if asynchronous, only start them beside the script."""
         if not self._integer(ASYNCHRONOUS):
             self._moves = None
-            return moves
+            yield from moves
+            return
         self._operation = (self._operation + 1) % COUNTED
         self._moves = moves
         next(moves, None)
         self._signal_progress(running=True)
-        return None
 
     def _signal_progress(self, running: bool) -> None:
         self._count = (self._count + 1) % COUNTED
@@ -105,111 +162,16 @@ class ControlScript:
         self._write(PROGRESS, value)
 
     def _integer(self, k: int) -> int:
-        return int(self.box.registers[f"input_int_register_{k + self._offset}"])
+        return int(self._box.registers[f"input_int_register_{k + self._offset}"])
 
-    def _doubles(self, first: int, count: int) -> Array:
-        names = (f"input_double_register_{first + k + self._offset}" for k in range(count))
-        return np.array([self.box.registers[name] for name in names])
+    def _doubles(self, count: int) -> Array:
+        """Return the first input doubles (count,)."""
+        names = (f"input_double_register_{k + self._offset}" for k in range(count))
+        return np.array([self._box.registers[name] for name in names])
 
     def _write(self, k: int, value: int) -> None:
-        self.box.registers[f"output_int_register_{k + self._offset}"] = value
+        self._box.registers[f"output_int_register_{k + self._offset}"] = value
 
-    # The commands
-
-    def move_j(self) -> Program | None:
-        """Move to joint angles."""
-        *goal, speed, acceleration = self._doubles(0, 8)
-        self._motion.movej(np.array(goal), speed, acceleration)
-        return self._start(urscript.wait_until_done(self.box))
-
-    def move_path(self) -> Program | None:
-        """Move along the path that the client has inserted; blends are not emulated."""
-        return self._start(urscript.program(self._path, self.box))
-
-    def servo_j(self) -> None:
-        """Follow joint angles."""
-        self._motion.servoj(self._doubles(0, 6), self._doubles(9, 1)[0])
-
-    def speed_j(self) -> None:
-        """Move at joint speeds."""
-        self._motion.speedj(self._doubles(0, 6), self._doubles(6, 1)[0])
-
-    def stop_motion(self) -> Program:
-        """Brake all joints."""
-        self._moves = None
-        self._signal_progress(running=False)
-        self._motion.stopj(self._doubles(0, 1)[0])
-        return urscript.wait_until_done(self.box)
-
-    def freedrive(self) -> None:
-        """Let the arm be led by hand; along some axes only is not emulated."""
-        if not all(self._integer(axis) for axis in range(1, 7)):
-            raise UnsupportedCommandError("freedrive along some axes only is not emulated")
-        self.box.arm.release()
-
-    def set_payload(self) -> None:
-        """Declare a payload: mass and centre of mass."""
-        mass, *center = self._doubles(0, 4)
-        self.box.arm.declare(mass, center)
-
-    def set_target_payload(self) -> None:
-        """Declare a payload: mass, centre of mass and inertia."""
-        mass, *rest = self._doubles(0, 10)
-        self.box.arm.declare(mass, rest[:3], rest[3:])
-
-    def set_watchdog(self) -> None:
-        """Stop the program when the client stops writing."""
-        name = f"input_int_register_{self._offset}"
-        self.box.watchdog = Watchdog(name, 1 / self._doubles(0, 1)[0], self.box.time)
-
-    def is_within_limits(self) -> None:
-        """Answer whether joint angles are within the limits."""
-        limits = [high for _, high in self.box.arm.rig.robot.position_limits()]
-        self.write_result(bool((np.abs(self._doubles(0, 6)) <= limits).all()))
-
-    def outputs(self, name: str) -> Array:
-        """Return an output of the controller (6,)."""
-        return np.asarray(self.box.outputs[name])
-
-    def write_result(self, value: int) -> None:
-        """Answer an integer."""
-        self._write(RESULT, value)
-
-    def answer(self, *values: float) -> None:
-        """Answer doubles."""
+    def _answer(self, *values: float) -> None:
         for k, value in enumerate(values, self._offset):
-            self.box.registers[f"output_double_register_{k}"] = float(value)
-
-
-Handler = Callable[[ControlScript], Program | None]
-
-REALTIME = (9, 11, 26, 38, 58)
-HANDLERS: dict[int, Handler] = {
-    0: lambda _: None,
-    1: ControlScript.move_j,
-    8: lambda script: script.box.zero_force(),
-    9: ControlScript.speed_j,
-    11: ControlScript.servo_j,
-    15: ControlScript.stop_motion,  # speedStop
-    16: ControlScript.stop_motion,  # servoStop
-    17: ControlScript.set_payload,
-    18: lambda script: script.box.arm.release(),  # teachMode
-    19: lambda script: urscript.end_freedrive(script.box),  # endTeachMode
-    26: lambda script: script.answer(script.box.cycle),  # getStepTime
-    29: lambda _: None,  # setTcp
-    31: lambda script: script.box.protective_stop("commanded by the program"),
-    33: ControlScript.stop_motion,  # stopL
-    34: ControlScript.stop_motion,  # stopJ
-    35: ControlScript.set_watchdog,
-    37: ControlScript.is_within_limits,
-    38: lambda script: script.answer(*script.outputs("actual_current_as_torque")),
-    40: lambda script: script.answer(*np.zeros(6)),  # getTCPOffset
-    43: lambda script: script.answer(*script.outputs("actual_TCP_pose")),
-    45: ControlScript.move_path,
-    47: lambda script: script.write_result(not script.box.arm.motion.moving),  # isSteady
-    52: ControlScript.freedrive,
-    53: lambda script: urscript.end_freedrive(script.box),
-    54: lambda script: script.write_result(0),  # freedrive is possible in any posture
-    58: lambda script: script.answer(*script.outputs("actual_TCP_pose")),
-    65: ControlScript.set_target_payload,
-}
+            self._box.registers[f"output_double_register_{k}"] = float(value)

@@ -12,6 +12,7 @@ import selectors
 import signal
 import socket
 import struct
+import tempfile
 import time
 from asyncio import StreamReader, StreamWriter
 from collections.abc import Callable, Coroutine
@@ -19,7 +20,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, BinaryIO, Self
 
 import numpy as np
 
@@ -59,16 +60,9 @@ class Ports:
             return cls(*(free.getsockname()[1] for free in sockets))
 
 
-class Generation(NamedTuple):
-    """What controllers of one generation have in common, as in `Setup`."""
-
-    software: tuple[int, int, int, int]
-    rate: int
-    message: int
-
-
-CB3 = Generation(software=(3, 15, 8, 106339), rate=125, message=1140)
-E_SERIES = Generation(software=(5, 11, 1, 108318), rate=500, message=1220)
+# What controllers of one generation have in common, as in `Setup`.
+CB3: dict[str, Any] = {"software": (3, 15, 8, 106339), "rate": 125, "message": 1140}
+E_SERIES: dict[str, Any] = {"software": (5, 11, 1, 108318), "rate": 500, "message": 1220}
 
 Service = Callable[[StreamReader, StreamWriter], Coroutine[Any, Any, None]]
 
@@ -106,19 +100,21 @@ class EmulatedController:
         """robot: or its name; options: of Setup; default: those of the arm's generation."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
         generation = E_SERIES if arm.wrist_sensor else CB3
-        self.setup = Setup(arm, plan, **generation._asdict() | options)
+        self.setup = Setup(arm, plan, **generation | options)
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""
-        self.truth = Truth.new()
+        self._folder = tempfile.TemporaryDirectory()
+        states = Path(self._folder.name, "states")
         context = multiprocessing.get_context("spawn")
         self._line, far_end = context.Pipe()
         self._process = context.Process(
-            target=_run, args=(self.setup, self.truth, far_end), daemon=True
+            target=_run, args=(self.setup, states, far_end), daemon=True
         )
         self._process.start()
         far_end.close()
         self.clock = replace(self.setup.clock, start=self._answer())
+        self.truth = Truth(states, self.clock)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -126,7 +122,7 @@ class EmulatedController:
         self._process.kill()
         self._process.join()
         self._line.close()
-        Path(self.truth.path).unlink(missing_ok=True)
+        self._folder.cleanup()
 
     def ask(self, order: str, *arguments: Any) -> Any:
         """Give the controller an order of `_Controller.orders`, and return its answer."""
@@ -143,18 +139,19 @@ class EmulatedController:
         return answer
 
 
-def _run(setup: Setup, truth: Truth, line: Connection) -> None:
+def _run(setup: Setup, states: Path, line: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that holds it
     # `select` wakes within microseconds of the set time, `epoll` within 1 ms.
     loop = asyncio.SelectorEventLoop(selectors.SelectSelector())
-    loop.run_until_complete(_Controller(setup, truth, line).run())
+    with states.open("wb") as truth:
+        loop.run_until_complete(_Controller(setup, truth, line).run())
 
 
 class _Controller:
     """The controller within its process."""
 
-    def __init__(self, setup: Setup, truth: Truth, line: Connection) -> None:
-        self._setup, self._truth, self._line = setup, truth, line
+    def __init__(self, setup: Setup, truth: BinaryIO, line: Connection) -> None:
+        self._setup, self._line = setup, line
         random = np.random.default_rng(setup.seed).spawn(2)
         arm = LiveArm(setup.robot, setup.plan, truth, random[0])
         software, uptime = setup.software, setup.clock.offset_s
@@ -168,7 +165,6 @@ class _Controller:
             "touch": arm.touch,  # add a contact, whose start counts from the controller's start
             "time": lambda: box.time,  # since the start, by the controller's clock [s]
             "stop": lambda: box.protective_stop("collision"),
-            "unlock": box.unlock,  # answers whether the stop is released
             "die": self._die,  # as when the power fails; the arm stands still
             "come back": self._open,
             "freeze": self._freeze,  # True: keep the connections and send nothing
@@ -184,7 +180,6 @@ class _Controller:
             self._line.send(error)
             return
         clock = self._setup.clock.begun()
-        self._truth.begin(clock.start, clock.scale)
         self._line.send(clock.start)
         loop.add_reader(self._line.fileno(), self._obey, gone)
         pace = loop.create_task(self._pace(clock))

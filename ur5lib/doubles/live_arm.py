@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
 from itertools import count
+from typing import BinaryIO
 
 import mujoco
 import numpy as np
 
-from ur5lib.doubles.truth import STATE, Truth
+from ur5lib.doubles.truth import STATE
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.stand.controller import WINDOW
 from ur5lib.stand.friction import USUAL
@@ -32,10 +32,13 @@ class LiveArm:
     """
 
     def __init__(
-        self, robot: Robot, plan: SimulatedRecording, truth: Truth, random: np.random.Generator
+        self, robot: Robot, plan: SimulatedRecording, truth: BinaryIO, random: np.random.Generator
     ) -> None:
+        """truth: file to which all states are written."""
         self.plan, self.rig = plan, build_rig(robot, plan, random)
         self._bare, self._truth = robot, truth
+        self._position_limits = [high for _, high in robot.position_limits()]
+        self._velocity_limits = robot.velocity_limits()
         start = plan_targets(plan.trajectory, robot, np.zeros(1)).q[0]
         self.motion = JointMotion(start)
         self.states = np.zeros(KEPT, STATE)
@@ -53,7 +56,7 @@ class LiveArm:
         """Advance by some steps, and write them to the truth."""
         for _ in range(steps):
             self._step()
-            self._truth.append(self.states[-1])
+            self._truth.write(self.states[-1].tobytes())
         self._truth.flush()
 
     def touch(self, contact: Contact) -> None:
@@ -81,20 +84,15 @@ class LiveArm:
 
     def exceeded(self) -> str:
         """Return in words the limit that the arm exceeds; empty where it exceeds none."""
-        target, positions, speeds = self.motion, *self._limits
+        target = self.motion
         for joint in range(6):
             outwards = target.q[joint] * target.qd[joint] > 0
-            if outwards and abs(target.q[joint]) > TOLERANCE * positions[joint]:
+            if outwards and abs(target.q[joint]) > TOLERANCE * self._position_limits[joint]:
                 return f"position limit of joint {joint + 1}"
-            if abs(target.qd[joint]) > TOLERANCE * speeds[joint]:
+            if abs(target.qd[joint]) > TOLERANCE * self._velocity_limits[joint]:
                 return f"speed limit of joint {joint + 1}"
         off = np.abs(target.q - self.states["q"][-1])
         return f"joint {off.argmax() + 1} off its path" if off.max() > FOLLOWING_ERROR else ""
-
-    @cached_property
-    def _limits(self) -> tuple[list[float], list[float]]:
-        furthest = [high for _, high in self._bare.position_limits()]
-        return furthest, self._bare.velocity_limits()
 
     def _step(self) -> None:
         warmth = float(self.plan.temperature(self.time)) - USUAL

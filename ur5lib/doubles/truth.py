@@ -1,12 +1,11 @@
 """The true motion and forces of an emulated arm, shared with other processes of the host."""
 
 import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from ur5lib.doubles.emulated import Reading
+from ur5lib.doubles.emulated import Clock, Reading
 from ur5lib.stand.plan import ForceSensor, Imu
 from ur5lib.stand.rig import STEP, States, state_of
 from ur5lib.stand.sensors import ImuReader, read_force
@@ -16,69 +15,40 @@ STATE = state_of(6)
 
 
 class Truth:
-    """The true states of an arm since it was switched on, in a file.
+    """The true states of an arm since it was switched on, in a file that its process writes.
 
-    One process writes; any other opens the same path. Its time is the host's time.monotonic.
+    Times are the host's time.monotonic; clock: the controller's.
     """
 
-    def __init__(self, path: str | Path) -> None:
-        """Open the file of an emulated arm; `Truth.new` makes one."""
-        self.path = str(path)
-        self._file = Path(path).open("r+b")  # noqa: SIM115, open as long as this is
-        self._file.seek(0, os.SEEK_END)
-
-    @classmethod
-    def new(cls) -> "Truth":
-        """Return an empty truth in a temporary file, which the caller deletes."""
-        with tempfile.NamedTemporaryFile(suffix=".truth", delete=False) as file:
-            file.truncate(STATE.itemsize)
-        return cls(file.name)
-
-    def __reduce__(self) -> tuple[type["Truth"], tuple[str]]:
-        return Truth, (self.path,)  # processes share the file, not its content
-
-    def begin(self, start: float, rate: float) -> None:
-        """Set the time of the first step [s, host], and the host's seconds per simulated second."""
-        os.pwrite(self._file.fileno(), np.array([start, rate]).tobytes(), 0)
-
-    def append(self, states: States) -> None:
-        """Write the states of the next steps; others read them after `flush`."""
-        self._file.write(states.tobytes())
-
-    def flush(self) -> None:
-        """Let others read all states."""
-        self._file.flush()
+    def __init__(self, path: Path, clock: Clock) -> None:
+        self._file, self._clock = path.open("rb"), clock
 
     def latest(self) -> float:
         """Return the time of the last step [s, host]."""
-        start, rate = self._head()
-        return start + rate * STEP * (self._count() - 1)
+        return self._clock.host(self._clock.offset_s + STEP * (self._count() - 1))
 
     def states(self, first: int = 0, end: int | None = None) -> States:
         """Return the states from step `first` to before step `end`, by default all."""
         count = (self._count() if end is None else end) - first
-        place = (1 + first) * STATE.itemsize
-        return np.frombuffer(os.pread(self._file.fileno(), count * STATE.itemsize, place), STATE)
+        size = STATE.itemsize
+        return np.frombuffer(os.pread(self._file.fileno(), count * size, first * size), STATE)
 
     def part(self, name: str, when: Array | float) -> Array:
         """Return a quantity of STATE at times (...) [s, host]: (..., components).
 
         Interpolated between steps; times before the first or after the last one give that one.
         """
-        (start, rate), last = self._head(), self._count() - 1
-        step = np.clip((np.asarray(when, np.float64) - start) / (rate * STEP), 0, last)
+        last = self._count() - 1
+        passed = (np.asarray(when, np.float64) - self._clock.start) / self._clock.scale
+        step = np.clip(passed / STEP, 0, last)
         before = np.floor(step).astype(np.int64)
         after, share = np.minimum(before + 1, last), (step - before)[..., None]
         first = int(before.min())
         values = self.states(first, int(after.max()) + 1)[name]
         return np.asarray((1 - share) * values[before - first] + share * values[after - first])
 
-    def _head(self) -> tuple[float, float]:
-        start, rate = np.frombuffer(os.pread(self._file.fileno(), 16, 0))
-        return float(start), float(rate)
-
     def _count(self) -> int:
-        return os.fstat(self._file.fileno()).st_size // STATE.itemsize - 1
+        return os.fstat(self._file.fileno()).st_size // STATE.itemsize
 
 
 def force_reading(truth: Truth, sensor: ForceSensor, seed: int | None = 0) -> Reading:

@@ -87,12 +87,12 @@ def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Ev
     or why it cannot be recorded; then its Status repeatedly, and once at the end.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the recorder handles Ctrl-C
-    device = plan.device()
     try:
-        line.send(device.open())
+        device = plan.open()
     except InputError as error:
         line.send(str(error))
         return
+    line.send(device.identity)
     status, parent = Status(), os.getppid()
     with closing(device):  # after the last report, since a device may take long to answer
         try:

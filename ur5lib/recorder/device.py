@@ -71,31 +71,25 @@ class Identity:
 
 
 class Device(Protocol):
-    """A device to record: call `open`, then `read` repeatedly, then `close`.
+    """A device that is being recorded: it streams from its construction until `close`.
 
-    name: "robot", "force_sensor" or "imu", also the name of its file; columns: the names of its
-    samples' values, which include the device's own counters and times, but not the host's time.
+    Its constructor raises InputError, with address and remedy, when the device does not answer.
+    columns: the names of its samples' values, which include the device's own counters and times,
+    but not the host's time; identity: its entry in the manifest.
     """
 
-    name: str
     columns: tuple[str, ...]
-
-    def open(self) -> Identity:
-        """Connect, start the stream, and return the device's entry in the manifest.
-
-        Raises InputError, with address and remedy, when the device does not answer.
-        """
-        ...
+    identity: Identity
 
     def read(self) -> NewSamples | Packets:
         """Return the samples since the last call, after waiting at most 0.1 s.
 
-        Raises DeviceLost when the device has gone.
+        Raises DeviceLost when the device is silent for a second, or its connection is closed.
         """
         ...
 
     def close(self) -> None:
-        """Stop streaming; does nothing when the device is closed or gone."""
+        """Stop streaming, also where the device has gone."""
         ...
 
 
@@ -114,11 +108,13 @@ class Counter:
 
     def lost_before(self, number: int) -> int | None:
         """Return the count of samples missing before this one; None if it is not accepted."""
-        step = 1 if self._last is None else (number - self._last) % self._period
+        if self._last is None:
+            self._last = self.total = number
+            return 0
+        step = (number - self._last) % self._period
         if not 1 <= step <= self._furthest:
             return None
-        self.total += step if self._last is not None else number
-        self._last = number
+        self._last, self.total = number, self.total + step
         return step - 1
 
 
@@ -126,7 +122,6 @@ class Silence:
     """Detects that a device has stopped sending; name: of the device, for messages."""
 
     def __init__(self, name: str) -> None:
-        """Start the timer."""
         self._name, self._last = name, time.monotonic()
 
     def check(self, samples: int) -> None:

@@ -8,7 +8,6 @@ from ur5lib.recorder.device import Device
 from ur5lib.strict import Strict
 
 Port = Annotated[int, Field(gt=0, lt=65536)]
-Columns = list[str]
 
 
 class ArmDevice(Strict):
@@ -22,11 +21,10 @@ class ArmDevice(Strict):
     rate_hz: float | None = Field(
         None, gt=0, le=500, description="rate of RTDE; default: the controller's own"
     )
-
     port: Port | None = Field(None, description="its port; default: that of the interface")
 
-    def device(self) -> Device:
-        """Return the device to record."""
+    def open(self) -> Device:
+        """Connect to the arm. Raises InputError where it does not answer."""
         if self.interface == "realtime":
             from ur5lib.recorder import realtime_arm
 
@@ -49,15 +47,16 @@ class NetFTDevice(Strict):
     port: Port = Field(49152, description="UDP port of RDT")
     http_port: Port = Field(80, description="port of the box's web page")
 
-    def device(self) -> Device:
-        """Return the device to record."""
+    def open(self) -> Device:
+        """Connect to the sensor. Raises InputError where it does not answer."""
         from ur5lib.recorder.net_ft import NetFT
 
         return NetFT(self.address, self.bias, self.port, self.http_port)
 
     def entry(self, file: str) -> dict[str, object]:
         """Return the entry of the sensor's file."""
-        return _stamped(file, ["time", "counter", "-", "-", "ft"])
+        columns = ["time", "counter", "-", "-", "ft"]
+        return {"file": file, "columns": columns, "time": "host_s"}
 
 
 class XsensDevice(Strict):
@@ -67,15 +66,16 @@ class XsensDevice(Strict):
     rate_hz: float = Field(100.0, gt=0, le=2000, description="rate that it is set to")
     baudrate: int = Field(115_200, gt=0, description="of the port")
 
-    def device(self) -> Device:
-        """Return the device to record."""
+    def open(self) -> Device:
+        """Connect to the sensor. Raises InputError where it does not answer."""
         from ur5lib.recorder.xsens import Xsens
 
         return Xsens(self.port, self.rate_hz, self.baudrate)
 
     def entry(self, file: str) -> dict[str, object]:
         """Return the entry of the sensor's file."""
-        return _stamped(file, ["time", "counter", "-", "imu_a", "imu_g", "imu_m"])
+        columns = ["time", "counter", "-", "imu_a", "imu_g", "imu_m"]
+        return {"file": file, "columns": columns, "time": "host_s"}
 
 
 AnyDevice = ArmDevice | NetFTDevice | XsensDevice
@@ -97,7 +97,3 @@ class Lab(Strict):
         """Return the devices of this laboratory by name."""
         devices = {"robot": self.robot, "force_sensor": self.force_sensor, "imu": self.imu}
         return {name: device for name, device in devices.items() if device is not None}
-
-
-def _stamped(file: str, columns: Columns) -> dict[str, object]:
-    return {"file": file, "columns": columns, "time": "host_s"}

@@ -75,50 +75,39 @@ class NetFT:
     Its samples: rdt_sequence (the number of the record in the stream), ft_sequence (of the box's
     own measurement, at 7000 Hz), status (see SATURATED, ERROR), force [N] and torque [Nm]
     on the sensor's tool side, in the axes that the box is set to.
-
-    bias: whether to zero the sensor at the start, by the box's software bias.
     """
 
-    name = "force_sensor"
     columns = (*FIELDS, *CHANNELS)
 
     def __init__(
         self, address: str, bias: bool = False, port: int = PORT, http_port: int = 80
     ) -> None:
-        """Set up; port: of RDT, http_port: of the box's web page."""
-        self._address, self._bias = address, bias
-        self._port, self._http_port = port, http_port
-        self._socket: socket.socket | None = None
+        """bias: whether to zero the sensor first, by the box's software bias; port: of RDT;
+        http_port: of the box's web page.
 
-    def open(self) -> Identity:
-        """Read the box's settings, start the stream, and return the manifest's entry.
-
-        Raises InputError when the box does not answer, does not stream, or has unknown units.
+        Raises InputError also where the box does not stream or has unknown units.
         """
-        settings = self._settings()
-        counts = _counts(settings, self._address)
-        force, torque = _units(settings, self._address)
-        self._scale = np.repeat([1.0, force / counts[0], torque / counts[1]], 3)
-        self._connect()
+        self._box = f"the Net F/T box at {address}"
+        settings = _settings(f"http://{address}:{http_port}/netftapi2.xml")
+        counts, units = self._counts(settings), self._units(settings)
+        self._scale = np.repeat([1.0, units[0] / counts[0], units[1] / counts[1]], 3)
+        self._socket = self._connect(address, port, bias)
         self._records = Counter(SEQUENCE_BITS, HIGHEST_RATE)
-        self._silence = Silence(f"the Net F/T box at {self._address}")
-        return Identity(
+        self._silence = Silence(self._box)
+        self.identity = Identity(
             model=settings.get("prodname", "ATI Net F/T"),
-            address=self._address,
+            address=address,
             serial_number=settings.get("cfgcalsn", ""),
             firmware=settings.get("mfgdigver", ""),
             units=CHANNELS,
             counts_per_unit={"force": counts[0], "torque": counts[1]},
             box_units={"force": settings["scfgfu"], "torque": settings["scfgtu"]},
             rate_hz=_number(settings, "comrdtrate") or _number(settings, "commrdtrate"),
-            bias=self._bias,
+            bias=bias,
         )
 
     def read(self) -> NewSamples:
-        """Return the samples that have arrived, after waiting 0.05 s for more.
-
-        Raises DeviceLost when the last one is 1 s ago.
-        """
+        """Return the samples that arrive within 0.05 s, as `Device.read`."""
         received, records, lost = [], [], 0
         until = time.monotonic() + GATHER
         while datagram := self._receive(until):
@@ -134,62 +123,33 @@ class NetFT:
 
     def close(self) -> None:
         """Stop the stream."""
-        if self._socket is None:
-            return
         with contextlib.suppress(OSError):  # the box may have gone
             self._socket.send(request(STOP))
         self._socket.close()
-        self._socket = None
 
-    def _settings(self) -> dict[str, str]:
-        """Return the elements of the box's netftapi2.xml as text."""
-        url = f"http://{self._address}:{self._http_port}/netftapi2.xml"
-        try:
-            with requests.Session() as session:
-                session.trust_env = False  # the box is in the local network, behind no proxy
-                reply = session.get(url, timeout=PATIENCE, stream=True, allow_redirects=False)
-                reply.raise_for_status()
-                page = next(reply.iter_content(LONGEST_PAGE), b"")
-        except (requests.RequestException, OSError) as error:
-            raise InputError(
-                f"no Net F/T box answers at {url}; check its power, the network cable and the "
-                "address in the study"
-            ) from error
-        try:
-            # ElementTree loads no external entities, and expat limits the expansion of others.
-            root = ElementTree.fromstring(page)
-        except ElementTree.ParseError as error:
-            raise InputError(
-                f"{url} is not the page of a Net F/T box; check the address in the study"
-            ) from error
-        return {element.tag: (element.text or "").strip() for element in root}
-
-    def _connect(self) -> None:
+    def _connect(self, address: str, port: int, bias: bool) -> socket.socket:
         """Start the stream and wait for its first record, without consuming it."""
-        self.close()
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
-        self._socket.settimeout(PATIENCE / ATTEMPTS)
+        connection = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+        connection.settimeout(PATIENCE / ATTEMPTS)
         for _ in range(ATTEMPTS):
             try:
-                self._socket.connect((self._address, self._port))  # ignores other senders
-                if self._bias:
-                    self._socket.send(request(SET_BIAS))
-                self._socket.send(request(STREAM))
-                self._socket.recv(1, socket.MSG_PEEK)
-                return
+                connection.connect((address, port))  # ignores other senders
+                if bias:
+                    connection.send(request(SET_BIAS))
+                connection.send(request(STREAM))
+                connection.recv(1, socket.MSG_PEEK)
+                return connection
             except OSError:
                 continue
-        self.close()
+        connection.close()
         raise InputError(
-            f"the Net F/T box at {self._address} sends no records from UDP port {self._port}; "
-            "enable RDT on its page “Communications” and open the port in the firewall"
+            f"{self._box} sends no records from UDP port {port}; enable RDT on its page "
+            "“Communications” and open the port in the firewall"
         )
 
     def _receive(self, until: float) -> bytes | None:
         """Return the next datagram; None if none arrives before `until` [s, monotonic]."""
-        if self._socket is None:
-            raise DeviceLost(f"the Net F/T box at {self._address} is not open")
         remaining = until - time.monotonic()
         if remaining <= 0:
             return None
@@ -199,7 +159,50 @@ class NetFT:
         except TimeoutError:
             return None
         except OSError as error:
-            raise DeviceLost(f"the Net F/T box at {self._address} has gone") from error
+            raise DeviceLost(f"{self._box} has gone") from error
+
+    def _counts(self, settings: dict[str, str]) -> tuple[float, float]:
+        """Return counts per unit of force and torque."""
+        force, torque = _number(settings, "cfgcpf"), _number(settings, "cfgcpt")
+        if force is None or torque is None:
+            raise InputError(
+                f"{self._box} states no counts per force and torque; choose a calibration on its "
+                "page “Configurations”"
+            )
+        return force, torque
+
+    def _units(self, settings: dict[str, str]) -> tuple[float, float]:
+        """Return the box's units of force [N] and torque [Nm]."""
+        names = [settings.get(name, "").lower().replace("-", "") for name in ("scfgfu", "scfgtu")]
+        if names[0] not in FORCE_UNITS or names[1] not in TORQUE_UNITS:
+            raise InputError(
+                f"{self._box} has unknown units “{names[0]}” and “{names[1]}”; set N and Nm on its "
+                "page “Configurations”"
+            )
+        return FORCE_UNITS[names[0]], TORQUE_UNITS[names[1]]
+
+
+def _settings(url: str) -> dict[str, str]:
+    """Return the elements of a box's netftapi2.xml as text."""
+    try:
+        with requests.Session() as session:
+            session.trust_env = False  # the box is in the local network, behind no proxy
+            reply = session.get(url, timeout=PATIENCE, stream=True, allow_redirects=False)
+            reply.raise_for_status()
+            page = next(reply.iter_content(LONGEST_PAGE), b"")
+    except (requests.RequestException, OSError) as error:
+        raise InputError(
+            f"no Net F/T box answers at {url}; check its power, the network cable and the address "
+            "in the study"
+        ) from error
+    try:
+        # ElementTree loads no external entities, and expat limits the expansion of others.
+        root = ElementTree.fromstring(page)
+    except ElementTree.ParseError as error:
+        raise InputError(
+            f"{url} is not the page of a Net F/T box; check the address in the study"
+        ) from error
+    return {element.tag: (element.text or "").strip() for element in root}
 
 
 def _number(settings: dict[str, str], name: str) -> float | None:
@@ -209,25 +212,3 @@ def _number(settings: dict[str, str], name: str) -> float | None:
     except (KeyError, ValueError):
         return None
     return number if 0 < number < math.inf else None
-
-
-def _counts(settings: dict[str, str], address: str) -> tuple[float, float]:
-    """Return counts per unit of force and torque."""
-    force, torque = _number(settings, "cfgcpf"), _number(settings, "cfgcpt")
-    if force is None or torque is None:
-        raise InputError(
-            f"the Net F/T box at {address} states no counts per force and torque; choose a "
-            "calibration on its page “Configurations”"
-        )
-    return force, torque
-
-
-def _units(settings: dict[str, str], address: str) -> tuple[float, float]:
-    """Return the box's units of force [N] and torque [Nm]."""
-    names = [settings.get(name, "").lower().replace("-", "") for name in ("scfgfu", "scfgtu")]
-    if names[0] not in FORCE_UNITS or names[1] not in TORQUE_UNITS:
-        raise InputError(
-            f"the Net F/T box at {address} has unknown units “{names[0]}” and “{names[1]}”; set N "
-            "and Nm on its page “Configurations”"
-        )
-    return FORCE_UNITS[names[0]], TORQUE_UNITS[names[1]]

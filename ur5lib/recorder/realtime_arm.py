@@ -9,7 +9,6 @@ import numpy as np
 
 from ur5lib.recorder.device import (
     LONGEST_SILENCE,
-    DeviceLost,
     Identity,
     Packets,
     Silence,
@@ -25,48 +24,33 @@ WAIT = 0.1  # s, for which one call waits
 
 
 class RealtimeArm:
-    """The arm at an address, recorded byte by byte.
+    """The arm at an address, recorded as packets of bytes for the format `realtime-stream`."""
 
-    Unlike other devices it returns packets of bytes, as in the format `realtime-stream`.
-    """
-
-    name = "robot"
     columns: tuple[str, ...] = ("payload_hex",)
 
     def __init__(self, address: str, port: int = PORT) -> None:
-        self._address, self._port = address, port
-        self._socket: socket.socket | None = None
-
-    def open(self) -> Identity:
-        """Connect and return the manifest's entry.
-
-        Raises InputError when no controller answers, or with messages of an unknown layout.
-        """
+        """Raise InputError also where the messages have an unknown layout."""
+        self._address = address
         try:
-            self._socket = socket.create_connection((self._address, self._port), PATIENCE)
-            size, first, second = self._peek(self._socket)
+            self._socket = socket.create_connection((address, port), PATIENCE)
+            self._size, first, second = self._peek()
         except (OSError, struct.error) as error:
-            raise no_controller("its stream", self._address, self._port, error) from error
-        self._size, self._cycle = size, second - first
+            raise no_controller("its stream", address, port, error) from error
+        self._cycle = second - first
         self._rest, self._last = b"", first - self._cycle
-        self._silence = Silence(self._address)
-        return Identity(
+        self._silence = Silence(address)
+        self.identity = Identity(
             model="Universal Robots controller, realtime port",
-            address=self._address,
-            firmware=SOFTWARE[size],
+            address=address,
+            firmware=SOFTWARE[self._size],
             rate_hz=round(1 / self._cycle),
-            message_bytes=size,
+            message_bytes=self._size,
             units="SI",
             clock="timestamp",
         )
 
     def read(self) -> Packets:
-        """Return the bytes since the last call, after waiting at most 0.1 s.
-
-        Raises DeviceLost when the controller is silent for a second or closes the connection.
-        """
-        if self._socket is None:
-            raise DeviceLost(f"{self._address} is not open")
+        """Return the bytes since the last call, as `Device.read`."""
         arrived, data = receive(self._socket, self._address, WAIT)
         self._silence.check(len(data))
         if not data:
@@ -74,27 +58,25 @@ class RealtimeArm:
         return Packets(np.array([arrived]), [data], *self._count(data))
 
     def close(self) -> None:
-        """Close the connection; does nothing when closed or gone."""
-        if self._socket is not None:
-            with contextlib.suppress(OSError):
-                self._socket.close()
-            self._socket = None
+        """Close the connection."""
+        with contextlib.suppress(OSError):
+            self._socket.close()
 
-    def _peek(self, connection: socket.socket) -> tuple[int, float, float]:
+    def _peek(self) -> tuple[int, float, float]:
         """Return the messages' size [bytes] and the first two timestamps [s], not consuming any."""
-        (size, _) = HEAD.unpack(self._ahead(connection, HEAD.size))
+        (size, _) = HEAD.unpack(self._ahead(HEAD.size))
         if size not in SOFTWARE:
             raise ConnectionError(f"the layout of its messages of {size} bytes is unknown")
-        both = self._ahead(connection, size + HEAD.size)
+        both = self._ahead(size + HEAD.size)
         first, second = HEAD.unpack_from(both)[1], HEAD.unpack_from(both, size)[1]
         if not 0 < second - first < LONGEST_SILENCE:
             raise ConnectionError("its messages have no timestamps")
         return size, first, second
 
-    def _ahead(self, connection: socket.socket, count: int) -> bytes:
+    def _ahead(self, count: int) -> bytes:
         """Return the next bytes and leave them in the socket."""
         until = time.monotonic() + PATIENCE
-        while len(data := connection.recv(count, socket.MSG_PEEK)) < count:
+        while len(data := self._socket.recv(count, socket.MSG_PEEK)) < count:
             if not data or time.monotonic() > until:
                 raise ConnectionError("it does not send")
             time.sleep(0.001)

@@ -132,32 +132,22 @@ class RtdeClient:
 class RtdeArm:
     """The arm at an address, recorded package by package through RTDE.
 
-    rate: [Hz], None for the controller's default. columns: those of OUTPUTS that the controller
-    has, known once it is open; lost packages are counted by `timestamp`, the controller's clock.
+    columns: those of OUTPUTS that the controller has; lost packages are counted by `timestamp`, the
+    controller's clock.
     """
 
-    name = "robot"
-
     def __init__(self, address: str, rate: float | None = None, port: int = PORT) -> None:
-        self._address, self._rate, self._port = address, rate, port
-        self._client: RtdeClient | None = None
-        self.columns: tuple[str, ...] = ()
-
-    def open(self) -> Identity:
-        """Connect, start, and return the manifest's entry.
-
-        Raises InputError when no controller answers.
-        """
-        self._client = RtdeClient(self._address, self._port)
+        """rate: [Hz], None for the controller's default."""
+        self._client = RtdeClient(address, port)
         software = self._client.software
-        rate = self._rate or RATES.get(software[0], USUAL_RATE)
+        rate = rate or RATES.get(software[0], USUAL_RATE)
         names = self._client.start(OUTPUTS, rate)
         self.columns = all_columns(tuple(names))
         self._cycle, self._last = 1 / rate, np.nan
-        self._silence = Silence(self._address)
-        return Identity(
+        self._silence = Silence(address)
+        self.identity = Identity(
             model="Universal Robots controller, RTDE",
-            address=self._address,
+            address=address,
             firmware=".".join(map(str, software)),
             rate_hz=rate,
             units="SI",
@@ -166,12 +156,7 @@ class RtdeArm:
         )
 
     def read(self) -> NewSamples:
-        """Return the samples since the last call, after waiting at most 0.1 s.
-
-        Raises DeviceLost when the controller is silent for a second or closes the connection.
-        """
-        if self._client is None:
-            raise DeviceLost(f"{self._address} is not open")
+        """Return the samples since the last call, as `Device.read`."""
         packages = self._client.receive(WAIT)
         self._silence.check(len(packages))
         received = np.array([arrived for arrived, _ in packages], np.float64)
@@ -180,10 +165,8 @@ class RtdeArm:
         return NewSamples(received, values, self._count_lost(values[:, 0]))
 
     def close(self) -> None:
-        """Stop the packages; does nothing when closed or gone."""
-        if self._client is not None:
-            self._client.close()
-            self._client = None
+        """Stop the packages."""
+        self._client.close()
 
     def _count_lost(self, stamps: np.ndarray) -> int:
         """Return the count of cycles missing before or among timestamps (n,) [s]."""
