@@ -213,7 +213,9 @@ def pull(box: ControlBox, seconds: float) -> None:
 
 
 def test_in_freedrive_the_arm_gives_way_and_then_stays(box: ControlBox) -> None:
-    execute(box, "sleep(0.5)")
+    """Where nobody pulls, its weight does not move it."""
+    assert execute(box, "teach_mode()", "sleep(1.0)", "end_teach_mode()") == []
+    np.testing.assert_allclose(box.arm.states["q"][-1], HOME, atol=0.005)
     pull(box, 2.0)
     execute(box, "sleep(1.0)")
     np.testing.assert_allclose(box.arm.states["q"][-1], HOME, atol=0.01)
@@ -224,12 +226,6 @@ def test_in_freedrive_the_arm_gives_way_and_then_stays(box: ControlBox) -> None:
     assert box.safety_mode == SafetyMode.NORMAL
     execute(box, "sleep(1.5)")  # while the hand goes back
     np.testing.assert_allclose(box.arm.states["q"][-1], led, atol=0.01)
-
-
-def test_nobody_s_arm_stands_still_in_freedrive(box: ControlBox) -> None:
-    """Its own weight does not move it."""
-    assert execute(box, "teach_mode()", "sleep(2.0)", "end_teach_mode()") == []
-    np.testing.assert_allclose(box.arm.states["q"][-1], HOME, atol=0.005)
 
 
 # Sensors
@@ -251,23 +247,18 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox, truth: Truth) -
     assert noisy.std(axis=0).min() > 0
 
 
-def test_the_truth_is_kept_from_the_beginning(box: ControlBox, truth: Truth) -> None:
-    first = len(truth.states())
-    box.arm.advance(10)
-    states = truth.states()
-    assert len(states) == first + 10
-    np.testing.assert_array_equal(states["q"][-5:], box.arm.states["q"])
-    np.testing.assert_array_equal(truth.states(first, first + 3)["imu"], states["imu"][first:-7])
-
-
-def test_the_truth_is_interpolated_and_ends_where_it_is_known(
-    box: ControlBox, truth: Truth
-) -> None:
+def test_the_truth_is_kept_from_its_beginning_to_its_end(box: ControlBox, truth: Truth) -> None:
+    """And interpolated between steps."""
     for _ in range(10):
         box.advance()
+    states = truth.states()
+    assert len(states) == 21  # the first step is that of the start
+    np.testing.assert_array_equal(states["q"][-5:], box.arm.states["q"])
+    np.testing.assert_array_equal(truth.states(1, 4)["imu"], states["imu"][1:4])
     q = truth.part("q", np.array([0.004, 0.0045, 0.005]))
+    np.testing.assert_array_equal(q[::2], states["q"][4:6])
     np.testing.assert_allclose(q[1], (q[0] + q[2]) / 2)
-    np.testing.assert_array_equal(truth.part("q", 1e9), truth.part("q", truth.latest()))
+    np.testing.assert_array_equal(truth.part("q", 1e9), states["q"][-1])
     assert truth.latest() == pytest.approx(0.020)
 
 

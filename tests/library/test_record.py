@@ -28,7 +28,6 @@ from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
 from ur5lib.recorder.device import Identity
 from ur5lib.recordings.starts import place_sensors
-from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState
 from ur5lib.stand.plan import SimulatedRecording
@@ -77,23 +76,6 @@ def on_an_emulated_arm(test: Callable[..., None]) -> Callable[..., None]:
     return pytest.mark.slow(pytest.mark.real_time(marked))
 
 
-@on_an_emulated_arm
-def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> None:
-    pytest.importorskip("serial")
-    screen = console()
-    # Long enough for the emulated arm to make up for what a busy computer let it wait at the start.
-    options = RecordOptions("pushed", "contact", seconds=10, add=True, emulate=True)
-    assert record(study, options, screen) == 0
-    (recording,) = read_study(study).recordings
-    assert (recording.name, recording.role, recording.format) == ("pushed", "contact", "rtde-csv")
-    assert yaml.safe_load(study.read_text())["devices"] == yaml.safe_load(STUDY)["devices"]
-    assert "next: snakemake --configfile lab.yaml" in said(screen)
-    assert recording.truth == "truth"
-    expect_truth(Path("raw/lab/pushed"), recording.model_dump())
-    with pytest.raises(InputError, match="raw/lab/pushed exists"):
-        record(study, options, console())
-
-
 def has_kept_up(folder: Path) -> bool:
     """Whether an emulated arm was as late in the last fifth of a recording as in the one before."""
     robot = pd.read_csv(folder / "robot.csv")
@@ -122,8 +104,8 @@ def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
 @on_an_emulated_arm
 def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> None:
     pytest.importorskip("rtde_control")
-    time = np.arange(0, 4, 0.02)
-    swing = 0.3 * np.sin(np.pi * time / 4) ** 2
+    time = np.arange(0, 2, 0.02)
+    swing = 0.3 * np.sin(np.pi * time / 2) ** 2
     np.savetxt("swing.csv", np.column_stack([time, HOME + swing[:, None]]), delimiter=",")
     options = RecordOptions(
         "swing", "fit", without=("imu", "force_sensor"), move=Path("swing.csv"), speed=1.0,
@@ -159,32 +141,27 @@ def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
 
 
 @on_an_emulated_arm
-def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_moves_without_a_yes_or_a_plan(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not by a line through a singularity, nor with a wait between commands of a file of none."""
     pytest.importorskip("rtde_control")
-    np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
-    screen = console()
-    monkeypatch.setattr(screen, "input", lambda *_: "y")
-    for way in ({"move": Path("points.csv")}, {"by_hand": True}):
-        options = RecordOptions("points", "fit", emulate=True, **way)  # type: ignore[arg-type]
-        with pytest.raises(InputError, match="not confirmed"):
-            record(study, options, screen)
-        assert not Path("raw").exists()
-
-
-@on_an_emulated_arm
-def test_what_cannot_be_planned_is_refused_before_anything_moves(study: Path) -> None:
-    """A line through a singularity, and a wait between commands of a file that has none."""
     np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
     here, there = (HOME + np.array([0, 0, 0, 0, turn, 0]) for turn in (-1.1, -1.9))
     Path("moves.txt").write_text(f"movej({here.tolist()})\nmovel({there.tolist()})\n")
-    for name, wait, sentence in (
-        ("moves.txt", 0.0, "line 2: .* singularity"),
-        ("points.csv", 3.0, "--wait: points.csv"),
-    ):
-        options = RecordOptions("run", "fit", move=Path(name), wait=wait, yes=True, emulate=True)
-        with pytest.raises(InputError, match=sentence):
-            record(study, options, console())
-        assert not Path("raw").exists()
+    screen = console()
+    monkeypatch.setattr(screen, "input", lambda *_: "y")
+    with EmulatedController("ur5e", plan=at(HOME)):
+        for given, sentence in (
+            ({"move": Path("points.csv")}, "not confirmed"),
+            ({"by_hand": True}, "not confirmed"),
+            ({"move": Path("moves.txt"), "yes": True}, "line 2: .* singularity"),
+            ({"move": Path("points.csv"), "wait": 3.0, "yes": True}, "--wait: points.csv"),
+        ):
+            options = RecordOptions("points", "fit", **given)  # type: ignore[arg-type]
+            with pytest.raises(InputError, match=sentence):
+                record(study, options, screen)
+            assert not Path("raw").exists()
 
 
 @on_an_emulated_arm
@@ -207,12 +184,19 @@ def test_the_page_is_followed_word_for_word(
     for command in commands:
         done = CliRunner().invoke(app, command.split()[1:], input="yes\n")
         assert done.exit_code == 0, done.output
-    assert [one.name for one in read_study(Path("lab.yaml")).recordings] == ["free", "pushed"]
+    assert "next: snakemake --configfile lab.yaml" in done.output
+    _, pushed = recordings = read_study(Path("lab.yaml")).recordings
+    assert [(one.name, one.role) for one in recordings] == [("free", "fit"), ("pushed", "contact")]
+    assert (
+        yaml.safe_load(Path("lab.yaml").read_text())["devices"] == yaml.safe_load(page)["devices"]
+    )
     expect_moves(pd.read_csv("raw/lab/moves/robot.csv"))
     for name in ("rest", "free", "moves", "pushed"):
         files = {file.name for file in Path("raw/lab", name).iterdir()}
         recorded = {"robot.csv", "force_sensor.csv", "imu.csv", "manifest.json"}
         assert files == recorded | {"truth.parquet", "truth.json"}
+    assert (pushed.format, pushed.truth) == ("rtde-csv", "truth")
+    expect_truth(Path("raw/lab/pushed"), pushed.model_dump())
 
 
 def expect_moves(moved: pd.DataFrame) -> None:
@@ -276,9 +260,12 @@ def test_a_study_that_lacks_something_is_refused(
     assert not Path("raw").exists()
 
 
-def test_a_name_that_is_no_folder_is_refused(study: Path) -> None:
+def test_a_name_that_is_no_new_folder_is_refused(study: Path) -> None:
     with pytest.raises(InputError, match="cannot name a recording"):
         record(study, RecordOptions("../run", "contact"), console())
+    Path("raw/lab/run").mkdir(parents=True)
+    with pytest.raises(InputError, match="raw/lab/run exists"):
+        record(study, RecordOptions("run", "contact"), console())
 
 
 @pytest.mark.parametrize(
@@ -332,11 +319,6 @@ def test_a_path_is_checked_without_gaps() -> None:
     path = dense_path(ends)
     assert np.abs(np.diff(path, axis=0)).max() <= 0.02
     np.testing.assert_array_equal(path[[0, -1]], ends)
-
-
-def test_an_upright_arm_touches_nothing(ur5e: Robot) -> None:
-    upright = np.array([[0, -np.pi / 2, 0, -np.pi / 2, 0, 0]])
-    assert collisions(ur5e, upright, 0.0) == []
 
 
 # Warnings

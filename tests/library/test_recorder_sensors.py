@@ -1,6 +1,5 @@
 """The sensors' devices, beside emulated ones with known readings and faults."""
 
-import http.server
 import os
 import subprocess
 import sys
@@ -217,25 +216,6 @@ def test_a_box_that_does_not_stream() -> None:
         NetFT("127.0.0.1", port=9, http_port=box.http_port)
 
 
-@pytest.fixture
-def page(request: pytest.FixtureRequest) -> Iterator[int]:
-    """A port at which a page is served."""
-
-    class Handler(http.server.BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(200)
-            self.end_headers()
-            self.wfile.write(request.param)
-
-        def log_message(self, *_: object) -> None:
-            pass
-
-    with http.server.HTTPServer(("127.0.0.1", 0), Handler) as server:
-        threading.Thread(target=server.serve_forever, args=[0.1], daemon=True).start()
-        yield server.server_address[1]
-        server.shutdown()
-
-
 LAUGHS = b"".join(
     b'<!ENTITY a%d "%s">' % (level, b"&a%d;" % (level - 1) * 10) for level in range(1, 12)
 )
@@ -252,11 +232,12 @@ ODD_UNITS = NO_COUNTS.replace(b"0</cfgcpf>", b"1</cfgcpf><cfgcpt>1</cfgcpt>").re
         (NO_COUNTS, "no counts per force and torque"),
         (ODD_UNITS, "unknown units “n” and “oz”"),
     ],
-    indirect=["page"],
 )
-def test_a_page_of_something_else(page: int, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        NetFT("127.0.0.1", http_port=page)
+def test_a_page_of_something_else(page: bytes, words: str) -> None:
+    box = NetFTBox(lambda _: WRENCH)
+    box._page = page
+    with box, pytest.raises(InputError, match=words):
+        device_of(box)
 
 
 # The tracker

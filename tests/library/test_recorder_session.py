@@ -116,13 +116,6 @@ def test_the_clocks_of_all_devices_agree_within_two_milliseconds(
         assert np.abs(error).max() < 0.002, name
 
 
-def test_a_session_ends_without_a_word(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    """Of its processes, which end while their devices still send."""
-    with lab() as (devices, _), Session(devices.devices(), tmp_path / "run") as session:
-        until(lambda: all(status.samples for status in session.statuses().values()))
-    assert capfd.readouterr().err == ""
-
-
 def test_nothing_is_lost_and_the_manifest_says_what_recorded(
     recorded: tuple[Lab, Path, EmulatedController],
 ) -> None:
@@ -135,18 +128,15 @@ def test_nothing_is_lost_and_the_manifest_says_what_recorded(
         assert entry["ended"] is None
         rows = (recorded[1] / entry["file"]).read_text().count("\n") - 1
         assert rows == entry["samples"]
-
-
-def test_every_number_is_kept_to_the_last_bit(
-    recorded: tuple[Lab, Path, EmulatedController],
-) -> None:
-    """Time stamps are multiples of the cycle after the start, as the controller sent them."""
+    # Time stamps are multiples of the cycle after the start, as the controller sent them.
     stamps = pd.read_csv(recorded[1] / "robot.csv")["timestamp"].to_numpy()
     assert np.abs(np.diff(stamps) - 0.008).max() < 1e-9
-    assert len({repr(stamp) for stamp in stamps.tolist()}) == len(stamps)
 
 
-def test_a_device_that_dies_leaves_the_others(tmp_path: Path) -> None:
+def test_a_device_that_dies_leaves_the_others(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Whose processes end without a word, while their devices still send."""
     with lab(faults=Faults(dies_at=8.0)) as (devices, _):
         with Session(devices.devices(), tmp_path / "run") as session:
             until(lambda: all(status.samples > 100 for status in session.statuses().values()))
@@ -154,6 +144,7 @@ def test_a_device_that_dies_leaves_the_others(tmp_path: Path) -> None:
             before = session.statuses()["robot"].samples
             until(lambda: session.statuses()["robot"].samples > before + 20)
         statuses = session.statuses()
+    assert capfd.readouterr().err == ""
     assert "Net F/T" in (statuses["force_sensor"].ended or "")
     assert statuses["robot"].ended is None
     assert statuses["imu"].ended is None
@@ -205,11 +196,11 @@ def test_a_device_that_does_not_close_loses_no_sample(
 def test_a_recording_goes_on_though_nobody_asks_for_its_progress(tmp_path: Path) -> None:
     plan: Any = MadeUp(width=500)  # so that reports soon fill a pipe
     with Session({"imu": plan}, tmp_path / "run") as session:
-        time.sleep(5.0)
+        time.sleep(3.0)
     status, rows = session.statuses()["imu"], (tmp_path / "run" / "imu.csv").read_text()
     assert status.ended is None
     assert status.samples == rows.count("\n") - 1
-    assert status.seconds > 4.0
+    assert status.seconds > 2.0
 
 
 def test_of_several_devices_that_are_not_there_one_is_said(tmp_path: Path) -> None:

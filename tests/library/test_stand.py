@@ -18,9 +18,9 @@ from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
-from ur5lib.stand.friction import LOAD, Friction, FrictionParameters, friction_of
+from ur5lib.stand.friction import LOAD, Friction, friction_of
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.stand.rig import STEP, Experiment, as_rows, perform
+from ur5lib.stand.rig import STEP, Experiment, perform
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
@@ -60,23 +60,30 @@ def own_torques(done: Experiment) -> Array:
     return inverse_dynamics(build_arm(done.rig.robot, done.rig.model), *states(done)).numpy()
 
 
+CONTACTS: list[dict[str, Any]] = [
+    {"kind": "push", "start_s": 1, "force": [30, -20, 10]},
+    {"kind": "push", "start_s": 1, "force": [-40, 0, 10], "link": 3, "point": [0.1, 0, 0.05]},
+    {"kind": "hand", "start_s": 2, "displacement": [0.05, 0, 0]},
+]
+
+
 # Rigid bodies
 
 
 @pytest.mark.parametrize(
-    ("robot", "model", "payload"),
-    [("ur5", "A", None), ("ur5", "C+rotors", PAYLOAD), ("ur10e", "maker+rotors", PAYLOAD)],
+    ("robot", "plan"),
+    [
+        ("ur5", {"model": "A"}),
+        ("ur5", {"model": "C+rotors", "payload": PAYLOAD.model_dump(), "contacts": CONTACTS}),
+        ("ur10e", {"model": "maker+rotors", "friction": True, "contacts": CONTACTS}),
+    ],
 )
-def test_motors_give_what_inverse_dynamics_says(
-    robot: str, model: str, payload: Payload | None
-) -> None:
-    """Without friction, noise and faults, within 1e-6 of each joint's largest torque."""
-    done = experiment(robot, model=model, payload=payload and payload.model_dump())
-    torque = done.motion["motor_torque"]
-    assert np.abs(done.motion["qd"]).max(axis=0).min() > 0.3
-    assert (
-        np.abs(own_torques(done) - torque).max(axis=0) < 1e-6 * np.abs(torque).max(axis=0)
-    ).all()
+def test_the_arm_obeys_its_equation(robot: str, plan: dict[str, Any]) -> None:
+    """D q̈ + C q̇ + g = motor − friction + contact, by our own dynamics."""
+    motion = (done := experiment(robot, **plan)).motion
+    assert np.abs(motion["qd"]).max(axis=0).min() > 0.3
+    given = motion["motor_torque"] - motion["friction_torque"] + motion["contact_torque"]
+    assert np.abs(own_torques(done) - given).max() < 1e-8
 
 
 @pytest.mark.parametrize("mounting", MOUNTINGS)
@@ -84,10 +91,8 @@ def test_an_arm_may_hang_anywhere(mounting: str) -> None:
     """Motors and the controller's model under its gravity, which is not the floor's."""
     arm = mounted(mounting)
     done = experiment(arm, payload=PAYLOAD.model_dump())
-    torque, floor = done.motion["motor_torque"], load_robot(robot_path("ur5")).carrying(PAYLOAD)
+    torque = done.motion["motor_torque"]
     np.testing.assert_allclose(own_torques(done), torque, atol=1e-6 * np.abs(torque).max())
-    upright = inverse_dynamics(build_arm(floor, done.rig.model), *states(done)).numpy()
-    assert np.abs(upright - torque).max() > 5
     sent = frames(done, 0.008, None)
     np.testing.assert_allclose(channel(sent, "target_moment"), target_torques(done), atol=2e-6)
 
@@ -114,17 +119,6 @@ def test_only_the_arm_knows_of_an_undeclared_payload() -> None:
     assert "payload" not in untold
 
 
-def test_torques_balance_with_friction_and_contacts() -> None:
-    contacts = [
-        {"kind": "push", "start_s": 1, "force": [30, -20, 10]},
-        {"kind": "push", "start_s": 1, "force": [-40, 0, 10], "link": 3, "point": [0.1, 0, 0.05]},
-        {"kind": "hand", "start_s": 2, "displacement": [0.05, 0, 0]},
-    ]
-    motion = (done := experiment(friction=True, contacts=contacts)).motion
-    given = motion["motor_torque"] - motion["friction_torque"] + motion["contact_torque"]
-    assert np.abs(own_torques(done) - given).max() < 1e-8
-
-
 def test_a_wrench_on_the_tool_is_told_at_frame_6() -> None:
     contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10], "point": [0.03, 0, 0.2]}]
     motion = (done := experiment(contacts=contacts)).motion
@@ -137,6 +131,7 @@ def test_a_wrench_on_the_tool_is_told_at_frame_6() -> None:
 
 def test_a_motion_is_its_own_derivative() -> None:
     motion = experiment(friction=True).motion
+    assert len(motion) == 4001
     np.testing.assert_allclose(np.diff(motion["q"], axis=0), STEP * motion["qd"][1:], atol=1e-12)
     np.testing.assert_allclose(np.diff(motion["qd"], axis=0), STEP * motion["qdd"][:-1], atol=1e-12)
 
@@ -152,7 +147,7 @@ def test_frame_6_is_where_it_belongs(robot: str) -> None:
     np.testing.assert_allclose(motion["rotation"].reshape(-1, 3, 3), rotation, atol=1e-12)
 
 
-@pytest.mark.parametrize("gravity", [None, *MOUNTINGS.values()])
+@pytest.mark.parametrize("gravity", [None, MOUNTINGS["tilted"]])
 def test_imu_feels_what_kinematics_say(
     ur5: Robot, gravity: tuple[float, float, float] | None
 ) -> None:
@@ -182,7 +177,7 @@ def test_force_sensor_reads_the_force_of_the_hand_on_the_arm(ur5: Robot) -> None
     np.testing.assert_allclose(wrench, motion["wrench"], atol=1e-10)
 
 
-@pytest.mark.parametrize("gravity", [None, *MOUNTINGS.values()])
+@pytest.mark.parametrize("gravity", [None, MOUNTINGS["tilted"]])
 @pytest.mark.parametrize("key", ["payload", "undeclared_payload"])
 def test_force_sensor_carries_the_tool(
     ur5: Robot, key: str, gravity: tuple[float, float, float] | None
@@ -200,19 +195,13 @@ def test_force_sensor_carries_the_tool(
 # Friction
 
 
-def one_speed(speed: float, seconds: float = 2.0) -> tuple[FrictionParameters, Array]:
-    """Friction of a UR5 without load after turning steadily."""
-    parameters = friction_of(load_robot(robot_path("ur5")), True)
-    friction, torque = Friction(parameters, np.zeros(6)), np.zeros(6)
-    for _ in range(round(seconds / STEP)):
-        torque = friction.torque(np.zeros(6), np.full(6, speed), np.zeros(6), STEP)
-    return parameters, torque
-
-
 @pytest.mark.parametrize("speed", [-50.0, -3.0, -0.1, 0.01, 1.0, 3.0])
 def test_sliding_friction_is_dry_viscous_and_periodic(speed: float) -> None:
-    parameters, torque = one_speed(speed)
-    qd = np.full(6, speed)
+    """After turning steadily, without load."""
+    parameters, qd = friction_of(load_robot(robot_path("ur5")), True), np.full(6, speed)
+    friction, torque = Friction(parameters, np.zeros(6)), np.zeros(6)
+    for _ in range(2000):
+        torque = friction.torque(np.zeros(6), qd, np.zeros(6), STEP)
     dry = np.sign(speed) * parameters.dry(qd, np.zeros(6))
     periodic = parameters.periodic * np.cos(parameters.phase)
     np.testing.assert_allclose(torque, dry + parameters.viscous * qd + periodic, rtol=1e-6)
@@ -354,9 +343,3 @@ def test_what_the_arm_cannot_do_is_told() -> None:
         InputError, match=r"takes joint 1 of ur5 to .* rad, beyond its limit of 6\.28"
     ):
         experiment(trajectory=far, seconds=10)
-
-
-def test_a_motion_is_kept_whole() -> None:
-    motion = experiment(seconds=1.5).motion
-    assert len(motion) == 1501
-    assert np.isfinite(as_rows(motion)).all()
