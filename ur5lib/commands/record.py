@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -79,7 +79,8 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
             _confirm("the arm will be in freedrive; hold it. Type yes: ", options, console)
         mover = Mover(address, motion) if motion or options.by_hand else None
         with Session(devices, folder) as session:
-            vars(session.identities()["robot"]).update(_identity(lab))
+            with suppress(InputError):  # where its dashboard does not answer
+                vars(session.identities()["robot"]).update(identify(address))
             moved = f"{options.move} at {options.speed:g} of its speed" if motion else None
             write_manifest(folder, session.identities(), None, moved)
             _watch(session, mover, options.seconds, console)
@@ -89,14 +90,6 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     entry |= entry_of(lab, session.statuses())
     entry |= {"truth": TRUTH} if options.emulate else {}
     return study.enter(entry, options.add, console)
-
-
-def _identity(lab: Lab) -> dict[str, str]:
-    """Return the arm's identity by its dashboard, empty where that does not answer."""
-    try:
-        return identify(lab.robot.address)
-    except InputError:
-        return {}
 
 
 def _prepare(

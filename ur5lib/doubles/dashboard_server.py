@@ -4,7 +4,6 @@ Source: Universal Robots' dashboard server guide, CB-Series and e-Series.
 """
 
 from asyncio import StreamReader, StreamWriter
-from collections.abc import Callable
 from itertools import repeat
 
 from ur5lib.doubles.control_box import ControlBox
@@ -26,101 +25,75 @@ async def serve(box: ControlBox, reader: StreamReader, writer: StreamWriter) -> 
 
 def answer(line: str, box: ControlBox) -> str:
     """Execute a command and return the answer to it."""
-    if line in COMMANDS:
-        return COMMANDS[line](box)
-    for start, command in WITH_ARGUMENT.items():
-        if line.startswith(f"{start} "):
-            return command(box, line.removeprefix(start).strip())
+    if line in (states := _states(box)):
+        return states[line]
+    command, _, argument = line.partition(" ")
+    match command, argument.strip():
+        case "power", "on":
+            if box.robot_mode == RobotMode.POWER_OFF:
+                box.robot_mode = RobotMode.IDLE
+            return "Powering on"
+        case "power", "off":
+            box.stop()
+            box.robot_mode = RobotMode.POWER_OFF
+            return "Powering off"
+        case "brake", "release":
+            box.robot_mode = RobotMode.RUNNING
+            return "Brake releasing"
+        case "unlock", "protective stop":
+            released = box.unlock()
+            reason = "Cannot unlock protective stop until 5s after occurrence"
+            return "Protective stop releasing" if released else reason
+        case "load", name if name:
+            box.loaded = name
+            return f"Loading program: {name}"
+        case "addToLog", text if text:
+            box.say(text)
+            return "Added log message"
+        case "setUserRole", role if role:
+            return f"Setting user role: {role}"
+        case "popup", text if text:
+            return "showing popup"
+        case (("play" | "pause" | "stop"), ""):
+            return _control(command, box)
     return f"could not understand: '{line}'"
 
 
-def _power_on(box: ControlBox) -> str:
-    if box.robot_mode == RobotMode.POWER_OFF:
-        box.robot_mode = RobotMode.IDLE
-    return "Powering on"
-
-
-def _power_off(box: ControlBox) -> str:
-    box.stop()
-    box.robot_mode = RobotMode.POWER_OFF
-    return "Powering off"
-
-
-def _brake_release(box: ControlBox) -> str:
-    box.robot_mode = RobotMode.RUNNING
-    return "Brake releasing"
-
-
-def _unlock(box: ControlBox) -> str:
-    if box.unlock():
-        return "Protective stop releasing"
-    return "Cannot unlock protective stop until 5s after occurrence"
-
-
-def _play(box: ControlBox) -> str:
-    if box.state == RuntimeState.PAUSED:
+def _control(command: str, box: ControlBox) -> str:
+    """Play, pause or stop the program."""
+    if command == "stop":
+        box.stop()
+        return "Stopped"
+    if command == "pause" and box.state == RuntimeState.PLAYING:
+        box.paused = True
+        return "Pausing program"
+    if command == "play" and box.state == RuntimeState.PAUSED:
         box.paused = False
         return "Starting program"
-    if not box.loaded or box.safety_mode != SafetyMode.NORMAL:
-        return "Failed to execute: play"
-    box.run(repeat(None))
-    return "Starting program"
+    if command == "play" and box.loaded and box.safety_mode == SafetyMode.NORMAL:
+        box.run(repeat(None))
+        return "Starting program"
+    return f"Failed to execute: {command}"
 
 
-def _stop(box: ControlBox) -> str:
-    box.stop()
-    return "Stopped"
-
-
-def _pause(box: ControlBox) -> str:
-    if box.state != RuntimeState.PLAYING:
-        return "Failed to execute: pause"
-    box.paused = True
-    return "Pausing program"
-
-
-def _load(box: ControlBox, name: str) -> str:
-    box.loaded = name
-    return f"Loading program: {name}"
-
-
-def _loaded(box: ControlBox) -> str:
-    return f"Loaded program: {box.loaded}" if box.loaded else "No program loaded"
-
-
-def _log(box: ControlBox, text: str) -> str:
-    box.say(text)
-    return "Added log message"
-
-
-COMMANDS: dict[str, Callable[[ControlBox], str]] = {
-    "robotmode": lambda box: f"Robotmode: {box.robot_mode.name}",
-    "safetymode": lambda box: f"Safetymode: {box.safety_mode.name}",
-    "safetystatus": lambda box: f"Safetystatus: {box.safety_mode.name}",
-    "programState": lambda box: f"{box.state.name} {box.loaded or '<unnamed>'}",
-    "running": lambda box: f"Program running: {str(box.state == RuntimeState.PLAYING).lower()}",
-    "PolyscopeVersion": lambda box: "URSoftware {}.{}.{}.{} (Jan 01 2024)".format(*box.software),
-    "get robot model": lambda box: box.arm.rig.robot.name.upper().removesuffix("E"),
-    "get serial number": lambda _: SERIAL_NUMBER,
-    "get loaded program": _loaded,
-    "is in remote control": lambda _: "true",
-    "isProgramSaved": lambda box: f"true {box.loaded}",
-    "power on": _power_on,
-    "power off": _power_off,
-    "brake release": _brake_release,
-    "unlock protective stop": _unlock,
-    "close safety popup": lambda _: "closing safety popup",
-    "restart safety": lambda _: "Restarting safety",
-    "close popup": lambda _: "closing popup",
-    "play": _play,
-    "stop": _stop,
-    "pause": _pause,
-    "quit": lambda _: "Disconnected",
-    "shutdown": lambda _: "Shutting down",
-}
-WITH_ARGUMENT: dict[str, Callable[[ControlBox, str], str]] = {
-    "load": _load,
-    "popup": lambda _, __: "showing popup",
-    "addToLog": _log,
-    "setUserRole": lambda _, role: f"Setting user role: {role}",
-}
+def _states(box: ControlBox) -> dict[str, str]:
+    """Return the answers of the commands that change nothing."""
+    loaded = f"Loaded program: {box.loaded}" if box.loaded else "No program loaded"
+    return {
+        "robotmode": f"Robotmode: {box.robot_mode.name}",
+        "safetymode": f"Safetymode: {box.safety_mode.name}",
+        "safetystatus": f"Safetystatus: {box.safety_mode.name}",
+        "programState": f"{box.state.name} {box.loaded or '<unnamed>'}",
+        "running": f"Program running: {str(box.state == RuntimeState.PLAYING).lower()}",
+        "PolyscopeVersion": "URSoftware {}.{}.{}.{} (Jan 01 2024)".format(*box.software),
+        "get robot model": box.arm.rig.robot.name.upper().removesuffix("E"),
+        "get serial number": SERIAL_NUMBER,
+        "get loaded program": loaded,
+        "is in remote control": "true",
+        "isProgramSaved": f"true {box.loaded}",
+        "close safety popup": "closing safety popup",
+        "restart safety": "Restarting safety",
+        "close popup": "closing popup",
+        "quit": "Disconnected",
+        "shutdown": "Shutting down",
+    }

@@ -33,7 +33,10 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
     An arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm is pushed 8 s
     after it is switched on. folder: of the recording; the truth is written beside its files.
     """
-    with EmulatedController(robot, _plan(is_pushed), clock=ARM_CLOCK) as arm:
+    plain = {"trajectory": {"kind": "standstill"}, "contacts": [PUSH] if is_pushed else []}
+    sensors = {"force_sensor": FORCE_SENSOR, "imu": IMU}
+    plan = SimulatedRecording.model_validate(plain | sensors)  # at rest until somebody moves it
+    with EmulatedController(robot, plan, clock=ARM_CLOCK) as arm:
         box = NetFTBox(force_reading(arm.truth, FORCE_SENSOR), FORCE_RATE, FORCE_CLOCK)
         imu = EmulatedXsens(imu_reading(arm.truth, IMU, IMU_RATE), IMU_RATE, IMU_CLOCK)
         with box, imu:
@@ -42,39 +45,21 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
                 force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
                 imu=XsensDevice(port=imu.path, rate_hz=IMU_RATE),
             )
-        counts = {
+        start = _first(folder / "robot.csv", "timestamp")
+        if start is None:
+            return
+        first = {
             "force": (_first(folder / "force_sensor.csv", "ft_sequence"), INTERNAL_RATE, box.clock),
             "imu": (_first(folder / "imu.csv", "sample_counter"), IMU_RATE, imu.clock),
         }
-        start = _first(folder / "robot.csv", "timestamp")
-        if start is not None:
-            begins = {
-                name: clock.host(count / rate)
-                for name, (count, rate, clock) in counts.items()
-                if count is not None
-            }
-            _write_truth(arm, start, begins, folder / TRUTH)
-
-
-def _plan(is_pushed: bool) -> SimulatedRecording:
-    """Return a plan in which the arm rests until somebody moves it."""
-    plain = {"trajectory": {"kind": "standstill"}, "contacts": [PUSH] if is_pushed else []}
-    return SimulatedRecording.model_validate(plain | {"force_sensor": FORCE_SENSOR, "imu": IMU})
-
-
-def _write_truth(
-    arm: EmulatedController, start: float, begins: dict[str, float], truth: Path
-) -> None:
-    """Write the truth from the controller's timestamp `start` [s] on, until now.
-
-    begins: host's time of each sensor's first sample [s]; truth: path of truth.parquet and
-    truth.json without their suffixes.
-    """
-    setup = arm.setup
-    clocks = {name: {"offset_s": arm.clock.shown(time) - start} for name, time in begins.items()}
-    motion = arm.truth.states(round((start - setup.clock.offset_s) / STEP))
-    rig = build_rig(setup.robot, setup.plan, np.random.default_rng(setup.seed))
-    write_truth(rig, setup.plan, motion, 1 / setup.rate, clocks, truth)
+        clocks = {
+            name: {"offset_s": arm.clock.shown(clock.host(count / rate)) - start}
+            for name, (count, rate, clock) in first.items()
+            if count is not None
+        }
+        motion = arm.truth.states(round((start - ARM_CLOCK.offset_s) / STEP))
+        rig = build_rig(robot, plan, np.random.default_rng(arm.setup.seed))
+        write_truth(rig, plan, motion, 1 / arm.setup.rate, clocks, folder / TRUTH)
 
 
 def _first(file: Path, column: str) -> float | None:

@@ -6,7 +6,6 @@ Source of RTDE: Universal Robots' guide to RTDE, protocol versions 1 and 2. A pa
 
 import struct
 from asyncio import StreamReader, StreamWriter
-from collections.abc import Callable
 
 import numpy as np
 
@@ -69,14 +68,6 @@ class RtdeClient:
         self._outputs: np.dtype[np.void] | None = None
         self._every = 1  # cycles between data packages
         self._recipes: list[np.dtype[np.void]] = []
-        self._answers: dict[int, Callable[[bytes], bytes]] = {
-            rtde.VERSION: self._negotiate,
-            rtde.SOFTWARE: lambda _: struct.pack(">4I", *self.box.software),
-            rtde.SETUP_OUTPUTS: self._set_outputs,
-            rtde.SETUP_INPUTS: self._set_inputs,
-            rtde.START: self._start,
-            rtde.PAUSE: self._pause,
-        }
 
     @property
     def inputs(self) -> set[str]:
@@ -85,10 +76,29 @@ class RtdeClient:
 
     def handle(self, kind: int, content: bytes) -> None:
         """Answer a package."""
-        if kind == rtde.DATA:
-            self._write_inputs(content)
-        elif kind in self._answers:
-            self._stream.write(_package(kind, self._answers[kind](content)))
+        match kind:
+            case rtde.DATA:
+                self._write_inputs(content)
+                return
+            case rtde.VERSION:
+                version = int.from_bytes(content, "big")
+                accepted = version in (1, 2)
+                self._version = version if accepted else self._version
+                answer = bytes([accepted])
+            case rtde.SOFTWARE:
+                answer = struct.pack(">4I", *self.box.software)
+            case rtde.SETUP_OUTPUTS:
+                answer = self._set_outputs(content)
+            case rtde.SETUP_INPUTS:
+                answer = self._set_inputs(content)
+            case rtde.START:
+                self._started = self._outputs is not None
+                answer = bytes([self._started])
+            case rtde.PAUSE:
+                self._started, answer = False, b"\x01"
+            case _:
+                return
+        self._stream.write(_package(kind, answer))
 
     def publish(self, cycle: int) -> None:
         """Send the outputs of a cycle, if this client is due; zero for those not emulated."""
@@ -105,12 +115,6 @@ class RtdeClient:
             message = text.encode()[:255]
             parts = bytes([len(message)]), message, bytes([len(SOURCE)]), SOURCE, bytes([INFO])
             self._stream.write(_package(rtde.TEXT, b"".join(parts)))
-
-    def _negotiate(self, content: bytes) -> bytes:
-        version = int.from_bytes(content, "big")
-        accepted = version in (1, 2)
-        self._version = version if accepted else self._version
-        return bytes([accepted])
 
     def _set_outputs(self, content: bytes) -> bytes:
         frequency = 1 / self.box.cycle
@@ -133,14 +137,6 @@ class RtdeClient:
         if accepted:
             self._recipes.append(recipe(names, kinds))
         return bytes([len(self._recipes) * accepted]) + ",".join(kinds).encode()
-
-    def _start(self, _: bytes) -> bytes:
-        self._started = self._outputs is not None
-        return bytes([self._started])
-
-    def _pause(self, _: bytes) -> bytes:
-        self._started = False
-        return b"\x01"
 
     def _write_inputs(self, content: bytes) -> None:
         """Write the inputs of a data package: the number of its recipe, then the values."""

@@ -110,8 +110,13 @@ class ArmMotion:
 
     def _move_to(self, point: Array, speed: float, acceleration: float) -> bool:
         before = self._control.getAsyncOperationProgressEx().operationId()
+
+        def has_ended() -> bool:
+            progress = self._control.getAsyncOperationProgressEx()
+            return progress.operationId() != before and not progress.isAsyncOperationRunning()
+
         self._command("moveJ", point.tolist(), speed, acceleration, True)
-        self._wait(lambda: self._has_ended(before))
+        self._wait(has_ended)
         return not self._stopped.is_set()
 
     def _prepare(self) -> None:
@@ -148,11 +153,6 @@ class ArmMotion:
         while not self._stopped.is_set() and not done():
             self._command("kickWatchdog")
             time.sleep(POLL)
-
-    def _has_ended(self, last: int) -> bool:
-        """Return whether the motion after operation number `last` has ended."""
-        progress = self._control.getAsyncOperationProgressEx()
-        return progress.operationId() != last and not progress.isAsyncOperationRunning()
 
     def _explain(self, name: str) -> str:
         """Return a sentence on why the arm does not execute a command."""

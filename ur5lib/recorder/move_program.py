@@ -125,7 +125,11 @@ def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
         return move.goal
     rotation, position = _pose(move.goal)
     candidates = solutions(robot, rotation[None], position[None])[0]
-    candidates = _nearest_turn(candidates[np.isfinite(candidates).all(axis=1)], near, robot)
+    candidates = candidates[np.isfinite(candidates).all(axis=1)]
+    # turned towards `near` as far as the joints' limits allow
+    candidates = near + (candidates - near + np.pi) % (2 * np.pi) - np.pi
+    beyond = np.abs(candidates) > position_limits(robot)
+    candidates -= 2 * np.pi * np.sign(candidates) * beyond
     if not len(candidates):
         raise InputError(f"{move.place}: the pose is out of the reach of {robot.name}; change it")
     return np.asarray(candidates[np.abs(candidates - near).max(axis=1).argmin()])
@@ -134,13 +138,6 @@ def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
 def _pose(goal: ToolPose) -> tuple[Array, Array]:
     position, turn = np.split(np.array(goal.values), 2)
     return Rotation.from_rotvec(turn).as_matrix(), position
-
-
-def _nearest_turn(q: Array, near: Array, robot: Robot) -> Array:
-    """Return angles (M, 6), turned towards `near` (6,) as far as the joints' limits allow."""
-    limit = position_limits(robot)
-    q = near + (q - near + np.pi) % (2 * np.pi) - np.pi
-    return q - 2 * np.pi * np.sign(q) * (np.abs(q) > limit)
 
 
 def _leg(move: Move, robot: Robot, origin: Array) -> Array:

@@ -59,12 +59,7 @@ class Session:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Stop all devices."""
         self.close()
-
-    def file(self, name: str) -> Path:
-        """Return the file of a device."""
-        return self._folder / f"{name}.csv"
 
     def identities(self) -> dict[str, Identity]:
         """Return each device's entry in the manifest, by name."""
@@ -98,9 +93,8 @@ class Session:
 
     def _start(self, name: str, plan: AnyDevice) -> _Worker:
         here, there = self._context.Pipe()
-        process = self._context.Process(
-            target=capture, args=(plan, self.file(name), self.zero, there, self._stop), daemon=True
-        )
+        arguments = plan, self._folder / f"{name}.csv", self.zero, there, self._stop
+        process = self._context.Process(target=capture, args=arguments, daemon=True)
         process.start()
         there.close()
         return _Worker(process, here, None, Status())

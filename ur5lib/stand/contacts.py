@@ -6,10 +6,8 @@ import mujoco
 import numpy as np
 
 from ur5lib.robots.mjcf import TOOL, flange
-from ur5lib.stand.plan import Hand, Load, Push, Spring, Timed, Wall
+from ur5lib.stand.plan import Contact, Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.timeseries.arrays import Array
-
-Kind = Push | Hand | Spring | Wall | Load
 
 GRASP = 0.2  # s, duration of lifting or putting down a load
 
@@ -33,7 +31,7 @@ class Touch:
     first touch; velocity, weight: of a load, in the previous step [m/s, N].
     """
 
-    plan: Kind
+    plan: Contact
     gravity: Array
     anchor: Array | None = field(default=None, init=False)
     velocity: Array | None = field(default=None, init=False)
@@ -105,7 +103,7 @@ def _wall(wall: Wall, point: Array, velocity: Array) -> Array:
 class Contacts:
     """All contacts of a recording, applied to the arm step by step."""
 
-    def __init__(self, model: mujoco.MjModel, contacts: list[Kind]) -> None:
+    def __init__(self, model: mujoco.MjModel, contacts: list[Contact]) -> None:
         self._touches: list[Touch] = []
         self._bodies: list[int] = []
         for contact in contacts:
@@ -113,7 +111,7 @@ class Contacts:
         self._flange, self._tool = flange(model), model.body(TOOL).id
         self._jacobian = np.zeros((3, model.nv))
 
-    def add(self, model: mujoco.MjModel, contact: Kind) -> None:
+    def add(self, model: mujoco.MjModel, contact: Contact) -> None:
         """Add a contact."""
         self._touches.append(Touch(contact, model.opt.gravity.copy()))
         on_tool = contact.link in (None, model.nv)
@@ -125,12 +123,14 @@ class Contacts:
         Returns the joint torques equivalent to all of them (n,) [Nm], and the wrench of those on
         the tool (6,) [N, Nm]: environment on arm, base axes, at the origin of the flange's frame.
         """
-        torque, wrench = np.zeros(model.nv), np.zeros(6)
+        torque, wrench, solved = np.zeros(model.nv), np.zeros(6), np.empty_like(self._jacobian)
         data.xfrc_applied[:] = 0
         for touch, body in zip(self._touches, self._bodies, strict=True):
             point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ touch.plan.point
             mujoco.mj_jac(model, data, self._jacobian, None, point, body)
-            velocity, mobility = self._jacobian @ data.qvel, self._mobility(model, data)
+            velocity = self._jacobian @ data.qvel
+            mujoco.mj_solveM(model, data, solved, self._jacobian)
+            mobility = solved @ self._jacobian.T  # W = J M⁻¹ Jᵀ
             force = touch.force(data.time, point, velocity, mobility, step)
             if not force.any():
                 continue
@@ -141,9 +141,3 @@ class Contacts:
                 wrench[:3] += force
                 wrench[3:] += np.cross(point - data.xpos[self._flange], force)
         return torque, wrench
-
-    def _mobility(self, model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-        """Return W = J M⁻¹ Jᵀ (3, 3) [1/kg] of the point whose Jacobian was computed last."""
-        solved = np.empty_like(self._jacobian)
-        mujoco.mj_solveM(model, data, solved, self._jacobian)
-        return solved @ self._jacobian.T

@@ -40,13 +40,15 @@ def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording)
         for file, name in THESIS_FILES.items()
     }
     files["start_time.csv"] = f"{EPOCH:.12g}\n" * len(frames)
-    force = sensors.get("force_sensor", _unconnected(frames))
+    nothing = {str(column): UNCONNECTED for column in range(6)}
+    force = sensors.get("force_sensor", frames[["time"]].assign(**nothing))
     files["log_force_sensor.csv"] = _rows(force["time"], force.drop(columns="time").to_numpy())
     start = EPOCH + (_stamp(plan.force_sensor.clock) if plan.force_sensor else 0.0)
     files["log_force_sensor_start_time.csv"] = f"{start:.6f}\n"
     if plan.imu is not None:
-        imu = sensors["imu"]
-        files["acc_data.csv"] = _imu_rows(imu)
+        counter = np.rint(1000 * sensors["imu"]["time"].to_numpy())  # in milliseconds
+        table = np.column_stack([counter, sensors["imu"].drop(columns="time").to_numpy()])
+        files["acc_data.csv"] = _formatted(table, ", ".join(["%d"] + ["%.6g"] * 9))
         day = _stamp(plan.imu.clock) + EPOCH - OTHER_RUN * plan.faults.stale_imu
         files["acc_start_time.csv"] = f"{day % DAY * 1000:.6g}"  # this file has no newline
     return {f"csv_files/{name}": text for name, text in files.items()}
@@ -113,21 +115,9 @@ def _stamp(clock: Clock) -> float:
     return clock.offset_s + clock.stamp_error_s
 
 
-def _unconnected(frames: pd.DataFrame) -> pd.DataFrame:
-    nothing = {str(column): UNCONNECTED for column in range(6)}
-    return frames[["time"]].assign(**nothing)
-
-
 def _rows(time: pd.Series, values: np.ndarray, mark: str = ", ") -> str:
     """Return one row per sample with six decimals."""
     return _formatted(np.column_stack([time, values]), mark.join(["%.6f"] * (1 + values.shape[1])))
-
-
-def _imu_rows(imu: pd.DataFrame) -> str:
-    """Return rows of a millisecond counter and values with six digits."""
-    counter = np.rint(1000 * imu["time"].to_numpy())
-    table = np.column_stack([counter, imu.drop(columns="time").to_numpy()])
-    return _formatted(table, ", ".join(["%d"] + ["%.6g"] * 9))
 
 
 def _formatted(table: np.ndarray, row: str) -> str:

@@ -81,7 +81,10 @@ class Rig:
         """
         mujoco.mj_step1(self.plant, self.data)
         q, qd = self.data.qpos.copy(), self.data.qvel.copy()
-        motor = self._motor_torques(q, qd, target)
+        self.nominal_data.qpos, self.nominal_data.qvel = q, qd
+        mujoco.mj_fwdPosition(self.nominal, self.nominal_data)
+        mujoco.mj_fwdVelocity(self.nominal, self.nominal_data)
+        motor = self.drive.torques(self.nominal, self.nominal_data, target)
         contact, wrench = self.contacts.apply(self.plant, self.data, STEP)
         # The gears transmit the torque of a contact, too.
         load = link_torques(self.plant, self.data, target[2]) - contact
@@ -91,13 +94,6 @@ class Rig:
         last, sensed = self.data.body(flange(self.plant)), self.data.sensordata
         forces = (motor, friction, contact, wrench, -sensed[:6], sensed[6:])
         np.concatenate((q, qd, self.data.qacc, *forces, last.xpos, last.xmat), out=row)
-
-    def _motor_torques(self, q: Array, qd: Array, target: Target) -> Array:
-        """Return the motor torques (n,) [Nm] in the state q [rad], qd [rad/s]."""
-        self.nominal_data.qpos, self.nominal_data.qvel = q, qd
-        mujoco.mj_fwdPosition(self.nominal, self.nominal_data)
-        mujoco.mj_fwdVelocity(self.nominal, self.nominal_data)
-        return self.drive.torques(self.nominal, self.nominal_data, target)
 
 
 def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.MjModel:

@@ -135,7 +135,10 @@ def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array
 def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     """Return a series that starts at rest, scaled to the limits joint by joint."""
     fine = np.linspace(0, plan.period_s, 2001)
-    coefficients = _drawn_coefficients(plan)
+    # drawn subject to q = posture, qd = qdd = 0 at the start
+    start = rest_conditions(plan.period_s, plan.harmonics)
+    drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, len(plan.posture)))
+    coefficients = drawn - np.linalg.pinv(start) @ (start @ drawn)
     terms = fourier_terms(plan.period_s, plan.harmonics, fine)[:3]
     parts = [term @ coefficients for term in terms]
     limits = [
@@ -146,13 +149,6 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     scales = [limit / np.abs(part).max(axis=0) for limit, part in zip(limits, parts, strict=True)]
     coefficients *= np.minimum.reduce(scales)
     return _targets(plan.posture, plan.period_s, coefficients, time)
-
-
-def _drawn_coefficients(plan: Fourier) -> Array:
-    """Draw coefficients (2 H, n) subject to q = posture, qd = qdd = 0 at the start."""
-    start = rest_conditions(plan.period_s, plan.harmonics)
-    drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, len(plan.posture)))
-    return drawn - np.linalg.pinv(start) @ (start @ drawn)
 
 
 def _targets(posture: Joints, period: float, coefficients: Array, time: Array) -> Targets:

@@ -46,6 +46,7 @@ def write_truth(
     """
     table, units = truth_table(motion, cycle)
     write_table(table, f"{truth}.parquet", units)
+    touched = runs((motion["contact_torque"] != 0).any(axis=1))  # starts and ends, by steps
     summary = {
         "robot": rig.robot.name,
         "gravity": rig.robot.gravity,
@@ -56,7 +57,7 @@ def write_truth(
         "friction": asdict(rig.friction),
         "noise": _noise() if plan.noise else None,
         **_of_torque_sensors(rig),
-        "contacts": _intervals(motion),
+        "contacts": step_times(len(motion))[touched.clip(max=len(motion) - 1)],
         "clocks": clocks,
     } | ({} if frames is None else {"frames": frames})
     write_json(summary, f"{truth}.json")
@@ -117,10 +118,3 @@ def _noise() -> dict[str, float | Array]:
         "gyroscope_rad_s_sqrt_hz": sensors.GYROSCOPE_NOISE,
         "accelerometer_m_s2_sqrt_hz": sensors.ACCELEROMETER_NOISE,
     }
-
-
-def _intervals(motion: States) -> list[list[float]]:
-    """Return the starts and ends of all contacts [s]."""
-    touched = (motion["contact_torque"] != 0).any(axis=1)
-    times = step_times(len(motion))[runs(touched).clip(max=len(motion) - 1)]
-    return list(times.tolist())
