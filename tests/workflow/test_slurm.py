@@ -41,14 +41,14 @@ def slurm() -> Iterator[dict[str, str]]:
         pytest.skip(str(error))
 
 
-def processes_in(folder: Path, name: str = "") -> list[str]:
+def processes_in(folder: Path) -> list[str]:
     """Return the command lines of all processes that work in a folder, or are configured there."""
     found = []
     for process in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):  # it has ended
             command = (process / "cmdline").read_text().replace("\0", " ")
             places = f"{(process / 'cwd').resolve()} {(process / 'environ').read_text()} {command}"
-            if str(folder) in places and command.startswith(name):
+            if str(folder) in places:
                 found.append(command)
     return found
 
