@@ -1,17 +1,35 @@
-"""Commands run as a user runs them, and the words of what they answer."""
+"""Commands run as a user runs them, in limited time, and the words of what they answer."""
 
 import re
+import signal
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import NamedTuple
 
 import pytest
 
-from tests.time_limit import time_limit
 from ur5lib import cli
 
 SECONDS = 10  # in which every command of a test answers
+
+
+@contextmanager
+def time_limit(seconds: int) -> Iterator[None]:
+    """Raise TimeoutError in a run that does not end."""
+
+    def stop(signum: int, frame: FrameType | None) -> None:
+        raise TimeoutError(f"took more than {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
 
 
 class Answer(NamedTuple):

@@ -92,15 +92,10 @@ def write_table(
     """
     explicit = units or {}
     arrays = {str(name): np.asarray(values) for name, values in table.items()}
-    fields = [
-        pa.field(
-            name,
-            pa.from_numpy_dtype(values.dtype),
-            metadata={"unit": column_unit(name, own) if own else unit(name)},
-        )
-        for name, values in arrays.items()
-        for own in [explicit.get(name)]
-    ]
+    fields = []
+    for name, values in arrays.items():
+        own = column_unit(name, explicit[name]) if explicit.get(name) else unit(name)
+        fields.append(pa.field(name, pa.from_numpy_dtype(values.dtype), metadata={"unit": own}))
     write_aside(path, lambda aside: _write_parquet(arrays, pa.schema(fields), aside))
 
 

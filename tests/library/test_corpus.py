@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 
+from tests.commands import time_limit
 from tests.corpus import Base, Case, bases, other_cases, usual_cases
 from tests.damage import DRAWS, compare, drawn, findings
 from tests.entries import read_and_repair
-from tests.time_limit import time_limit
 from ur5lib.commands.check import print_tables, text_console, unusable
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake

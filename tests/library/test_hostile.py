@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands import SECONDS, Command
+from tests.commands import SECONDS, Command, time_limit
 from tests.conftest import said
 from tests.corpus import rtde
-from tests.time_limit import time_limit
 from ur5lib.errors import InputError, printable
 from ur5lib.recordings.quality import Finding
 from ur5lib.report.reference import read_reference

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from tests.commands import time_limit
 from tests.damage import DRAWS, FLIPPED, compare, damaged_file, drawn, findings
 from tests.entries import read_and_repair, read_recording
 from tests.stored_files import (
@@ -24,7 +25,6 @@ from tests.stored_files import (
     write_channel_files,
     write_hdf5,
 )
-from tests.time_limit import time_limit
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.recording import RawRecording

@@ -9,6 +9,7 @@ import pytest
 from tests.conftest import Workflow, copy_project
 from tests.synthetic import write_recording
 from tests.workflow.test_workflow import results
+from ur5lib.channels import THESIS_FILES
 
 RUNS = 3
 DAMAGED = {"2026-01-01": "This is a letter, not a recording.\n", "2026-03-13": ""}
@@ -18,23 +19,15 @@ title: Runs of one arm
 recordings:
   - {name: run, robot: ur5, format: rtde-csv, folder: logs, file: "*/*.csv", role: validate}
 """
-RTDE = {
-    "q_actual": "actual_q",
-    "q_target": "target_q",
-    "qd_actual": "actual_qd",
-    "qd_target": "target_qd",
-    "qdd_target": "target_qdd",
-    "i_actual": "actual_current",
-    "i_target": "target_current",
-    "m_target": "target_moment",
-}
+FILES = ["q_actual", "q_target", "qd_actual", "qd_target", "qdd_target"]
+FILES += ["i_actual", "i_target", "m_target"]
 
 
 def write_runs(folder: Path) -> None:
     """A run of 2 s of each of some days, in a folder of each month; their currents differ."""
     frames = write_recording(folder / "raw", seconds=2, seed=3)
-    tables = [np.loadtxt(frames / f"log_{name}.csv", delimiter=",") for name in RTDE]
-    names = ["timestamp", *(f"{channel}_{k}" for channel in RTDE.values() for k in range(6))]
+    tables = [np.loadtxt(frames / f"log_{name}.csv", delimiter=",") for name in FILES]
+    names = ["timestamp", *(f"{THESIS_FILES[name]}_{k}" for name in FILES for k in range(6))]
     whole = np.column_stack([tables[0][:, 0], *(table[:, 1:] for table in tables)])
     noisy = names.index("actual_current_1")
     for k in range(RUNS):

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.commands import time_limit
 from tests.conftest import PROJECT, STUDY, Workflow
 from tests.library.test_hostile import BOMBS
-from tests.time_limit import time_limit
 from ur5lib.study.turn import take_turn
 from ur5lib.tables import read_csv
 
