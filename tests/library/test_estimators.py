@@ -68,7 +68,7 @@ def free_runs() -> list[Run]:
 def few_rounds() -> Iterator[None]:
     """A network that has learnt little is as causal as one that has learnt much."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(long_short_term_memory, "ROUNDS", 30)
+        patch.setattr(long_short_term_memory, "ROUNDS", 10)
         yield
 
 

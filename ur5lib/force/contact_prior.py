@@ -1,12 +1,10 @@
 """Prior assumptions about contacts."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ur5lib.timeseries.arrays import Array
-
-BLUR = 0.02  # s, of the time of a change by the 2 Hz low-pass alone; chosen on two simulated Pandas
 
 
 @dataclass(frozen=True)
@@ -47,13 +45,6 @@ class ContactPrior:
     settling: float = 3.0
     unprovoked: float = 1e-4
     resolution: float = 0.05
-
-    def without_gears(self) -> "ContactPrior":
-        """Return the prior for torques that are sensed at the links.
-
-        No gear takes part of a contact, and what blurs a change of the force is the low-pass alone.
-        """
-        return replace(self, load_friction=0.0, resolution=BLUR)
 
     def usual(self) -> Array:
         """Return the covariance (6, 6) of the wrench of a typical contact."""

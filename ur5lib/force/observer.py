@@ -30,8 +30,9 @@ def observe(
     # r_k+1 = r_k + K T (dp/dt - rate - r_k+1), an exponential average of dp/dt - rate
     step = 2 * np.pi * bandwidth * period
     share = step / (1 + step)
-    for rows in _known(momentum, rate, segment):
-        if rows.stop - rows.start > 4:
+    finite = finite_rows(momentum + rate)
+    for rows in unbroken(segment, finite):
+        if finite[rows.start] and rows.stop - rows.start > 4:
             # joint by joint, which takes less memory
             for own, p, change in zip(result[rows].T, momentum[rows].T, rate[rows].T, strict=True):
                 # dp/dt - rate at the middle of each step
@@ -41,9 +42,3 @@ def observe(
                 steps = np.pad(torque, 1, mode="edge")
                 own[:] = (steps[:-1] + steps[1:]) / 2
     return result
-
-
-def _known(momentum: Array, rate: Array, segment: Labels) -> list[slice]:
-    """Return the rows of each stretch without gap and without NaN."""
-    finite = finite_rows(momentum + rate)
-    return [rows for rows in unbroken(segment, finite) if finite[rows.start]]

@@ -128,7 +128,9 @@ class Capsules:
 def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     add_arm(spec, robot, robot.chosen_model)
-    radii = _radii(robot)
+    longest = max(float(np.linalg.norm(np.array(pose.position))) for pose in robot.link_poses())
+    factors = THINNER if robot.is_ur() else [THICKER] * len(robot.joints)
+    radii = THICKNESS * longest * np.array(factors)
     links = [body for body in spec.bodies if body.name.startswith("link_")]
     for body, radius in zip(links, radii, strict=True):
         near = np.array(body.joints[0].pos)
@@ -145,13 +147,6 @@ def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.
     for geom in spec.geoms:
         geom.margin = reach / 2  # MuJoCo adds those of both parts
     return spec.compile()
-
-
-def _radii(robot: Robot) -> Array:
-    """Return the radii (n,) [m] of the links' capsules."""
-    longest = max(float(np.linalg.norm(np.array(pose.position))) for pose in robot.link_poses())
-    factors = THINNER if robot.is_ur() else [THICKER] * len(robot.joints)
-    return THICKNESS * longest * np.array(factors)
 
 
 def _upright(robot: Robot) -> Array:
