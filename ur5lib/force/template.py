@@ -6,11 +6,11 @@ that one is subtracted. Friction changes with temperature from run to run: its r
 estimated by subtracting contact-free runs of the trajectory from one another.
 """
 
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.force.external_torque import RESTING, STATES, States, finite_rows
+from ur5lib.force.external_torque import RESTING, STATES, finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
 from ur5lib.timeseries.arrays import Array
@@ -18,18 +18,10 @@ from ur5lib.timeseries.segments import unbroken
 from ur5lib.timeseries.trajectories import SAME, nearest, place
 
 
-class Repeated(NamedTuple):
-    """External torque (N, 6) without its template, with the corresponding states and model."""
-
-    torque: Array
-    states: States
-    model: ResidualModel
-
-
 def repeat_aware(
     run: ForceInput, contact_free: list[ForceInput], model: ResidualModel, cutoff: float
-) -> Repeated | None:
-    """Return the input of `estimate_wrench` for the repeat-aware estimate of a run.
+) -> tuple[ForceInput, ResidualModel] | None:
+    """Return the run without its template, with its states of the model that is returned, too.
 
     contact_free: other runs without contact and with the same payload, of any trajectory; model: of
     contact-free residuals without template, used where no sample matches; cutoff: [Hz]. None if no
@@ -43,10 +35,11 @@ def repeat_aware(
     matched = finite_rows(residual)[:, None]
     torque = np.where(matched, residual, run.torque)
     if len(same) < 2:
-        return Repeated(torque, run.states, model)
+        return replace(run, torque=torque), model
     repeated = matched & (run.states < RESTING)
     states = np.where(repeated, run.states + STATES, run.states)
-    return Repeated(torque, states, model.beside(learn_repeats(same, cutoff, model.breakaway)))
+    both = model.beside(learn_repeats(same, cutoff, model.breakaway))
+    return replace(run, torque=torque, states=states), both
 
 
 def learn_repeats(runs: list[ForceInput], cutoff: float, breakaway: Array) -> ResidualModel:

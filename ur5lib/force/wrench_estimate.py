@@ -143,8 +143,7 @@ def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
     likely = np.where(inside, np.maximum(probability, INSIDE), probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its covariance S; joints
     # count as independent, because correlations that were learnt without contact mislead in contact
-    left = torque - ablation.background * background.mean
-    carried, share = seen.gears.contact_torque(left)
+    carried, share = seen.gears.contact_torque(torque - ablation.background * background.mean)
     carried += noise.still * held(carried, model.breakaway, prior.stiction)
     hidden = np.where(noise.still[:, :, None], 1 - MEAN**2, 1.0) * noise.hidden
     covariance = (noise.quick + background.covariance + hidden) * np.eye(torque.shape[1])

@@ -99,10 +99,7 @@ def repeat_problem(
     none of them is of the same trajectory.
     """
     repeated = repeat_aware(fmap.input, inputs(alike), fmap.model, cutoff)
-    if repeated is None:
-        return {}
-    own = replace(fmap.input, torque=repeated.torque, states=repeated.states)
-    return {"repeat": Problem(own, repeated.model)}
+    return {} if repeated is None else {"repeat": Problem(*repeated)}
 
 
 def may_be_template(run: ForceInput, own: Prediction, other: Prediction) -> bool:
