@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -115,41 +115,33 @@ def check_results(folder: Path) -> None:
                 assert number["low"] <= number["value"] <= number["high"]
 
 
-class Bound(NamedTuple):
-    """What stands for a number whose decimals would all be zeros: “< 0.01”, two decimals."""
-
-    limit: float
-
-    def holds(self, value: float) -> bool:
-        """Whether it stands for a value."""
-        return 0 < abs(value) < self.limit / 2
-
-
 def check_numbers(sentence: dict[str, Any]) -> None:
-    """A sentence's numbers and their errors stand in its text, in the same order."""
+    """A sentence's numbers and their errors stand in its text, in the same order.
+
+    “< 0.01” stands for a number whose two decimals would be zeros: for less than half of it.
+    """
     shown = stated(sentence["text"])
     for number in sentence["numbers"]:
         for value in (number["value"], number["std_error"]):
             # the iterator goes on behind the number that it found
-            assert value is None or any(stands_for(one, value) for one in shown), (value, sentence)
+            assert value is None or any(
+                0 < abs(value) < one / 2 if bound else one == value for one, bound in shown
+            ), (value, sentence)
 
 
-def stands_for(shown: float | Bound, value: float) -> bool:
-    """Whether what a text shows is a value, or a bound that holds for it."""
-    return shown.holds(value) if isinstance(shown, Bound) else shown == value
-
-
-def stated(text: str) -> Iterator[float | Bound]:
-    """Yield the numbers of a text in their order, and of “joints 2 to 5” those between."""
+def stated(text: str) -> Iterator[tuple[float, bool]]:
+    """Yield the numbers of a text in their order, and whether each is a bound; of “joints 2 to 5”
+    also those between.
+    """
     digits = re.sub(r"(?<=\d),(?=\d{3})", "", text).replace("−", "-")
     number = r"(?<![\w.])-?\d+(?:\.\d+)?"
     for low, high, below, value in re.findall(
         rf"joints (\d) to (\d)|< ({number})|({number})", digits
     ):
         if low:
-            yield from range(int(low), int(high) + 1)
+            yield from ((joint, False) for joint in range(int(low), int(high) + 1))
         else:
-            yield Bound(float(below)) if below else float(value)
+            yield float(below or value), bool(below)
 
 
 def page_texts(report: Path) -> list[str]:

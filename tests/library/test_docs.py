@@ -11,19 +11,8 @@ import pytest
 from tests.conftest import PROJECT
 from ur5lib.report.findings import templates
 
-PAGES = [
-    *(
-        PROJECT / name
-        for name in (
-            "README.md",
-            "CHANGELOG.md",
-            "CONTRIBUTING.md",
-            "raw/README.md",
-            "config/README.md",
-        )
-    ),
-    *sorted((PROJECT / "docs").glob("*.md")),
-]
+OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "raw/README.md", "config/README.md")
+PAGES = [*(PROJECT / name for name in OTHERS), *sorted((PROJECT / "docs").glob("*.md"))]
 LINK = re.compile(r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)")
 
 

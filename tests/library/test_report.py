@@ -207,6 +207,12 @@ def test_a_wrong_file_of_published_values_is_told(tmp_path: Path) -> None:
     assert read_reference(None).errata == ()
 
 
+def shown(name: str, results: Results, of: str = "") -> list[dict[str, str]]:
+    """The lines of a table of the report: the text of each cell by its header."""
+    header, rows = shown_table(name, results, of)
+    return [dict(zip(header, (cell.text for cell in row), strict=True)) for row in rows]
+
+
 # Contacts
 
 
@@ -249,9 +255,9 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     results = searched("pushed", rows)
     assert stated(counted(results)) == [[2]]
     assert stated(largest_contacts(results)) == [[3.0, 1, 0.0, 2, -4.0, 3, 1.5]]
-    first, second = shown_table("forces.contacts", results, "pushed").rows
-    assert [cell.text for cell in first][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
-    assert second[2].text == "1.0 ± 1.0"
+    first, second = shown("forces.contacts", results, "pushed")
+    assert [*first.values()][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
+    assert second["Fx [N]"] == "1.0 ± 1.0"
 
 
 def on_links(*probabilities: list[float]) -> Results:
@@ -270,8 +276,8 @@ def test_a_link_is_stated_only_where_the_torques_tell_it() -> None:
     rows = results.tables["contacts"]
     assert rows["link"].fillna(0).tolist() == [6, 0, 3]
     assert rows["on_link_6"].tolist() == [0.98, 0.4, 0.0]
-    cells = shown_table("forces.contacts", results, "pushed").rows
-    assert [row[-1].text for row in cells] == ["6", "3 to 6", "3"]
+    lines = shown("forces.contacts", results, "pushed")
+    assert [line["on link"] for line in lines] == ["6", "3 to 6", "3"]
     assert likely(pd.Series(dict.fromkeys(LINKS, math.nan))) == []
 
 
@@ -289,9 +295,8 @@ def test_a_load_taken_up_is_no_contact() -> None:
     assert stated(counted(results)) == [[1]]
     taken_up = results.rows("contacts", kind="load")
     assert stated(_each("findings.load taken up", taken_up)) == [[2.04]]
-    header, rows = shown_table("forces.contacts", results, "grasp")
-    assert header[-1] == "load [kg]"
-    assert [row[-1].text for row in rows] == ["–", "2.04 ± 0.05"]
+    lines = shown("forces.contacts", results, "grasp")
+    assert [line["load [kg]"] for line in lines] == ["–", "2.04 ± 0.05"]
 
 
 # Forces beside the sensor
@@ -331,7 +336,7 @@ def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
     known = rows.loc["Fmap"].groupby("component")["determined"].unique().map(list)
     assert {name for name, told in known.items() if told == ["no"]} == {"ny", "nz"}
     assert rows.loc["Fu", "determined"].isna().all()
-    told = {row[1].text: row[3].text for row in shown_table("forces.summary", results).rows}
+    told = {line["component"]: line["F̂ᵐᵃᵖ"] for line in shown("forces.summary", results)}
     assert told["ny [Nm]"] == told["nz [Nm]"] == "undetermined"
     assert told["Fx [N]"] == told["nx [Nm]"] == "4.00"
     (undetermined,) = undetermined_moments(results)
@@ -347,19 +352,17 @@ def test_contact_is_set_beside_free_and_never_averaged_with_it() -> None:
     results = force_results()
     (told,) = stated(in_contact(results))
     assert told == [*[4.0] * 3, *[3.0, 5.0] * 3, *[10.0] * 3, *[90] * 3, *[0.1] * 3]
-    header, rows = shown_table("forces.headline", results)
-    cells = dict(zip(header, (cell.text for cell in rows[0]), strict=True))
+    cells, *others = shown("forces.headline", results)
+    assert len(others) == 2
     assert cells["mean force"] == "10.0"
     assert cells["error (95 %)"] == "4.0 (3.0\u00a0to\u00a05.0)"
     assert cells["free: error"] == "0.10"
-    assert len(rows) == 3
 
 
 def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
     force = force_results().tables["force_mae"]
     results = Results({}, {"force_mae": force[force["during"] != "contact"]}, Path())
-    assert shown_table("forces.headline", results).rows == []
-    assert shown_table("forces.summary", results).rows == []
+    assert shown("forces.headline", results) == shown("forces.summary", results) == []
     assert [*in_contact(results)] == []
 
 
@@ -377,32 +380,27 @@ def test_contacts_are_counted_by_their_force() -> None:
     assert rows["causal_delay_s"].isna().tolist() == [False, False, True, True]
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
-    header, body = shown_table("forces.detections", Results({}, {"detection": rows}, Path()))
-    cells = dict(zip(header, (cell.text for cell in body[0]), strict=True))
+    lines = shown("forces.detections", Results({}, {"detection": rows}, Path()))
+    cells = lines[0]
     assert (cells["≥ 3 N"], cells["≥ 15 N"]) == ("3 of 4", "4 of 4")
     assert (cells["delay [s]"], cells["causal"]) == ("0.10", "1 of 4, 0.10 s")
-    assert [row[header.index("from [N]")].text for row in body] == ["–", "8.5"]  # odds, N
+    assert [line["from [N]"] for line in lines] == ["–", "8.5"]  # odds, N
 
 
 def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
     axes = {"z": {"force": 10.0, "time_above": 0.25, "pushes": 4, "found": 3}}
     free = {"z": {"force": 10.0, "time_above": 0.0}}
-    found = [
-        ("run", {"F*": {"axes": axes}, "Fmap": {"axes": axes}}),
-        ("free", {"F*": {"axes": free}}),
-    ]
-    rows = table("fixed_threshold", detection=dict(found))
+    found = {"run": {"F*": {"axes": axes}, "Fmap": {"axes": axes}}, "free": {"F*": {"axes": free}}}
+    rows = table("fixed_threshold", detection=found)
     study = {"recordings": [{"name": "run", "role": "contact"}, {"name": "free", "role": "fit"}]}
     results = Results(study, {"fixed_threshold": rows}, Path())
-    header, body = shown_table("forces.fixed_threshold", results)
-    assert header == ["recording", "role", "F̂*", "F̂ᵐᵃᵖ"]
-    assert [[cell.text for cell in row] for row in body] == [
-        ["run", "contact", "25 %; 3 of 4", "25 %; 3 of 4"],
-        ["free", "fit", "0 %", "–"],
+    most = "25 %; 3 of 4"
+    assert shown("forces.fixed_threshold", results) == [
+        {"recording": "run", "role": "contact", "F̂*": most, "F̂ᵐᵃᵖ": most},
+        {"recording": "free", "role": "fit", "F̂*": "0 %", "F̂ᵐᵃᵖ": "–"},
     ]
-    others = rows[rows["estimate"] != "F*"]
-    without = Results(study, {"fixed_threshold": others}, Path())
-    assert shown_table("forces.fixed_threshold", without).rows == []
+    without = Results(study, {"fixed_threshold": rows[rows["estimate"] != "F*"]}, Path())
+    assert shown("forces.fixed_threshold", without) == []
 
 
 def test_pushes_never_found_are_told_as_such() -> None:
@@ -410,14 +408,18 @@ def test_pushes_never_found_are_told_as_such() -> None:
     found = {"raised": [], "alarms_per_min": 0.0, "threshold": 0.0}
     forces = zip("xyz", (9.0, None, 20.0), strict=True)
     found["smallest_force_95"] = [
-        {"axis": axis, "speed_low": 0.01, "force": force, "std": 2.0} for axis, force in forces
+        *({"axis": axis, "speed_low": 0.01, "force": force, "std": 2.0} for axis, force in forces),
+        {"axis": "y", "speed_low": 0.0, "force": 70.0, "std": 20.0},
     ]
-    found["smallest_force_95"] += [{"axis": "y", "speed_low": 0.0, "force": 70.0, "std": 20.0}]
     rows = table("detection", detection={"free": {"Fmap": found}})
     results = Results({}, {"detection": rows, "payload": payloads()}, Path())
-    header, (row,) = shown_table("forces.smallest_pushes", results)
-    assert header[1:] == ["in motion: x [N]", "in motion: z [N]", "at rest: y [N]"]
-    assert [cell.text for cell in row] == ["free", "9 ± 2", "20 ± 2", "70 ± 20"]
+    (line,) = shown("forces.smallest_pushes", results)
+    pushes = {
+        "in motion: x [N]": "9 ± 2",
+        "in motion: z [N]": "20 ± 2",
+        "at rest: y [N]": "70 ± 20",
+    }
+    assert line == {"recording": "free"} | pushes
 
 
 def payloads() -> pd.DataFrame:
@@ -442,8 +444,7 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
 
 
 def test_what_a_run_carries_stands_in_a_table() -> None:
-    header, rows = shown_table("currents.payloads", Results({}, {"payload": payloads()}, Path()))
-    cells = [dict(zip(header, (cell.text for cell in row), strict=True)) for row in rows]
+    cells = shown("currents.payloads", Results({}, {"payload": payloads()}, Path()))
     assert [own["used in prediction"] for own in cells] == ["no", "yes"]
     assert cells[1]["additional [kg]"] == "2.75 ± 0.03"
     assert cells[1]["declared [kg]"] == "0.50"
@@ -472,13 +473,11 @@ def test_parts_left_out_stand_beside_the_whole() -> None:
         "held": {"whole": whole, "least_squares": bands | {"mae": [9.0, 8.0, 7.0]}},
     }
     results = Results({}, {"ablation": table("ablation", ablation=found)}, Path())
-    header, body = shown_table("forces.ablation", results)
-    assert header == ["variant", "pushed", "held"]
-    texts = [[cell.text for cell in row] for row in body]
-    assert texts == [
-        [names("variant")["whole"], "1.0, 2.0, 3.0", "1.0, 2.0, 3.0"],
-        [names("variant")["least_squares"], "1.0, 2.0, 3.0", "9.0, 8.0, 7.0"],
-        [names("variant")["repeat"], "1.0, 2.0, 3.0", "–, –, –"],
+    small = "1.0, 2.0, 3.0"
+    held = {"whole": small, "least_squares": "9.0, 8.0, 7.0", "repeat": "–, –, –"}
+    assert shown("forces.ablation", results) == [
+        {"variant": names("variant")[name], "pushed": small, "held": errors}
+        for name, errors in held.items()
     ]
 
 
@@ -495,12 +494,8 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
     tables = {"gains": pd.concat(rows).assign(gain="position")}
     study = {"recordings": [{"name": name, "robot": "ur5"} for name in ("first", "second")]}
     results = Results(study, tables, Path())
-    assert [
-        [cell.text for cell in row[2:]] for row in shown_table("closed_loop.gains", results).rows
-    ] == [
-        ["9 (8–12)", "< 30"],
-        ["> 20", "2–29"],
-    ]
+    lines = [[*line.values()][2:] for line in shown("closed_loop.gains", results)]
+    assert lines == [["9 (8–12)", "< 30"], ["> 20", "2–29"]]
     assert [*contradictions(results)] == [
         "No single position gain fits all recordings of ur5 on joint 1: there, the controller "
         "is not this closed loop."

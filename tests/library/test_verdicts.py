@@ -16,12 +16,7 @@ from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
 from ur5lib.report.views.currents import judge_constants, judge_currents, next_recordings
-from ur5lib.report.views.first_screen import (
-    drawn,
-    findings,
-    left_out,
-    next_steps,
-)
+from ur5lib.report.views.first_screen import drawn, findings, left_out, next_steps
 from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
@@ -59,8 +54,7 @@ def percents(sentence: str) -> list[int]:
     return [int(x) for x in re.findall(r"(\d+) %", sentence.replace("95 % band", ""))]
 
 
-def said(verdict: Verdict | None) -> str:
-    assert verdict is not None
+def said(verdict: Verdict) -> str:
     return f"{verdict.state}: {verdict.sentence} {verdict.evidence}".strip()
 
 
@@ -109,7 +103,6 @@ def test_torque_constants_are_good_where_the_data_determine_them(
 ) -> None:
     rows = [constant(1, 5.0), constant(2, 11.0, **second)]
     verdict = judge_constants(study(friction=rows))
-    assert verdict is not None
     assert verdict.state == expected
     (number,) = verdict.numbers
     assert (number.place, number.value, number.baseline) == ("joint 1", 5.0, 10.0)
@@ -118,7 +111,6 @@ def test_torque_constants_are_good_where_the_data_determine_them(
 def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
     remarks = [{"robot": "ur5", "step": "stop sign", "remark": "wrong constants"}]
     verdict = judge_constants(study(remarks=remarks))
-    assert verdict is not None
     assert verdict.state == "do not use"
     assert judge_constants(study()) is None
 
