@@ -34,7 +34,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import coloured
 
 TABLE = -0.05  # m
-SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))
+SHORT = Effort(1, 0, ((1e2, 30), (1e4, 20)))
 RANDOM, CELLS, SEEDS = 10, 6, 300
 
 
