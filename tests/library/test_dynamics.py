@@ -31,6 +31,7 @@ from ur5lib.robots.inertia import rigid_bodies
 torch.set_num_threads(1)  # on a busy machine, threads mostly wait for one another
 
 STATES = 10_000
+BASE_AXES = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
 PAYLOAD = Payload(
     mass=2.5,
     center_of_mass=(0.02, -0.03, 0.08),
@@ -113,34 +114,44 @@ def compare(case: Case, ours: Tensor, theirs: Callable[..., np.ndarray], *given:
     assert np.abs(ours.numpy() - expected).max() < 1e-9
 
 
-def test_inverse_dynamics_agrees_with_pinocchio(case: Case) -> None:
-    compare(case, inverse_dynamics(case.arm, *states()), pinocchio.rnea, *states())
+def crba(model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray) -> np.ndarray:
+    upper = np.triu(pinocchio.crba(model, data, q))
+    return upper + np.triu(upper, 1).T
 
 
-def test_inertia_matrix_agrees_with_pinocchio(case: Case) -> None:
-    def crba(*given: np.ndarray) -> np.ndarray:
-        upper = np.triu(pinocchio.crba(*given))
-        return upper + np.triu(upper, 1).T
-
-    q, _, _ = states()
-    compare(case, inertia_matrix(case.arm, q), crba, q)
+def flange_jacobian(model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray) -> np.ndarray:
+    frame = model.getFrameId("frame_6")
+    return pinocchio.computeFrameJacobian(model, data, q, frame, BASE_AXES)
 
 
-def test_coriolis_matrix_agrees_with_pinocchio(case: Case) -> None:
-    """Pinocchio's is that of the Christoffel symbols too, entry by entry."""
-    q, qd, _ = states()
-    compare(case, coriolis_matrix(case.arm, q, qd), pinocchio.computeCoriolisMatrix, q, qd)
+def flange_acceleration(
+    model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray, qd: np.ndarray
+) -> np.ndarray:
+    pinocchio.forwardKinematics(model, data, q, qd, np.zeros(6))
+    frame = model.getFrameId("frame_6")
+    return pinocchio.getFrameClassicalAcceleration(model, data, frame, BASE_AXES).vector
 
 
-def test_gravity_torque_agrees_with_pinocchio(case: Case) -> None:
-    q, _, _ = states()
-    compare(case, gravity_torque(case.arm, q), pinocchio.computeGeneralizedGravity, q)
+TERMS = [  # ours, Pinocchio's, and of how many of q, q̇, q̈; its C is that of Christoffel's symbols
+    (inverse_dynamics, pinocchio.rnea, 3),
+    (inertia_matrix, crba, 1),
+    (coriolis_matrix, pinocchio.computeCoriolisMatrix, 2),
+    (gravity_torque, pinocchio.computeGeneralizedGravity, 1),
+    (kinetic_energy, pinocchio.computeKineticEnergy, 2),
+    (potential_energy, pinocchio.computePotentialEnergy, 1),
+    (jacobian, flange_jacobian, 1),
+    (velocity_product_acceleration, flange_acceleration, 2),
+]
 
 
-def test_energies_agree_with_pinocchio(case: Case) -> None:
-    q, qd, _ = states()
-    compare(case, kinetic_energy(case.arm, q, qd), pinocchio.computeKineticEnergy, q, qd)
-    compare(case, potential_energy(case.arm, q), pinocchio.computePotentialEnergy, q)
+@pytest.mark.parametrize(
+    ("ours", "theirs", "count"), TERMS, ids=[ours.__name__ for ours, *_ in TERMS]
+)
+def test_terms_agree_with_pinocchio(
+    case: Case, ours: Callable[..., Tensor], theirs: Callable[..., np.ndarray], count: int
+) -> None:
+    given = states()[:count]
+    compare(case, ours(case.arm, *given), theirs, *given)
 
 
 def test_forward_dynamics_agrees_with_pinocchio(case: Case) -> None:
@@ -158,29 +169,6 @@ def test_regressor_agrees_with_pinocchio(case: Case) -> None:
     ours = regressor(case.arm, *states())
     compare(case, ours[..., :60], pinocchio.computeJointTorqueRegressor, *states())
     assert torch.equal(ours[..., 60:], torch.diag_embed(states()[2]))
-
-
-def test_jacobians_agree_with_pinocchio(case: Case) -> None:
-    def at_flange(model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray) -> np.ndarray:
-        frame = model.getFrameId("frame_6")
-        axes = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        return pinocchio.computeFrameJacobian(model, data, q, frame, axes)
-
-    q, _, _ = states()
-    compare(case, jacobian(case.arm, q), at_flange, q)
-
-
-def test_velocity_product_accelerations_agree_with_pinocchio(case: Case) -> None:
-    def at_flange(
-        model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray, qd: np.ndarray
-    ) -> np.ndarray:
-        pinocchio.forwardKinematics(model, data, q, qd, np.zeros(6))
-        frame = model.getFrameId("frame_6")
-        axes = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        return pinocchio.getFrameClassicalAcceleration(model, data, frame, axes).vector
-
-    q, qd, _ = states()
-    compare(case, velocity_product_acceleration(case.arm, q, qd), at_flange, q, qd)
 
 
 def test_a_wrench_acts_as_in_pinocchio(case: Case) -> None:

@@ -124,14 +124,6 @@ def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
     return misses / max(misses[-1], 1), hits / max(hits[-1], 1)
 
 
-@dataclass(frozen=True)
-class SmallestForce:
-    """Force [N] that is detected with a given probability, and its standard error."""
-
-    force: float
-    std: float
-
-
 def pushes(count: int, period: float) -> tuple[Array, list[Span]]:
     """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans."""
     length, every = round(PUSH / period), round((PUSH + PAUSE) / period)
@@ -143,14 +135,14 @@ def pushes(count: int, period: float) -> tuple[Array, list[Span]]:
     return profile, [(start, start + length) for start in starts]
 
 
-def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> SmallestForce:
-    """Return the force at which a logistic curve over log force reaches the wanted probability.
+def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> tuple[float, float]:
+    """Return the force [N] at which a logistic curve over log force reaches the wanted probability,
+    and its standard error, by the likelihood's curvature (delta method).
 
-    force: (M,) [N], of trial pushes; found: (M,). Infinite if none was found; the standard error
-    follows from the likelihood's curvature (delta method).
+    force: (M,) [N], of trial pushes; found: (M,). Infinite if none was found.
     """
     if not found.any():
-        return SmallestForce(np.inf, np.nan)
+        return np.inf, np.nan
     from scipy.optimize import minimize  # as slow to import as pandas; most recordings need none
 
     x = np.log(force)
@@ -159,7 +151,7 @@ def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> SmallestF
     reach = np.log(wanted / (1 - wanted)) * np.exp(-steepness)
     slope = np.array([1.0, -reach])
     place = np.exp(middle + reach)
-    return SmallestForce(float(place), float(place * np.sqrt(slope @ best.hess_inv @ slope)))
+    return float(place), float(place * np.sqrt(slope @ best.hess_inv @ slope))
 
 
 def _cost(parameters: Array, x: Array, found: Mask) -> float:

@@ -148,5 +148,6 @@ def limit(trials: Trials, low: float, high: float, axis: str = "") -> Iterator[S
     """Yield the smallest push that is detected between two speeds, if trials suffice."""
     tried, found = len(trials.found), int(trials.found.sum())
     if tried >= FEWEST_TRIALS:
-        smallest = smallest_force(trials.force, trials.found)
-        yield SmallestPush(low, high, tried, found, smallest.force, smallest.std, axis)
+        yield SmallestPush(
+            low, high, tried, found, *smallest_force(trials.force, trials.found), axis
+        )
