@@ -35,12 +35,14 @@ PRINTED = {  # what each prints at least
     "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
-RESUMED = {"simulated_contacts"}
-OF_ALL_STUDIES = {"population"}  # that are built: in tests/artefacts/test_other_arms.py
-# in tests/library/test_stand_of_other_arms.py and test_excite_other_arms.py
-OF_A_URDF = {"serial_arms", "serial_excitation"}
-OF_RECORDINGS = {"seven_joints"}
-IN_A_COPY = {"excitation_loop"}  # of the project: in tests/artefacts/test_next_recording.py
+ELSEWHERE = {  # run by tests of their own, here and in tests/
+    "simulated_contacts",
+    "seven_joints",
+    "serial_arms",  # library/test_stand_of_other_arms.py
+    "serial_excitation",  # library/test_excite_other_arms.py
+    "population",  # artefacts/test_other_arms.py
+    "excitation_loop",  # artefacts/test_next_recording.py
+}
 OF_A_BUILT_STUDY = {
     "leave_out",
     "few_recordings",
@@ -81,8 +83,7 @@ def printing_to(file: IO[str]) -> Iterator[None]:
 
 def test_every_benchmark_is_run() -> None:
     files = {path.stem for path in (PROJECT / "benchmarks").glob("*.py")}
-    others = OF_A_BUILT_STUDY | IN_A_COPY | RESUMED | OF_ALL_STUDIES | OF_A_URDF | OF_RECORDINGS
-    assert files == set(PRINTED) | others
+    assert files == set(PRINTED) | ELSEWHERE | OF_A_BUILT_STUDY
 
 
 @pytest.mark.slow
