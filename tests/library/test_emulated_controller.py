@@ -279,19 +279,14 @@ def test_the_arm_follows_a_streamed_trajectory(ur5e: EmulatedController, motion:
     np.testing.assert_allclose(moved[-1], 0, atol=5e-3)
 
 
-def test_a_motion_is_stopped_from_another_thread(motion: ArmMotion) -> None:
+@pytest.mark.parametrize("streams", [False, True])
+def test_a_motion_is_stopped_from_another_thread(motion: ArmMotion, streams: bool) -> None:
     assert motion.move_through(np.array([POSTURE]), 1.5, 3.0)
     threading.Timer(0.5, motion.stop).start()
-    assert not motion.move_through(np.array([AWAY]), 0.05, 0.1)
-    wait_for(lambda: bool(np.abs(read_state(HERE).qd).max() < 0.002))
-    assert np.abs(read_state(HERE).q - AWAY).max() > 0.1
-
-
-def test_a_stream_is_stopped_from_another_thread(motion: ArmMotion) -> None:
-    motion.move_through(np.array([POSTURE]), 1.5, 3.0)
-    ramp = np.linspace(POSTURE, AWAY, 5000)
-    threading.Timer(0.5, motion.stop).start()
-    assert not motion.stream(ramp, 500.0)
+    if streams:
+        assert not motion.stream(np.linspace(POSTURE, AWAY, 5000), 500.0)
+    else:
+        assert not motion.move_through(np.array([AWAY]), 0.05, 0.1)
     wait_for(lambda: bool(np.abs(read_state(HERE).qd).max() < 0.002))
     assert 0 < read_state(HERE).q[0] - POSTURE[0] < 0.15
     assert not motion.move_through(np.array([AWAY]), 1.0, 2.0)

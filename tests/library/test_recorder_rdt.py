@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
 from ur5lib.recorder import net_ft
@@ -38,19 +37,6 @@ def test_a_record_is_that_of_the_manual() -> None:
     assert (sequence, internal) == (1, 7)
     assert status == net_ft.ERROR | net_ft.SATURATED
     assert counts == [1_000_000, -1_000_000, 0, 2**31 - 1, -(2**31), 2]
-
-
-@pytest.mark.parametrize("length", [0, 1, 35, 37, 72])
-def test_a_datagram_of_another_size_is_no_record(length: int) -> None:
-    assert net_ft.decode((2 * RECORD)[:length]) is None
-
-
-UNSIGNED, SIGNED = st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1)
-
-
-@given(st.tuples(*[UNSIGNED] * 3, *[SIGNED] * 6))
-def test_what_is_decoded_is_what_was_encoded(numbers: tuple[int, ...]) -> None:
-    assert net_ft.decode(struct.pack(">IIIiiiiii", *numbers)) == numbers
 
 
 @pytest.mark.parametrize(

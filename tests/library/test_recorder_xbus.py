@@ -5,11 +5,10 @@ import random
 import struct
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
-from ur5lib.doubles.xsens_device import encode_vector
 from ur5lib.recorder.xbus import Decoder, Message, decode_mtdata, decode_mtdata2, encode
 
 STREAMS = 1000
@@ -41,18 +40,15 @@ def test_commands_are_those_of_the_manual(packet: str, identifier: int) -> None:
     assert Decoder().feed(bytes.fromhex(packet)) == [Message(identifier, b"")]
 
 
+@example(0x36, bytes(254))
+@example(0x36, bytes(255))
+@example(0x36, bytes(2048))
 @given(st.integers(0, 255), st.binary(max_size=400))
 def test_what_is_decoded_is_what_was_encoded(identifier: int, data: bytes) -> None:
+    """Long messages have an extended length."""
     packet = encode(identifier, data)
     assert packet == frame(identifier, data)
     assert Decoder().feed(packet) == [Message(identifier, data)]
-
-
-@pytest.mark.parametrize("size", [254, 255, 256, 2048])
-def test_long_messages_have_an_extended_length(size: int) -> None:
-    packet = encode(0x36, bytes(size))
-    assert len(packet) == size + (5 if size < 255 else 7)
-    assert Decoder().feed(packet) == [Message(0x36, bytes(size))]
 
 
 def test_a_short_message_with_an_extended_length_is_none() -> None:
@@ -116,22 +112,6 @@ def test_a_sample_of_the_manual() -> None:
     assert sample.vectors[:3] == pytest.approx((-0.43087, 0.83055, 9.79576), abs=1e-5)
     assert sample.vectors[3:6] == pytest.approx((-0.00520, 0.00428, -0.00394), abs=1e-5)
     assert all(math.isnan(number) for number in sample.vectors[6:])
-
-
-NUMBERS = st.tuples(*[st.floats(-2000, 2000)] * 3)
-PRECISIONS = {0: 1e-3, 1: 2**-20, 2: 2**-32, 3: 0.0}
-
-
-@pytest.mark.parametrize(("precision", "error"), PRECISIONS.items())
-@given(vector=NUMBERS)
-def test_precisions_of_mtdata2(
-    precision: int, error: float, vector: tuple[float, float, float]
-) -> None:
-    item = encode_vector(0x4020 | precision, [*vector])
-    data = b"\x10\x20\x02\x00\x07" + struct.pack(">HB", 0x4020 | precision, len(item)) + item
-    sample = decode_mtdata2(data)
-    assert sample is not None
-    assert sample.vectors[:3] == pytest.approx(vector, abs=error, rel=1e-7 if error else 0)
 
 
 def test_golden_bytes_of_each_precision() -> None:

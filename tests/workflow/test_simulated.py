@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -68,15 +69,6 @@ def simulated_files(workflow: Workflow) -> dict[str, bytes]:
     return {str(path.relative_to(workflow.folder)): path.read_bytes() for path in files}
 
 
-def test_a_fresh_run_simulates_reads_and_compares(made: Workflow) -> None:
-    plan = made.plan("--forceall")
-    assert plan.items() >= (MOVED | HELD | {"repair_frames": 2, "compare_with_truth": 1}).items()
-
-
-def test_what_was_simulated_is_not_simulated_again(made: Workflow) -> None:
-    assert made.plan(*READ) == {}
-
-
 def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
     before = simulated_files(made)
     (made.folder / "raw/made/moved/csv_files/log_i_actual.csv").unlink()
@@ -90,8 +82,7 @@ def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
     ("file", "old", "new", "expected"),
     [
         ("config.yaml", "seed: 1", "seed: 2", HELD | {"repair_frames": 1}),
-        ("config.yaml", "role: fit", "role: validate", {}),
-        ("config.yaml", "role: contact", "role: contact\n    payload: {mass: 1}", {}),
+        ("config.yaml", "role: contact", "role: validate\n    payload: {mass: 1}", {}),
         (
             "config.yaml",
             "role: contact",
@@ -114,7 +105,9 @@ def test_no_step_but_the_comparison_is_given_the_truth(made: Workflow) -> None:
     """Of all jobs of a run, by their inputs; every recording's truth is written where they look."""
     done = made.run("--dry-run", "--forceall", "--quiet", "host")
     jobs = re.findall(r"\nrule (\S+):\n    input: (.*)\n", done.stdout)
-    assert {"simulate_recording_moved", "estimate_forces", "write_report"} <= {j for j, _ in jobs}
+    plan = Counter(job for job, _ in jobs)
+    assert plan.items() >= (MOVED | HELD | {"repair_frames": 2, "compare_with_truth": 1}).items()
+    assert {"estimate_forces", "write_report"} <= {*plan}
     given = {job for job, files in jobs if "made/truth/" in files}
     assert given - {"all"} == {"compare_with_truth"}  # `all` wants it made, and runs nothing
     assert {name for name in simulated_files(made) if "truth" in name} == {

@@ -12,11 +12,8 @@ import tty
 
 from ur5lib.doubles.emulated import Clock, Emulated, Faults, Reading
 from ur5lib.recorder import xbus, xsens
-from ur5lib.timeseries.arrays import Array
 
 WAKE_UP = 0x3E
-# Index of the first number in a reading (9,).
-QUANTITIES = {vector: 3 * k for k, vector in enumerate(xbus.VECTORS)}
 ANSWERS = {  # to requests for the device's identity
     xsens.REQUEST_DEVICE_ID: bytes.fromhex("07700ABC"),
     xsens.REQUEST_FIRMWARE: bytes([1, 8, 2]),
@@ -92,7 +89,11 @@ class XsensDevice(Emulated):
             xbus.PACKET_COUNTER: count.to_bytes(2, "big"),
             xbus.SAMPLE_TIME_FINE: ticks.to_bytes(4, "big"),
         }
-        items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
+        vectors = {
+            name: struct.pack(">3f", *true[3 * k : 3 * k + 3])
+            for k, name in enumerate(xbus.VECTORS)
+        }
+        items = [(name, (stamps | vectors)[name]) for name in self._outputs]
         parts = (name.to_bytes(2, "big") + bytes([len(data)]) + data for name, data in items)
         return xbus.encode(xbus.MTDATA2, b"".join(parts))
 
@@ -142,25 +143,10 @@ class XsensDevice(Emulated):
     def _set_outputs(self, data: bytes) -> None:
         """Configure the requested items at the device's rate, and confirm them."""
         wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
-        if any(name not in FACTORY and name & xbus.GROUP not in QUANTITIES for name in wanted):
+        if any(name not in FACTORY for name in wanted):
             self.send(xbus.encode(xbus.ERROR, INVALID_PARAMETER))
             return
-        rate = round(self.rate_hz)
-        rates = dict.fromkeys(QUANTITIES, rate)
-        self._outputs = {
-            name: rates.get(name & xbus.GROUP, xsens.WITH_EACH_SAMPLE) for name in wanted
-        }
+        rates = dict.fromkeys(xbus.VECTORS, round(self.rate_hz))
+        self._outputs = {name: rates.get(name, xsens.WITH_EACH_SAMPLE) for name in wanted}
         accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
         self.send(xbus.encode(xsens.SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
-
-
-def encode_vector(name: int, reading: Array) -> bytes:
-    """Return three numbers in the precision given by the last bits of an item's name."""
-    first = QUANTITIES[name & xbus.GROUP]
-    numbers = [float(number) for number in reading[first : first + 3]]
-    if name & xbus.PRECISION == 1:
-        return struct.pack(">3i", *(round(number * 2**20) for number in numbers))
-    if name & xbus.PRECISION == 2:
-        fixed = [round(number * 2**32) % 2**48 for number in numbers]
-        return b"".join(struct.pack(">IH", n % 2**32, n >> 32) for n in fixed)
-    return struct.pack(">3d" if name & xbus.PRECISION == 3 else ">3f", *numbers)
