@@ -4,10 +4,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-import torch
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.kinematics import jacobian, link_frames
+from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import States, joint_states
@@ -57,11 +55,7 @@ ELBOW, WRIST = REGULAR * [1, 1, 0, 1, 1, 1], REGULAR * [1, 1, 1, 1, 0, 1]
 
 
 def jacobians(ur5: Robot, q: Array) -> Array:
-    return jacobian(build_arm(ur5, "C"), torch.tensor(q)).numpy()
-
-
-def rotations(ur5: Robot, q: Array) -> Array:
-    return link_frames(build_arm(ur5, "C"), torch.tensor(q))[0][:, 6].numpy()
+    return flange_kinematics(ur5, q)[2]
 
 
 def torque_of(J: Array, wrench: Array) -> Array:
@@ -123,7 +117,8 @@ def free_run(
     q, qd = around + swing * np.sin(angle), swing * pace * np.cos(angle)
     states = joint_states(qd, np.zeros(len(time), int), period)
     torque = scale * residual(states, period, random)
-    return Free(time, q, qd, jacobians(ur5, q), rotations(ur5, q), states, torque)
+    rotation, _, jacobian = flange_kinematics(ur5, q)
+    return Free(time, q, qd, jacobian, rotation, states, torque)
 
 
 def residual(states: States, period: float, random: np.random.Generator) -> Array:

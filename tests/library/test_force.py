@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-import torch
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.kinematics import jacobian
+from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.current_based import (
     delay,
     environment_on_arm,
@@ -36,8 +34,7 @@ def rotations(count: int) -> np.ndarray:
 
 def test_a_wrench_comes_back_from_its_torques(ur5: Robot) -> None:
     """tau = J^T F (3.2), then F = J^-T tau (3.3)."""
-    q = torch.tensor(RANDOM.uniform(-3, 3, (200, 6)))
-    J = jacobian(build_arm(ur5, "C"), q).numpy()
+    J = flange_kinematics(ur5, RANDOM.uniform(-3, 3, (200, 6)))[2]
     wrench = RANDOM.normal(size=(200, 6))
     torque = (J.transpose(0, 2, 1) @ wrench[..., None])[..., 0]
     estimate = wrench_from_torque(J, torque, min_singular_value=1e-3)
@@ -48,7 +45,7 @@ def test_a_wrench_comes_back_from_its_torques(ur5: Robot) -> None:
 
 def test_a_published_wrench_is_turned_round_once(ur5: Robot) -> None:
     """Lifted from outside, the motors give less: J^-T (tau_motor - tau_model) points downwards."""
-    J = jacobian(build_arm(ur5, "C"), torch.tensor(RANDOM.uniform(0.5, 1.5, (5, 6)))).numpy()
+    J = flange_kinematics(ur5, RANDOM.uniform(0.5, 1.5, (5, 6)))[2]
     lift = np.tile([0.0, 0, 10, 0, 0, 0], (5, 1))
     missing = -(J.mT @ lift[..., None])[..., 0]
     published = wrench_from_torque(J, missing, min_singular_value=1e-3)

@@ -2,15 +2,8 @@
 
 import numpy as np
 import pytest
-import torch
 
-from ur5lib.dynamics.arm import Arm, build_arm
-from ur5lib.dynamics.rigid_body import (
-    coriolis_matrix,
-    gravity_torque,
-    inertia_matrix,
-    inverse_dynamics,
-)
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.observer import momentum_rate, observe
 from ur5lib.robots.description import Robot
 
@@ -22,30 +15,22 @@ ONE = np.zeros(len(TIME), int)
 
 
 @pytest.fixture(scope="module")
-def arm(ur5: Robot) -> Arm:
-    return build_arm(ur5, "C+rotors")
+def arm(ur5: Robot) -> LinkModel:
+    return LinkModel(ur5, "C+rotors")
 
 
-def observed(arm: Arm, segment: np.ndarray, bandwidth: float) -> np.ndarray:
+def observed(arm: LinkModel, segment: np.ndarray, bandwidth: float) -> np.ndarray:
     """Of an arm that swings against friction and is pushed; it knows no acceleration."""
-    rate, phase = np.linspace(0.8, 2.0, 6), np.arange(6.0)
-    q, qd, qdd = (
-        torch.tensor(x)
-        for x in (
-            np.sin(rate * TIME + phase),
-            rate * np.cos(rate * TIME + phase),
-            -(rate**2) * np.sin(rate * TIME + phase),
-        )
-    )
-    friction = FRICTION * np.tanh(qd.numpy())
-    motor = inverse_dynamics(arm, q, qd, qdd).numpy() + friction - PUSH
-    coriolis = (coriolis_matrix(arm, q, qd).mT @ qd[..., None])[..., 0].numpy()
-    momentum = (inertia_matrix(arm, q) @ qd[..., None])[..., 0].numpy()
-    known = momentum_rate(motor, friction, coriolis, gravity_torque(arm, q).numpy())
-    return observe(momentum, known, segment, PERIOD, bandwidth)
+    rate = np.linspace(0.8, 2.0, 6)
+    angle = rate * TIME + np.arange(6.0)
+    q, qd, qdd = np.sin(angle), rate * np.cos(angle), -(rate**2) * np.sin(angle)
+    friction = FRICTION * np.tanh(qd)
+    motor = arm.inverse_dynamics(q, qd, qdd) + friction - PUSH
+    known = momentum_rate(motor, friction, arm.coriolis_torque(q, qd), arm.gravity_torque(q))
+    return observe(arm.momentum(q, qd), known, segment, PERIOD, bandwidth)
 
 
-def test_the_push_is_seen_and_nothing_else(arm: Arm) -> None:
+def test_the_push_is_seen_and_nothing_else(arm: LinkModel) -> None:
     torque = observed(arm, ONE, bandwidth=8.0)
     np.testing.assert_allclose(torque, PUSH, atol=0.02 * np.abs(PUSH).max())
 
@@ -61,7 +46,7 @@ def test_a_torque_that_swings_at_the_bandwidth_is_halved() -> None:
     )
 
 
-def test_a_gap_divides_the_run(arm: Arm) -> None:
+def test_a_gap_divides_the_run(arm: LinkModel) -> None:
     segment = np.repeat([0, 1], len(TIME) // 2)
     torque = observed(arm, segment, bandwidth=8.0)
     alone = observed(arm, ONE, bandwidth=8.0)

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-import torch
 
 from tests.library.made_up_torques import MODEL, REGULAR, jacobians, torque_of
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.rigid_body import inverse_dynamics, regressor
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.grasp import grasped_load
 from ur5lib.robots.description import Payload, Robot
@@ -30,16 +28,13 @@ def motion(seconds: float, seed: int, swing: float = 0.4) -> Motion:
 
 
 def per_load(ur5: Robot, states: Motion) -> np.ndarray:
-    tensors = [torch.from_numpy(state) for state in states]
-    return regressor(build_arm(ur5, "C"), *tensors).numpy()[:, :, LINK_6]
+    return LinkModel(ur5, "C").regressor(*states)[:, :, LINK_6]
 
 
 def weight(ur5: Robot, states: Motion, payload: Payload) -> np.ndarray:
     """What a load takes of the motors' torque: by inverse dynamics with it and without."""
-    tensors = [torch.from_numpy(state) for state in states]
-    arms = [build_arm(ur5.carrying(load), "C") for load in (payload, None)]
-    loaded, bare = (inverse_dynamics(arm, *tensors).numpy() for arm in arms)
-    return bare - loaded
+    bare, loaded = (LinkModel(arm, "C") for arm in (ur5, ur5.carrying(payload)))
+    return bare.inverse_dynamics(*states) - loaded.inverse_dynamics(*states)
 
 
 def noise(count: int, seed: int, scale: float = 0.3) -> np.ndarray:

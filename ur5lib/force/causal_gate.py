@@ -47,7 +47,8 @@ def _filtered(seen: Observations, fresh: Mask) -> Array:
             weight, b, P = start, np.zeros_like(torque[t]), noise.spread[t]
         # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + sqrt(1 - a²) Q sqrt(1 - a²)
         weight = weight @ transitions
-        b, P = decay[t] * b, _scaled(P, decay[t]) + _scaled(noise.spread[t], renewal[t])
+        kept, renewed = np.outer(decay[t], decay[t]), np.outer(renewal[t], renewal[t])
+        b, P = decay[t] * b, kept * P + renewed * noise.spread[t]
         if known[t]:
             innovation = torque[t] - b
             # p ∝ p⁻ N(τ - b⁻; 0, S + P⁻), in contact S + S_hidden + P⁻ + Jᵀ P_F J
@@ -63,8 +64,3 @@ def _filtered(seen: Observations, fresh: Mask) -> Array:
             b, P = b + innovation @ gain, P - P @ gain
         contact[t] = weight[len(free) :].sum()
     return contact
-
-
-def _scaled(covariance: Array, factor: Array) -> Array:
-    """Return D C D, D = diag(factor); covariance: C (n, n); factor: (n,)."""
-    return factor[:, None] * covariance * factor
