@@ -18,6 +18,7 @@ WORSE = 1.1  # ratio of two errors without interval from which they count as dif
 UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
 SEVERE = ["stop", "error", "warning"]
 Studies = tuple[FinishedStudy, FinishedStudy]  # before and after
+PAIR = ("value_a", "value_b", "half_a", "half_b")  # of estimates and half of their intervals
 COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
 
 
@@ -61,8 +62,9 @@ def compare_estimates(
     changed if the difference exceeds its interval, widened by Bonferroni's correction for the
     number of rows.
     """
-    difference = np.abs(rows["value_b"] - rows["value_a"])
-    half = np.hypot(rows["half_a"], rows["half_b"])
+    # `to_numpy(float)` also gives the right shape and type without rows.
+    value_a, value_b, half_a, half_b = rows[list(PAIR)].to_numpy(float).T
+    difference, half = np.abs(value_b - value_a), np.hypot(half_a, half_b)
     wider = norm.isf(LEVEL / 2 / max(len(rows), 1)) / norm.isf(LEVEL / 2)
     texts = (map(_with_error, rows[f"value_{side}"], rows[f"half_{side}"], unit) for side in "ab")
     verdicts = ((difference > half).tolist(), (difference > wider * half).tolist())
