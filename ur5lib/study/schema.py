@@ -36,7 +36,8 @@ a note.
 def explain(error: ErrorDetails, schema: Schema) -> str:
     """Return one sentence for one error: key, value, allowed values, closest valid name."""
     location, node = _descend(schema, error["loc"])
-    key, kind = _key(location), error["type"]
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
+    key, kind = "".join(parts).lstrip("."), error["type"]
     if kind == "extra_forbidden":
         known = _descend(schema, error["loc"][:-1])[1]["properties"]
         return f"unknown key `{key}`{_near(location[-1], known)}; known keys: {', '.join(known)}"
@@ -60,11 +61,6 @@ def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
         return f"`{key}` is missing; {remedy}"
     value = error["ctx"]["tag"]
     return f"`{key}` is {value!r}{_near(value, tags)}; {remedy}"
-
-
-def _key(location: Iterable[str | int]) -> str:
-    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
-    return "".join(parts).lstrip(".")
 
 
 def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | int], Schema]:
