@@ -39,20 +39,6 @@ def test_blank_lines_above_a_table_count(tmp_path: Path) -> None:
     assert said(findings[0]).startswith("some.csv, line 3 (")
 
 
-@pytest.mark.parametrize(("other", "whole"), [(5, True), (25, False)])
-def test_a_last_line_without_end_is_whole_if_it_is_like_the_twenty_before_it(
-    tmp_path: Path, other: int, whole: bool
-) -> None:
-    """Of thirty lines, one has fewer decimals."""
-    lines = [f"{number},0.25" for number in range(1, 31)]
-    lines[other - 1] = f"{other},0.5"
-    path = tmp_path / "some.csv"
-    path.write_text("\n".join(lines))
-    findings: list[Finding] = []
-    assert len(read_numbers(Log(path, "robot", findings), ["time", "value"])) == 29 + whole
-    assert [one.finding for one in findings] == ([] if whole else ["torn last line"])
-
-
 # Text files in blocks of whole lines
 
 

@@ -10,6 +10,7 @@ from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from tests.library.test_from_urdf import made_up, saved
+from tests.stored_files import write_bag
 from ur5lib.commands.described import describe_urdf
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import contents
@@ -139,14 +140,8 @@ def test_a_bag_of_franka_states(log: dict[str, Array], tmp_path: Path) -> None:
 
 
 def test_a_bag_of_joint_states(log: dict[str, Array], tmp_path: Path) -> None:
-    path, store = tmp_path / "run.bag", get_typestore(Stores.ROS1_NOETIC)
-    types, names = store.types, [f"axis_{k}" for k in range(1, 8)]
-    with Writer(path) as bag:
-        kind = "sensor_msgs/msg/JointState"
-        topic = bag.add_connection("/joint_states", kind, typestore=store)
-        for k, (time, q, dq, tau, _) in enumerate(zip(*log.values(), strict=True)):
-            stamp = types["builtin_interfaces/msg/Time"](*divmod(round(1e9 * time), 10**9))
-            message = types[kind](types["std_msgs/msg/Header"](k, stamp, ""), names, q, dq, tau)
-            bag.write(topic, round(1e9 * time), store.serialize_ros1(message, kind))
-    (found,) = import_files([path], [])
+    channels = {"actual_q": log["q"], "actual_qd": log["dq"], "effort": log["tau_J"]}
+    names = [f"axis_{k}" for k in range(1, 8)]
+    write_bag(tmp_path / "run.bag", log["t"], channels, names)
+    (found,) = import_files([tmp_path / "run.bag"], [])
     assert found.entry["channels"]["actual_torque"] == "/joint_states/effort"

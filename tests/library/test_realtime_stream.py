@@ -275,28 +275,6 @@ def test_damaged_lines(capture: Path, line: bytes) -> None:
     assert named(findings)["bytes skipped"].count == SIZE
 
 
-def test_damaged_lines_of_both_kinds_are_numbered(capture: Path) -> None:
-    sent = messages(4)
-    good = [f"{k},{m.hex()}" for k, m in enumerate(sent)]
-    for order, first in ((["?", "1,abc"], 3), (["1,abc", "?"], 3)):
-        capture.write_text("\n".join([*good[:2], *order, *good[2:], "2,0"]))
-        frame, findings = read_stream(capture)
-        assert received_of(frame, sent) == [0, 1, 2, 3]
-        damaged = named(findings)["damaged lines"]
-        assert damaged.count == 3
-        assert said(damaged).endswith(f"line {first}")
-
-
-def test_torn_last_line(capture: Path) -> None:
-    sent = messages(3)
-    text = "".join(f"{k},{m.hex()}\n" for k, m in enumerate(sent))
-    for end, names in ((-2, ["incomplete message"]), (-3, ["damaged lines"])):
-        capture.write_text(text[: end - 1])
-        frame, findings = read_stream(capture)
-        assert received_of(frame, sent) == [0, 1]
-        assert [f.finding for f in findings] == names
-
-
 def test_two_layouts_in_one_capture(capture: Path) -> None:
     """The more frequent one is taken."""
     sent, others = messages(6), messages(3, size=1108, start=70.0)

@@ -390,34 +390,26 @@ def test_every_log_of_the_ur10e_goes_through(ur10e_data: Path, real_ur10e: RealS
         assert abs(taken.quality.duration_s / (0.0106 * taken.quality.rows) - 1) < 0.05
 
 
-def turned(turns: float, folder: Path) -> dict[str, object]:
-    """A recording whose joint 6 turns that far."""
-    names = ["timestamp", *(f"actual_q_{k}" for k in range(6))]
-    rows = np.zeros((200, 7))
-    rows[:, 0], rows[:, 6] = np.arange(200) * 0.008, np.linspace(0, turns * 2 * np.pi, 200)
-    pd.DataFrame(rows, columns=names).to_csv(folder / "robot.csv", index=False)
+def table_of(columns: dict[str, np.ndarray | float], folder: Path) -> dict[str, object]:
+    """The entry of a recording of an arm at rest, with these columns beside or instead."""
+    rest = {"timestamp": np.arange(200) * 0.008} | {f"actual_q_{k}": 0.0 for k in range(6)}
+    pd.DataFrame(rest | columns).to_csv(folder / "robot.csv", index=False)
     return {"format": "rtde-csv", "folder": str(folder), "file": "robot.csv"}
 
 
-@pytest.mark.parametrize("name", ["ur3", "ur3e"])
-def test_an_endless_joint_may_be_anywhere(name: str, tmp_path: Path) -> None:
-    robot = intake(turned(9.0, tmp_path), load_robot(robot_path(name))).robot
-    assert robot["actual_q_5"].max() == pytest.approx(18 * np.pi)
-
-
-def test_another_joint_that_turns_so_far_is_refused(tmp_path: Path, ur5: Robot) -> None:
+def test_only_an_endless_joint_may_be_anywhere(tmp_path: Path, ur5: Robot) -> None:
+    entry = table_of({"actual_q_5": np.linspace(0, 18 * np.pi, 200)}, tmp_path)
+    for name in ("ur3", "ur3e"):
+        robot = intake(entry, load_robot(robot_path(name))).robot
+        assert robot["actual_q_5"].max() == pytest.approx(18 * np.pi)
     with pytest.raises(InputError, match="actual_q_5 exceeds"):
-        intake(turned(9.0, tmp_path), ur5)
+        intake(entry, ur5)
 
 
 def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, ur5: Robot) -> None:
-    names = ["timestamp", *(f"actual_q_{k}" for k in range(6)), "output_int_register_12"]
-    names += ["standard_analog_input0", "output_bit_registers0_to_31", "i_actual_0"]
-    names += ["actual_curent_0", "actual_qdd_0"]
-    rows = np.column_stack([np.arange(50) * 0.002, np.zeros((50, 12))])
-    pd.DataFrame(rows, columns=names).to_csv(tmp_path / "robot.csv", index=False)
-    entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
-    quality = read_and_repair(entry, ur5, 0.1).quality
+    names = ["output_int_register_12", "standard_analog_input0", "output_bit_registers0_to_31"]
+    names += ["i_actual_0", "actual_curent_0", "actual_qdd_0"]
+    quality = intake(table_of(dict.fromkeys(names, 0.0), tmp_path), ur5).quality
     found = {one.finding: one for one in quality.findings}
     assert found["unused channels"].count == 3
     assert said(found["unknown channels"]).startswith("i_actual_0, actual_qdd_0: ")
@@ -437,11 +429,7 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
 def test_a_wrench_in_the_robot_s_file_is_used_or_reported(
     tmp_path: Path, ur5: Robot, columns: list[str], finding: str
 ) -> None:
-    names = ["timestamp", *(f"actual_q_{k}" for k in range(6)), *columns]
-    rows = np.column_stack([np.arange(50) * 0.002, np.zeros((50, 6)), np.ones((50, len(columns)))])
-    pd.DataFrame(rows, columns=names).to_csv(tmp_path / "robot.csv", index=False)
-    entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
-    taken = read_and_repair(entry, ur5, 0.1)
+    taken = intake(table_of(dict.fromkeys(columns, 1.0), tmp_path), ur5)
     assert finding in {one.finding for one in taken.quality.findings}
     assert ("ft_fx" in taken.robot) == ({*FORCES} <= {*columns})
     assert ("ft_tx" in taken.robot) == ({*FORCE_CHANNELS} <= {*columns})

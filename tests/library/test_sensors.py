@@ -190,19 +190,25 @@ def test_a_table_of_which_most_lines_are_damaged_is_another(
 
 
 @pytest.mark.parametrize(
-    ("last", "kept"),
-    [("7.25,8.25", 4), ("7.25,8.2", 3), ("7.25", 3), ("7.25,8", 3), ("7.25,8.25\n", 4)],
+    ("other", "last", "whole"),
+    [
+        *((0, last, True) for last in ("7.25,8.25", "7.25,8.25\n")),
+        *((0, last, False) for last in ("7.25,8.2", "7.25", "7.25,8")),
+        (8, "7.25,8.25", True),
+        (9, "7.25,8.25", False),
+    ],
 )
-def test_a_last_line_without_an_end_has_the_form_of_those_before(
-    tmp_path: Path, last: str, kept: int
+def test_a_last_line_without_an_end_has_the_form_of_the_twenty_before(
+    tmp_path: Path, other: int, last: str, whole: bool
 ) -> None:
-    """As many cells, and as many decimals in the last."""
-    (tmp_path / "t.csv").write_text("1.25,2.25\n3.25,4.25\n5.25,6.25\n" + last)
+    """As many cells, and as many decimals in the last; other: a line that has fewer."""
+    lines = ["1.5,2.5" if number == other else "1.25,2.25" for number in range(29)]
+    (tmp_path / "t.csv").write_text("\n".join([*lines, last]))
     findings: list[Finding] = []
-    assert len(read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])) == kept
-    assert [one.finding for one in findings] == ["torn last line"] * (kept == 3)
-    if kept == 3:
-        assert said(findings[0]).startswith("t.csv, line 4: last line is cut off")
+    table = read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])
+    assert len(table) == 29 + whole
+    assert [one.finding for one in findings] == ["torn last line"] * (not whole)
+    assert all(said(one).startswith("t.csv, line 30: last line is cut off") for one in findings)
 
 
 @pytest.mark.parametrize("empty", ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"])

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import said
-from ur5lib.recordings.derived import with_wrist_sensor
+from ur5lib.recordings.intake import with_wrist_sensor
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.robots.description import load_robot, robot_path

@@ -20,10 +20,9 @@ from ur5lib.importing.blocks import (
 )
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
 from ur5lib.recordings.arrays import seconds_of
-from ur5lib.recordings.delimited import first_cells, read_numbers
+from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
 from ur5lib.recordings.entries import FACTORS, expand
 from ur5lib.recordings.quality import Finding, Log
-from ur5lib.recordings.text_columns import number_in
 from ur5lib.timeseries.arrays import Array
 
 FORMATS = ENDINGS | dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")

@@ -12,10 +12,10 @@ from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.importing.serial import arms_of
 from ur5lib.recordings import readings
-from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.readings import IN_ORDER, OR_FREE, SURE, Order, Reading, exchanged
 from ur5lib.recordings.rosbag import JOINT_NAMES
+from ur5lib.recordings.stop_signs import described
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array

@@ -20,11 +20,11 @@ from ur5lib.importing.efforts import (
 from ur5lib.importing.identity import Case, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.serial import arm_and_torque, arms_of
-from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.readings import IN_ORDER, Order
+from ur5lib.recordings.stop_signs import described
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 

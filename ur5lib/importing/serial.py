@@ -9,9 +9,9 @@ from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import SMOOTHED, ImportedMotion
-from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import SLOW, TINY
 from ur5lib.recordings.entries import OPPOSITE
+from ur5lib.recordings.stop_signs import described
 from ur5lib.robots.description import Robot, robot_names
 from ur5lib.timeseries.arrays import Array
 

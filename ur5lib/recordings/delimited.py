@@ -1,8 +1,10 @@
 """Reader of delimited tables of numbers (pyarrow) that counts, locates and skips damaged lines."""
 
+import math
 import re
 from collections import Counter
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -12,19 +14,15 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.csv as pacsv
 
+from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
-from ur5lib.recordings.text_columns import (
-    DATE,
-    NOT_A_NUMBER,
-    SAMPLE,
-    number_in,
-    seconds_of_date,
-    seconds_of_dates,
-    text_columns,
-)
+from ur5lib.timeseries.arrays import Array
 
+DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")  # ISO 8601
+NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
+SAMPLE = 20  # rows that show what a column holds
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment, Excel's "sep=;"
 # What spreadsheet programs turn numbers into: dates, times, thousands, ### in narrow cells.
 SPREADSHEET = re.compile(r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d")
@@ -333,3 +331,53 @@ def _report_damaged(
     more = {"more": count - SHOWN} if count > SHOWN else {}
     code = "more damaged lines" if more else "damaged lines"
     log.add("damaged lines", "warning", count, code, **values, **more)
+
+
+def number_in(cell: bytes) -> float | None:
+    """Return a cell's number, NaN for an empty cell, None for anything else."""
+    text = cell.strip().decode(errors="replace")
+    if text in NOT_A_NUMBER:
+        return math.nan
+    try:
+        return None if "_" in text else float(text)  # float() would accept 1_000
+    except ValueError:
+        return None
+
+
+def text_columns(
+    rows: Sequence[Sequence[bytes]], names: Sequence[str]
+) -> tuple[list[str], list[str]]:
+    """Return the names of the columns of dates, and of those of other text that nothing needs.
+
+    rows: cells of the first rows. None are returned where no column holds numbers.
+    """
+    columns = dict(zip(names, zip(*rows, strict=True), strict=False))
+    worded = [name for name, cells in columns.items() if _is_text(cells)]
+    if len(worded) == len(columns):
+        return [], []
+    dates = [name for name in worded if all(DATE.match(cell.strip()) for cell in columns[name])]
+    units = {name: [CHANNELS[found].unit for found in channels_of(name)] for name in worded}
+    modes = [name for name in worded if name != "timestamp" and {*units[name]} <= {"1"}]
+    return dates, [name for name in modes if name not in dates]
+
+
+def _is_text(cells: Sequence[bytes]) -> bool:
+    """Return whether cells hold text and no number."""
+    found = [*map(number_in, cells)]
+    return None in found and all(value is None or np.isnan(value) for value in found)
+
+
+def seconds_of_dates(dates: pd.Series) -> Array:
+    """Return the seconds since 1970 (N,) of ISO dates, NaN for others; without a zone, of UTC."""
+    stamps = pd.to_datetime(dates, format="ISO8601", utc=True, errors="coerce")
+    counted = stamps.astype("datetime64[ns, UTC]").astype("int64").to_numpy() * 1e-9
+    return np.where(stamps.isna(), np.nan, counted)
+
+
+def seconds_of_date(cell: bytes) -> float | None:
+    """Return the seconds since 1970 of an ISO date, None for anything else."""
+    try:
+        stamp = datetime.fromisoformat(cell.strip().decode(errors="replace"))
+    except ValueError:
+        return None
+    return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()

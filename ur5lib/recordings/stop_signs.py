@@ -1,20 +1,16 @@
 """Stop signs: what in a recording contradicts the study so much that no forces may be stated."""
 
-from collections.abc import Iterator
-from itertools import islice
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cache
+from itertools import combinations, islice
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import MOST_JOINTS, columns
-from ur5lib.recordings.arm_checks import (
-    described,
-    exchanged_joints,
-    foreign_arm,
-    foreign_torque,
-    tool_off_flange,
-)
-from ur5lib.recordings.block_means import block_means
+from ur5lib.channels import MOST_JOINTS, columns, joint_count
+from ur5lib.errors import Remark, remark
+from ur5lib.recordings.block_means import BlockMeans, block_means, fitted_load, size
 from ur5lib.recordings.checks import MOVES, misread_velocities, recorded
 from ur5lib.recordings.current_checks import (
     foreign_currents,
@@ -23,8 +19,11 @@ from ur5lib.recordings.current_checks import (
     strange_currents,
     undeclared_load,
 )
+from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.robots.description import Payload, Robot, robot_names
+from ur5lib.recordings.readings import exchanged, in_order, readings
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.statics import link_frames, load_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import period
@@ -34,6 +33,14 @@ CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recor
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
 )
+TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
+MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
+SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 31
+SURE_JOINTS = 60.0  # the same of two exchanged joints; at most 46 where a few postures are held
+PRECISE = 0.02  # Nm; nothing is explained better
+EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
+LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
+DEGREES = 180 / np.pi
 LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
 FEWEST = 30  # blocks of a recording that can contradict an arm
 FRAMES = 20  # in which a joint moves, from which its channels are compared
@@ -60,9 +67,9 @@ def stop_signs(
     fitted: whether the recording has the role `fit`.
     """
     channels = [*_motion(robot), *_current(robot)]
-    exchanged = [contradiction("exchanged channels", name=name) for name in channels]
-    contradictions = _contradictions(robot, arm, configured, declared, fitted)
-    return [*exchanged, *islice(contradictions, 1)]  # others follow from the first
+    of_channels = [contradiction("exchanged channels", name=name) for name in channels]
+    of_arm = _contradictions(robot, arm, configured, declared, fitted)
+    return [*of_channels, *islice(of_arm, 1)]  # others follow from the first
 
 
 def _contradictions(
@@ -140,3 +147,125 @@ def _current(robot: pd.DataFrame) -> Iterator[str]:
 def roughness(values: Array) -> Array:
     """Return the median size (6,) of third differences of (N, 6): noise more than motion."""
     return np.asarray(np.nanmedian(np.abs(np.diff(values, 3, axis=0)), axis=0))
+
+
+def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
+    """Find a tool that does not stay at its place on the flange; robot: a repaired table."""
+    if "actual_TCP_pose_0" not in robot:
+        return
+    frames = robot.loc[
+        ~robot["interpolated"], columns("actual_TCP_pose") + columns("actual_q", joint_count(robot))
+    ]
+    frames = frames.dropna(subset=["actual_TCP_pose_0", "actual_q_0"])
+    frames = frames.iloc[:: max(1, len(frames) // 1000)]
+    rotation, origin = link_frames(arm, channel(frames, "actual_q"))
+    away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, -1]
+    place = np.einsum("nij,ni->nj", rotation[:, -1], away)
+    apart = float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))
+    if apart > TOOL:
+        yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * apart)
+
+
+def foreign_torque(
+    means: BlockMeans, arm: Robot, payloads: Sequence[Payload | None]
+) -> Iterator[Finding]:
+    """Find a target_moment that is not the arm's; payloads: those that it may contain."""
+    torque = means.torque
+    if torque is None:
+        return
+    residual = min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
+    share = size(residual) / size(torque)
+    foreign, known = share > MODELLED, (means, torque, arm)
+    arms = [*(_fitting_arms(*known) if foreign else _likelier_arms(*known, payloads))]
+    if foreign or arms:
+        fitting = [*arms, *_other_causes(means, torque, residual, arm)]
+        code = "other torque of known cause" if fitting else "other torque"
+        yield contradiction(code, arm=arm.name, share=share, causes=fitting)
+
+
+def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
+    """Return what neither the arm's gravity nor its inertia explains of a torque (M, 6) [Nm]."""
+    return means.beside_inertia(torque - means.gravity(arm))
+
+
+def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
+    """Return whether an arm leaves so little of a torque (M, 6) [Nm] that it is its own."""
+    return size(_residual(means, torque, arm)) < EXPLAINED * size(torque)
+
+
+def _likelier_arms(
+    means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
+) -> Iterator[Remark]:
+    """Yield the described arm that explains the torque best, if it is likelier by far."""
+    names = [arm.name, *(name for name in robot_names() if name != arm.name)]
+    arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
+    likelihoods = [
+        max(_likelihood(means, torque, one.carrying(own)) for own in payloads) for one in arms
+    ]
+    best = int(np.argmax(likelihoods))
+    if likelihoods[best] - likelihoods[0] > SURE:
+        yield remark("robot as cause", value=names[best])
+
+
+def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
+    """Return the log-likelihood of a torque (M, 6) [Nm], each joint with a variance of its own."""
+    variance = (_residual(means, torque, arm) ** 2).mean(axis=0) + PRECISE**2
+    return float(means.log_likelihood(variance).sum())
+
+
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Remark]:
+    """Yield the described arms whose torque it is."""
+    for name in robot_names():
+        other = described(name).mounted(arm.gravity)
+        if len(other.joints) == len(arm.joints) and _fits(means, torque, other):
+            yield remark("robot as cause", value=name)
+
+
+@cache
+def described(name: str) -> Robot:
+    """Return a described arm, read once."""
+    return load_robot(robot_path(name))
+
+
+def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
+    if CURRENT not in means.currents:
+        return
+    own, alone = in_order(arm), replace(means, currents={CURRENT: means.currents[CURRENT]})
+    orders = {exchanged(own, *pair): pair for pair in combinations(own[:3], 2)}
+    scores = {one.order: one.score for one in readings(alone, [arm], [own, *orders])}
+    for order, (j, k) in orders.items():
+        if scores[order] - scores[own] > SURE_JOINTS:
+            yield contradiction("exchanged joints", joint=j + 1, other=k + 1)
+
+
+def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
+    """Find another arm whose gravity explains the currents better by far; all under their load."""
+    if CURRENT not in means.currents:
+        return
+    order, alike = in_order(arm), [one for one in others if len(one.joints) == len(arm.joints)]
+    alone = replace(means, currents={CURRENT: means.currents[CURRENT]})
+    (own,) = readings(alone, [arm], [order])
+    best = readings(alone, alike, [order])[:1]
+    if best and best[0].score - own.score > SURE:
+        yield contradiction("other arm's currents", arm=arm.name, other=best[0].arm)
+
+
+def _other_causes(
+    means: BlockMeans, torque: Array, residual: Array, arm: Robot
+) -> Iterator[Remark]:
+    """Yield the payload, the unit of positions and the currents with which a torque is the arm's.
+
+    residual: (M, 6) [Nm], what the arm leaves of the torque.
+    """
+    load = load_torque(arm, means.q)
+    columns = [means.beside_inertia(load[:, :, k]).ravel() for k in range(4)]
+    mass, left = fitted_load(np.stack(columns, axis=1), residual.ravel())
+    if LIGHT < mass < HEAVY and left < EXPLAINED * size(torque):
+        yield remark("load as cause", value=mass)
+    for unit, factor in (("rad", DEGREES), ("deg", 1 / DEGREES)):
+        if _fits(replace(means, q=factor * means.q), torque, arm):
+            yield remark("unit as cause", value=unit)
+    for name, current in means.currents.items():
+        if _fits(means, current, arm):
+            yield remark("column as cause", value=name)

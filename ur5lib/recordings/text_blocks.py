@@ -68,7 +68,10 @@ def _plain(block: bytes) -> bytes:
         block = block.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if b'"' in block:
         block = _unquoted(block)
-    return block.translate(None, BRACKETS) if _is_grouped(block) else block
+    # rows may group numbers in brackets, as Python prints lists and NIST's files do
+    first = block.partition(b"\n")[0]
+    grouped = b"[" in first and not LETTERS.search(first)
+    return block.translate(None, BRACKETS) if grouped else block
 
 
 def _unquoted(block: bytes) -> bytes:
@@ -84,9 +87,3 @@ def _unquoted(block: bytes) -> bytes:
 
 def _is_listing(quoted: bytes) -> bool:
     return b"," in quoted and LETTERS.search(quoted) is not None
-
-
-def _is_grouped(block: bytes) -> bool:
-    """Return whether rows group numbers in brackets, as Python prints lists and NIST's files do."""
-    first = block.partition(b"\n")[0]
-    return b"[" in first and not LETTERS.search(first)
