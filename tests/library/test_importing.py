@@ -103,16 +103,6 @@ def test_degrees_are_reported(tmp_path: Path, made: Made) -> None:
     assert "in degrees" in comments
 
 
-def test_the_unit_of_efforts_is_told_by_gravity(tmp_path: Path, made: Made) -> None:
-    time, channels = made
-    for factor, name in ((1.0, "actual_current"), (10.0, "actual_current_as_torque")):
-        effort = {"effort": factor * channels["actual_current"]}
-        kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
-        write_hdf5(tmp_path / "run.h5", time, kept | effort)
-        entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
-        assert entry["channels"][name] == "run/effort"
-
-
 def bare(made: Made, **more: Array) -> Made:
     """Positions, velocities and poses of a recording, and other arrays."""
     kept = {name: made[1][name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
@@ -123,14 +113,24 @@ def currents_read(entry: dict[str, Any]) -> Array:
     return channel(read_recording(entry).robot.table, "actual_current")
 
 
-@pytest.mark.parametrize(("factor", "unit"), [(1e3, "mA"), (-1.0, "opposite")])
-def test_the_unit_and_sign_of_currents_are_told_by_gravity(
-    tmp_path: Path, made: Made, factor: float, unit: str
+@pytest.mark.parametrize(
+    ("factor", "channel", "unit"),
+    [
+        (1.0, "actual_current", None),
+        (1e3, "actual_current", "mA"),
+        (-1.0, "actual_current", "opposite"),
+        (10.0, "actual_current_as_torque", None),
+    ],
+)
+def test_the_unit_and_sign_of_efforts_are_told_by_gravity(
+    tmp_path: Path, made: Made, factor: float, channel: str, unit: str | None
 ) -> None:
     write_hdf5(tmp_path / "run.h5", *bare(made, effort=factor * made[1]["actual_current"]))
     entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
-    assert entry["units"] == {"actual_current": unit}
-    np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
+    assert entry["channels"][channel] == "run/effort"
+    assert entry.get("units") == ({channel: unit} if unit else None)
+    if channel == "actual_current":
+        np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
 
 
 def test_constants_of_a_driver_are_told_by_the_rounding_of_currents(

@@ -105,29 +105,30 @@ def test_a_sensor_may_lie_in_the_robot_s_file(tmp_path: Path, made: Made) -> Non
 # Bags
 
 
-def bag(path: Path, made: Made, **settings: Any) -> RawRecording:
-    write_bag(path, *made, **settings)
-    return read_recording(entry_of("rosbag", path, ["actual_q", "actual_qd"]))
+PANEL = ["Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"]  # the teach panel's names
+BAGS = [  # a file, the order of its columns, their names, others' messages, and the finding
+    ("run.db3", [2, 1, 0, 3, 5, 4], [f"left_{name}_joint" for name in JOINTS], 9, "other messages"),
+    ("run.bag", [5, 4, 3, 2, 1, 0], PANEL, 0, ""),
+    ("run.mcap", [0, 1, 2, 3, 4, 5], [f"j{k}" for k in range(6)], 0, "unnamed joints"),
+]
 
 
-def test_joints_of_a_bag_are_ordered_by_their_names(tmp_path: Path, made: Made) -> None:
-    order = [2, 1, 0, 3, 5, 4]
-    time, channels = made
-    kept = {name: channels[name] for name in ("actual_q", "actual_qd")}
-    shuffled = {name: values[:, order] for name, values in kept.items()}
-    names = [f"left_{JOINTS[k]}_joint" for k in order]
-    raw = bag(tmp_path / "run.db3", (time, shuffled), names=names, others=9)
-    same(raw, made, [*kept])
-    assert [(f.finding, f.count) for f in raw.findings] == [("other messages", 9)]
-
-
-def test_joints_may_have_the_names_of_the_teach_panel(tmp_path: Path, made: Made) -> None:
-    kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
-    names = ["Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"]
-    turned = {name: values[:, ::-1] for name, values in kept.items()}
-    raw = bag(tmp_path / "run.bag", (made[0], turned), names=names[::-1])
-    same(raw, made, [*kept])
-    assert raw.findings == []
+@pytest.mark.parametrize(("file", "order", "names", "others", "finding"), BAGS)
+def test_joints_of_a_bag_are_ordered_by_their_names(
+    tmp_path: Path,
+    made: Made,
+    file: str,
+    order: list[int],
+    names: list[str],
+    others: int,
+    finding: str,
+) -> None:
+    shuffled = {name: made[1][name][:, order] for name in ("actual_q", "actual_qd")}
+    write_bag(tmp_path / file, made[0], shuffled, [names[k] for k in order], others)
+    raw = read_recording(entry_of("rosbag", tmp_path / file, [*shuffled]))
+    same(raw, made, [*shuffled])
+    assert [one.finding for one in raw.findings] == [finding] * bool(finding)
+    assert not others or raw.findings[0].count == others
 
 
 def test_units_may_be_a_number_for_each_column(tmp_path: Path, made: Made) -> None:
@@ -138,13 +139,6 @@ def test_units_may_be_a_number_for_each_column(tmp_path: Path, made: Made) -> No
     np.testing.assert_allclose(channel(table, "actual_q"), factors * made[1]["actual_q"])
     with pytest.raises(InputError, match="a number for each of its columns"):
         read_recording(entry | {"units": {"actual_q": factors[1:]}})
-
-
-def test_a_bag_without_an_arm_s_names_says_so(tmp_path: Path, made: Made) -> None:
-    kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
-    raw = bag(tmp_path / "run.mcap", (made[0], kept), names=[f"j{k}" for k in range(6)])
-    same(raw, made, [*kept])
-    assert [f.finding for f in raw.findings] == ["unnamed joints"]
 
 
 def test_a_wrench_of_a_bag_has_its_own_stamps(tmp_path: Path, made: Made) -> None:
