@@ -30,31 +30,28 @@ NO_PAIR = (
 
 @dataclass(frozen=True)
 class ImportedMotion:
-    """Positions and velocities of a file's joints; units: by channel, those that are not SI."""
+    """Positions of a file's joints, and their velocities and targets as far as recorded.
+
+    blocks: by channel; units: by channel, those that are not SI.
+    """
 
     file: Contents
-    position: Block
-    velocity: Block | None
-    targets: dict[str, Block]
+    blocks: dict[str, Block]
     units: dict[str, str]
+
+    @property
+    def position(self) -> Block:
+        """Return the positions."""
+        return self.blocks["actual_q"]
 
     @property
     def time(self) -> Array:
         """Return the time stamps (N,) [s]."""
         return self.file.clocks[self.position.clock]
 
-    def measured(self) -> dict[str, Block]:
-        """Return the blocks of positions and velocities by channel."""
-        both = {"actual_q": self.position, "actual_qd": self.velocity}
-        return {name: block for name, block in both.items() if block is not None}
-
-    def channels(self) -> dict[str, list[Block]]:
-        """Return all blocks by channel."""
-        return {name: [block] for name, block in (self.measured() | self.targets).items()}
-
     def beside(self, meanings: Collection[str]) -> list[Block]:
         """Return other blocks of the joints on the positions' clock, by meaning or nameless."""
-        own = [id(block) for blocks in self.channels().values() for block in blocks]
+        own = [*map(id, self.blocks.values())]
         return [
             block
             for block in self.file.blocks
@@ -68,7 +65,8 @@ class ImportedMotion:
         """Return the measured positions and velocities (N, n) [rad, rad/s]."""
         return {
             name: block.rows / (DEGREES if name in self.units else 1.0)
-            for name, block in self.measured().items()
+            for name, block in self.blocks.items()
+            if name not in TARGETS
         }
 
 
@@ -128,13 +126,13 @@ def find_motion(file: Contents) -> ImportedMotion:
                 f"{position.title} are the positions; left out: {', '.join(others)}, named like "
                 "positions, too"
             )
-        velocity = _on_clock_of(position, named.get("actual_qd"))
     else:
-        position, velocity = _nameless(file)
-    measured = ImportedMotion(file, position, velocity, {}, _units(file, position, velocity))
-    commanded = {name: _on_clock_of(position, named.get(name)) for name in TARGETS}
-    targets = {name: block for name, block in commanded.items() if block is not None}
-    return _with_targets(measured, targets)
+        position, named["actual_qd"] = _nameless(file)
+    beside = {name: block for name, block in named.items() if block.clock == position.clock}
+    velocity = beside.get("actual_qd")
+    measured = {"actual_q": position} | ({"actual_qd": velocity} if velocity else {})
+    motion = ImportedMotion(file, measured, _units(file, position, velocity))
+    return _with_targets(motion, {name: beside[name] for name in TARGETS if name in beside})
 
 
 def _with_targets(measured: ImportedMotion, targets: dict[str, Block]) -> ImportedMotion:
@@ -151,7 +149,7 @@ def _with_targets(measured: ImportedMotion, targets: dict[str, Block]) -> Import
             continue
         kept[name] = block
         units |= {name: TARGETS[name]} if unit == DEGREES else {}
-    return replace(measured, targets=kept, units=units)
+    return replace(measured, blocks=measured.blocks | kept, units=units)
 
 
 def _size(measured: ImportedMotion, name: str, block: Block) -> float | None:
@@ -172,11 +170,6 @@ def _size(measured: ImportedMotion, name: str, block: Block) -> float | None:
     if 2 * len(found) > len(moving):
         return float(np.median(found))
     return None if name == "target_qdd" or not moving else np.nan
-
-
-def _on_clock_of(position: Block, block: Block | None) -> Block | None:
-    """Return a block if it has the clock of the positions."""
-    return block if block is not None and block.clock == position.clock else None
 
 
 def _nameless(file: Contents) -> tuple[Block, Block]:

@@ -77,10 +77,9 @@ def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> 
     means, loads = _means(moving, efforts, wrench)
     _turn(efforts, means, [described(name) for name in possible], evidence)
     reading = identified(Case(moving, means), arms, trusted)
-    channels, arm = moving.channels(), described(reading.arm)
-    ordered = means.part(columns=reading.order)
+    arm, ordered = described(reading.arm), means.part(columns=reading.order)
     named = name_efforts(efforts, ordered, arm, evidence)
-    channels |= {name: [block] for name, block in named.items()}
+    channels = {name: [block] for name, block in (moving.blocks | named).items()}
     for name in OTHERS:
         block = _of_meaning(file, name, clock)
         wide = block is not None and block.rows.shape[1] == 6
@@ -120,7 +119,8 @@ def _efforts(moving: ImportedMotion) -> list[Block]:
 def _of_serial_arm(moving: ImportedMotion, arms: Sequence[str]) -> Proposal:
     """Return the proposal for a file of more joints than a UR arm has, in the file's order."""
     file, (arm, torque) = moving.file, arm_and_torque(moving, arms)
-    channels, units = moving.channels(), Units(moving.units)
+    channels = {name: [block] for name, block in moving.blocks.items()}
+    units = Units(moving.units)
     if torque is not None:
         channels["actual_torque"] = [torque]
         units |= {"actual_torque": unit} if (unit := torque.unit()) else {}
