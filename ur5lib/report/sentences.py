@@ -31,7 +31,8 @@ def say(name: str, /, **values: Any) -> Sentence:
     Raises KeyError where there is no such template.
     """
     numbers: list[Stated] = []
-    text = _templates()[name].render(values, _numbers=numbers)
+    topic, _, own = name.partition(".")
+    text = _template(_written()[1][topic][own]).render(values, _numbers=numbers)
     return sentence(re.sub(r" +", " ", text).strip(), numbers)
 
 
@@ -94,12 +95,3 @@ def _template(text: str) -> jinja2.Template:
 @cache
 def _expression(text: str) -> TemplateExpression:
     return _environment().compile_expression(text, undefined_to_none=False)
-
-
-@cache
-def _templates() -> dict[str, jinja2.Template]:
-    return {
-        f"{topic}.{name}": _template(text)
-        for topic, texts in _written()[1].items()
-        for name, text in texts.items()
-    }

@@ -51,17 +51,13 @@ def ranked(results: Results) -> pd.DataFrame:
 def change(row: Any) -> Sentence:
     """Return a sentence on a change: joint, quantity, size, dates, and the temperature's effect."""
     by, added = say("health.by offset", row=row), 0.0
-    if row.quantity != "offset":
-        size, error = abs(share(row.size, row)), share(row.std_error, row)
+    if row.quantity != "offset":  # in per cent of the value before
+        before = abs(row.before)
+        size, error = 100 * abs(row.size) / before, 100 * row.std_error / before
         by = say("health.by share", share=size, error=error, digits=int(error < 1))
-        added = share(row.by_temperature, row)
+        added = 100 * row.by_temperature / before
     added = added if abs(added) >= LEAST else 0.0
     return say("health.change", row=row, by=by, added=added)
-
-
-def share(size: float, row: Any) -> float:
-    """Return a change in per cent of the value before it."""
-    return float(100 * size / abs(row.before))
 
 
 def steps(results: Results) -> Iterator[Sentence]:

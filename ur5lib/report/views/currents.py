@@ -31,26 +31,21 @@ def predicted(results: Results) -> list[str]:
 def constants(results: Results) -> pd.DataFrame:
     """Return torque constants, offsets and friction, with the main source of each.
 
-    moved: whether recordings can determine a parameter: offset and friction need motion.
+    moved: whether recordings can determine a parameter: offset and friction need motion. Those of
+    an arm without fit recordings are typical ones, and count as moved.
     """
     rows = results.tables["friction"]
-    moving = {robot: _moved(results, robot) for robot in rows["robot"].unique()}
+    arms = results.arms()
+    moving: dict[str, set[int]] = {}  # on the fit recordings of an arm
+    for name in results.with_role("fit"):
+        moving.setdefault(arms[name], set()).update(results.moving(name))
     pairs = zip(rows["robot"], rows["joint"], strict=True)
-    moved = np.array([joint in moving[robot] for robot, joint in pairs], dtype=bool)
+    moved = [robot not in moving or joint in moving[robot] for robot, joint in pairs]
     by_prior = np.where(rows["prior_share"] > UNDETERMINED, "prior", "undetermined")
     return rows.assign(
-        moved=moved | (rows["parameter"] == "torque_constant"),
+        moved=np.array(moved, dtype=bool) | (rows["parameter"] == "torque_constant"),
         source=np.where(rows["determined"] == "yes", "data", by_prior),
     )
-
-
-def _moved(results: Results, robot: str) -> set[int]:
-    """Return the joints of an arm that move on its fit recordings; without any, all are typical."""
-    arms = results.arms()
-    fitted = [name for name in results.with_role("fit") if arms[name] == robot]
-    if not fitted:
-        return set(results.tables["friction"]["joint"])
-    return set().union(*map(results.moving, fitted))
 
 
 def remarks(results: Results) -> Iterator[Sentence]:
