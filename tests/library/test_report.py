@@ -41,6 +41,7 @@ from ur5lib.report.sentences import cell, names
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.tabulated import extremes
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
+from ur5lib.report.views.arm_state import velocities
 from ur5lib.report.views.contacts import (
     counted,
     elsewhere,
@@ -194,6 +195,7 @@ def test_published_values_stand_at_their_recording_only() -> None:
     rows = torque_errors("run", {"torque_mae": printed})
     at_target = rows[(rows["model"] == "A") & (rows["motion"] == "target")]
     assert at_target["printed"].tolist() == [*range(6)]
+    assert rows[rows["motion"] == "measured"]["printed"].isna().all()
     assert rows[rows["model"] == "old"]["mae"].isna().all()
     elsewhere = torque_errors("other", {"torque_mae": printed})
     assert elsewhere["printed"].isna().all()
@@ -479,6 +481,20 @@ def test_parts_left_out_stand_beside_the_whole() -> None:
         {"variant": names("variant")[name], "pushed": small, "held": errors}
         for name, errors in held.items()
     ]
+
+
+def test_shares_in_the_band_count_samples_below_within_and_above_the_range() -> None:
+    """Where no range of speeds suffices, as for joint 2, all speeds are slower."""
+    ranges = pd.DataFrame(
+        {"joint": [1, 2], "speed_low": [0.1, np.nan], "speed_high": [0.4, np.nan]}
+    )
+    bins = {"speed_low": [0.0, 0.1, 0.2, 0.4] * 2, "value": [0.5, 0.9, 1.0, 0.7] * 2}
+    bins |= {"samples": [100, 100, 300, 100] * 2, "joint": [1] * 4 + [2] * 4}
+    parts = {"least_velocity": ranges, "friction_in_band": pd.DataFrame(bins)}
+    rows = pd.concat([part.assign(quantity=name) for name, part in parts.items()])
+    found = velocities(Results({}, {"observability": rows.assign(robot="ur5")}, Path()))
+    shares = found[["slower", "between", "faster"]].to_numpy()
+    np.testing.assert_allclose(shares, [[50, 97.5, 70], [(50 + 90 + 300 + 70) / 6, *[np.nan] * 2]])
 
 
 def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
