@@ -162,8 +162,8 @@ def test_a_turn_ends_within_the_limits(tmp_path: Path, ur5: Robot) -> None:
 def test_waits_and_rests_are_not_slowed(tmp_path: Path, ur5: Robot, speed: float) -> None:
     near = HOME + 0.01
     lines = [f"movej({HOME.tolist()})", "sleep(1.5)", f"movej({near.tolist()})"]
-    for more, wait, rest in (([], 0.0, 1.5), ([], 4.0, 4.0)):
-        motion = planned(tmp_path, ur5, *lines, *more, speed=speed, wait=wait)
+    for wait, rest in ((0.0, 1.5), (4.0, 4.0)):
+        motion = planned(tmp_path, ur5, *lines, speed=speed, wait=wait)
         begins = np.flatnonzero(np.abs(motion.q - HOME).max(axis=1) > 1e-9)[0]
         assert motion.time is not None
         assert motion.time[begins] / speed == pytest.approx(rest, abs=0.05)

@@ -43,7 +43,6 @@ SINGULARITY_FREE = {
 }
 WALL = {"kind": "wall", "through": [0, 0, 0], "normal": [0, 0, 1]}
 PUSH = {"kind": "push", "start_s": 3, "force": [30, 0, -20]}
-FILES: dict[str, str] = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
 FORMATS: list[Format] = ["thesis-csv", "realtime-stream", "rtde-csv"]
 
 Recorder = Callable[..., "Recorded"]
@@ -112,7 +111,7 @@ def test_the_same_plan_gives_the_same_bytes(record: Recorder, format: Format) ->
         truths = [Path(f"{recorded.truth}{suffix}").read_bytes() for recorded in (one, other)]
         assert truths[0] == truths[1]
     another = record(format, **plan, seed=6)
-    robot = "csv_files/log_i_actual.csv" if format == "thesis-csv" else FILES[format]
+    robot = one.files[0]
     assert (one.folder / robot).read_bytes() != (another.folder / robot).read_bytes()
 
 

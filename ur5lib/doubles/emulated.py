@@ -176,14 +176,12 @@ class Emulated(ABC):
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> Self:
-        """Switch on."""
         self.clock = self.clock.begun()
         self._born = self.clock.start
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Switch off and close the device's ports."""
         self._stopped.set()
         self._thread.join()
         self.disconnect()

@@ -74,7 +74,6 @@ class NetFTBox(Emulated):
         self._zero: Array | None = np.zeros(6)  # None: the next sample becomes the bias
 
     def __enter__(self) -> Self:
-        """Switch on."""
         super().__enter__()
         threading.Thread(target=self._server.serve_forever, args=[0.1], daemon=True).start()
         return self

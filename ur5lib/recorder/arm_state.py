@@ -1,5 +1,6 @@
 """The identity of an arm by its controller's dashboard, and its present state by RTDE."""
 
+import contextlib
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -71,7 +72,9 @@ def identify(address: str) -> dict[str, str]:
     try:
         dashboard.connect()
         identity = {"model": dashboard.getRobotModel(), "firmware": dashboard.polyscopeVersion()}
-        identity["serial_number"] = _serial_number(dashboard)
+        identity["serial_number"] = ""
+        with contextlib.suppress(RuntimeError):  # of controllers without this command
+            identity["serial_number"] = str(dashboard.getSerialNumber())
         dashboard.disconnect()
     except RuntimeError as error:
         raise InputError(
@@ -79,11 +82,3 @@ def identify(address: str) -> dict[str, str]:
             "controller is switched on and in remote control"
         ) from error
     return identity
-
-
-def _serial_number(dashboard: object) -> str:
-    """Return the serial number, empty for controllers without this command."""
-    try:
-        return str(dashboard.getSerialNumber())  # type: ignore[attr-defined]
-    except RuntimeError:
-        return ""

@@ -38,6 +38,13 @@ class CommandedMotion:
         """Return the duration of a trajectory [s], None for way-points."""
         return None if self.time is None else float(self.time[-1] - self.time[0]) / self.speed
 
+    def fastest(self) -> Array:
+        """Return the largest speeds of the joints (6,) [rad/s]."""
+        if self.time is None:
+            return np.full(6, SPEED * self.speed)
+        steps = np.diff(self.q, axis=0) / np.diff(self.time)[:, None]
+        return np.asarray(np.abs(steps).max(axis=0) * self.speed)
+
     def at_rate(self, rate: float) -> Array:
         """Return a trajectory's angles (M, 6) [rad] at a rate [Hz], slowed to `speed`."""
         assert self.time is not None
@@ -74,8 +81,18 @@ def refusals(
     None if there is none.
     """
     path = dense_path(np.vstack([start, motion.q]))
-    yield from _beyond_limits(path, robot)
-    yield from _too_fast(motion, robot)
+    furthest, limits = np.abs(path).max(axis=0), position_limits(robot)
+    for joint in np.flatnonzero(furthest > limits):
+        yield (
+            f"joint {joint + 1} turns to {furthest[joint]:.2f} rad, beyond its limit of "
+            f"{limits[joint]:.2f}; change the path"
+        )
+    fastest, limits = motion.fastest(), np.array(robot.velocity_limits())
+    for joint in np.flatnonzero(fastest > limits):
+        yield (
+            f"joint {joint + 1} turns at {fastest[joint]:.2f} rad/s, faster than its limit of "
+            f"{limits[joint]:.2f}; lower --speed"
+        )
     for sample, one, other in collisions(robot, path, table):
         where = ", ".join(f"{angle:.2f}" for angle in path[sample])
         hit = f"{one} hits the {other}" if other == TABLE else f"{one} hits {other}"
@@ -95,26 +112,3 @@ def position_limits(robot: Robot) -> Array:
     """Return the largest angles of the joints (6,) [rad]."""
     ends = [high for _, high in robot.position_limits()]
     return np.nan_to_num(ends, nan=FARTHEST, posinf=FARTHEST)
-
-
-def _beyond_limits(path: Array, robot: Robot) -> Iterator[str]:
-    furthest, limits = np.abs(path).max(axis=0), position_limits(robot)
-    for joint in np.flatnonzero(furthest > limits):
-        yield (
-            f"joint {joint + 1} turns to {furthest[joint]:.2f} rad, beyond its limit of "
-            f"{limits[joint]:.2f}; change the path"
-        )
-
-
-def _too_fast(motion: CommandedMotion, robot: Robot) -> Iterator[str]:
-    limits = np.array(robot.velocity_limits())
-    if motion.time is None:
-        fastest = np.full(6, SPEED * motion.speed)
-    else:
-        steps = np.diff(motion.q, axis=0) / np.diff(motion.time)[:, None]
-        fastest = np.abs(steps).max(axis=0) * motion.speed
-    for joint in np.flatnonzero(fastest > limits):
-        yield (
-            f"joint {joint + 1} turns at {fastest[joint]:.2f} rad/s, faster than its limit of "
-            f"{limits[joint]:.2f}; lower --speed"
-        )

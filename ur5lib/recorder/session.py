@@ -50,7 +50,12 @@ class Session:
         self._folder.mkdir(parents=True)
         try:
             for name, plan in self._devices.items():
-                self._workers[name] = self._start(name, plan)
+                here, there = self._context.Pipe()
+                arguments = plan, self._folder / f"{name}.csv", self.zero, there, self._stop
+                process = self._context.Process(target=capture, args=arguments, daemon=True)
+                process.start()
+                there.close()
+                self._workers[name] = _Worker(process, here, None, Status())
             for name, worker in self._workers.items():
                 worker.identity = self._answer(name, worker)
         except BaseException:
@@ -90,14 +95,6 @@ class Session:
                     f"the process that records {name} {why}; its file may have samples that are "
                     "not counted here"
                 )
-
-    def _start(self, name: str, plan: AnyDevice) -> _Worker:
-        here, there = self._context.Pipe()
-        arguments = plan, self._folder / f"{name}.csv", self.zero, there, self._stop
-        process = self._context.Process(target=capture, args=arguments, daemon=True)
-        process.start()
-        there.close()
-        return _Worker(process, here, None, Status())
 
     def _answer(self, name: str, worker: _Worker) -> Identity:
         try:
