@@ -16,7 +16,7 @@ from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import perform
 from ur5lib.stand.sensors import force_readings, imu_readings, wrist_channels
-from ur5lib.stand.truth import planned_clocks, write_truth
+from ur5lib.stand.truth import write_truth
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
@@ -53,5 +53,10 @@ def simulate(
     files = WRITERS[format](sent, sensors, plan)
     write_files(files, folder, plan.faults.torn_files)
     numbers = {name: np.flatnonzero(flags) for name, flags in asdict(faulty).items()}
-    clocks = planned_clocks(plan)
+    devices = {"force": plan.force_sensor, "imu": plan.imu}
+    clocks = {
+        name: device.clock.model_dump(include={"offset_s", "drift_ppm"})
+        for name, device in devices.items()
+        if device is not None
+    }
     write_truth(experiment.rig, plan, experiment.motion, cycle, clocks, truth, numbers)

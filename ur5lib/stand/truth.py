@@ -41,11 +41,18 @@ def write_truth(
 ) -> None:
     """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
 
-    rig: simulated arm; motion: its states; cycle: of the controller [s]; clocks: of the devices;
-    truth: path of both files without their suffixes; frames: numbers of the faulty ones by fault.
+    Columns of the table: `time`, and those of COLUMNS. rig: simulated arm; motion: its states;
+    cycle: of the controller [s]; clocks: of the devices, counted from their first samples,
+    t_robot = offset + (1 + drift) t_device; truth: path of both files without their suffixes;
+    frames: numbers of the faulty ones by fault.
     """
-    table, units = truth_table(motion, cycle)
-    write_table(table, f"{truth}.parquet", units)
+    every = slice(None, None, round(cycle / STEP))
+    columns, units = {"time": step_times(len(motion))[every]}, {"time": "s"}
+    for quantity, (name, unit) in COLUMNS.items():
+        channels = named(motion[quantity][every], name)
+        columns |= channels
+        units |= dict.fromkeys(channels, unit)
+    write_table(pd.DataFrame(columns), f"{truth}.parquet", units)
     touched = runs((motion["contact_torque"] != 0).any(axis=1))  # starts and ends, by steps
     summary = {
         "robot": rig.robot.name,
@@ -61,30 +68,6 @@ def write_truth(
         "clocks": clocks,
     } | ({} if frames is None else {"frames": frames})
     write_json(summary, f"{truth}.json")
-
-
-def planned_clocks(plan: SimulatedRecording) -> Clocks:
-    """Return each device's clock, counted from its first sample: offset + (1 + drift) t_device."""
-    devices = {"force": plan.force_sensor, "imu": plan.imu}
-    return {
-        name: {"offset_s": device.clock.offset_s, "drift_ppm": device.clock.drift_ppm}
-        for name, device in devices.items()
-        if device is not None
-    }
-
-
-def truth_table(motion: States, cycle: float) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return the true time series at the controller's frames, and the unit of each column.
-
-    Columns: `time`, and those of COLUMNS. cycle: of the controller [s].
-    """
-    every = slice(None, None, round(cycle / STEP))
-    columns, units = {"time": step_times(len(motion))[every]}, {"time": "s"}
-    for quantity, (name, unit) in COLUMNS.items():
-        channels = named(motion[quantity][every], name)
-        columns |= channels
-        units |= dict.fromkeys(channels, unit)
-    return pd.DataFrame(columns), units
 
 
 def _of_torque_sensors(rig: Rig) -> dict[str, object]:
