@@ -102,8 +102,7 @@ def test_an_arm_without_printed_friction_has_no_such_constants(
 def test_the_reference_prints_the_constants_of_the_arm(ur5: Robot) -> None:
     """Both files quote Equation 6.6: the arm for the printed forces, the reference to compare."""
     path: Path = PROJECT / "workflow" / "studies" / "thesis_reference.yaml"
-    printed = read_reference(path).printed.current_torque
-    assert printed
+    printed = read_reference(path).printed["current_torque"]
     assert ur5.current_to_torque
     assert printed.values["k"] == ur5.current_to_torque.torque_constant
     assert printed.values["b"] == ur5.current_to_torque.offset
