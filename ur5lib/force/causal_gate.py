@@ -47,8 +47,8 @@ def _filtered(seen: Observations, fresh: Mask) -> Array:
             weight, b, P = start, np.zeros_like(torque[t]), noise.spread[t]
         # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + sqrt(1 - a²) Q sqrt(1 - a²)
         weight = weight @ transitions
-        kept, renewed = np.outer(decay[t], decay[t]), np.outer(renewal[t], renewal[t])
-        b, P = decay[t] * b, kept * P + renewed * noise.spread[t]
+        a, r = decay[t], renewal[t]
+        b, P = a * b, a[:, None] * P * a + r[:, None] * noise.spread[t] * r
         if known[t]:
             innovation = torque[t] - b
             # p ∝ p⁻ N(τ - b⁻; 0, S + P⁻), in contact S + S_hidden + P⁻ + Jᵀ P_F J
