@@ -192,14 +192,23 @@ class Instruments:
         arm, rig, state = self._arm, self._arm.rig, self._arm.states[-1].copy()
         measured = measure(rig.drive, state, arm.states["q"][0], self._random)
         targets = Targets(arm.motion.q, arm.motion.qd, arm.motion.qdd)
+        stated = channels(rig, state, measured, targets, self._estimate)
+        # The controller's model is now in the present posture,
+        elbow, turning = rig.nominal_data.body(ELBOW), np.zeros((3, 6))
+        mujoco.mj_jacBody(rig.nominal, rig.nominal_data, turning, None, elbow.id)
+        place = elbow.xpos.copy()
+        # and then in that of the targets.
+        jacobian, last = jacobians(rig, targets.q), rig.nominal_data.body(flange(rig.nominal))
         outputs: dict[str, Array | float] = {
-            **channels(rig, state, measured, targets, self._estimate),
-            **self._elbow(measured.qd),
+            **stated,
+            "elbow_position": place,
+            "elbow_velocity": turning @ measured.qd,
+            "target_TCP_pose": poses(last.xpos, last.xmat),
+            "target_TCP_speed": jacobian @ targets.qd,
             **self._forces(),
             **payload_channels(rig.declared),
             **self._electrics(measured.current),
             "target_gravity": -np.array(rig.robot.gravity),
-            **self._target_tool(targets),
             "actual_tool_accelerometer": state["imu"][:3],
             "joint_temperatures": np.full(6, sensed(arm.plan.temperature(arm.time))),
         }
@@ -222,22 +231,6 @@ class Instruments:
         raw = self._wrist.read(arm.states["force_sensor"][-1], arm.time)
         force = raw - declared_weight(arm.rig, rotation) - self._zero
         return {"ft_raw_wrench": raw, "actual_TCP_force": in_base_axes(force, rotation)}
-
-    def _elbow(self, qd: Array) -> dict[str, Array]:
-        """Return position [m] and velocity [m/s] of the elbow; needs the state of `jacobians`."""
-        rig, jacobian = self._arm.rig, np.zeros((3, 6))
-        elbow = rig.nominal_data.body(ELBOW)
-        mujoco.mj_jacBody(rig.nominal, rig.nominal_data, jacobian, None, elbow.id)
-        return {"elbow_position": elbow.xpos.copy(), "elbow_velocity": jacobian @ qd}
-
-    def _target_tool(self, targets: Targets) -> dict[str, Array]:
-        """Return pose and speed of frame 6 at the targets."""
-        rig = self._arm.rig
-        jacobian, last = jacobians(rig, targets.q), rig.nominal_data.body(flange(rig.nominal))
-        return {
-            "target_TCP_pose": poses(last.xpos, last.xmat),
-            "target_TCP_speed": jacobian @ targets.qd,
-        }
 
     def _electrics(self, current: Array) -> dict[str, Array | float]:
         state = self._arm.states[-1]
