@@ -249,6 +249,7 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox, truth: Truth) -
 
 def test_the_truth_is_kept_from_its_beginning_to_its_end(box: ControlBox, truth: Truth) -> None:
     """And interpolated between steps."""
+    box.arm.motion.movej(GOAL, 1.0, 40.0)
     for _ in range(10):
         box.advance()
     states = truth.states()
