@@ -37,11 +37,12 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.pipeline.contacts import alarms_by_odds, strongest
 from ur5lib.pipeline.force_estimates import direct_problems
-from ur5lib.pipeline.records.currents import Currents, Prediction
+from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.report.findings import in_words
 from ur5lib.robots.population import population_files
 from ur5lib.study.model import Settings

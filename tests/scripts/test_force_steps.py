@@ -25,10 +25,11 @@ from ur5lib.pipeline.estimators import GATED
 from ur5lib.pipeline.force_estimates import is_fitted, may_be_template
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.contacts import Alarm, Detected
-from ur5lib.pipeline.records.currents import Currents, LoadRegressor, Prediction
+from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction, KnownConstants
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.residual_fit import usual_residuals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path

@@ -1,50 +1,20 @@
-"""The condition of an arm by one recording, and its health over time: by date, and what changed."""
+"""The health of an arm over time: each joint's condition by date, and what changed."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from datetime import UTC, date, datetime
+from datetime import date
 from functools import partial
 
 import numpy as np
 
-from ur5lib.identification.condition import UNITS, joint_conditions
-from ur5lib.identification.currents import CurrentFit
-from ur5lib.identification.samples import Record, Smooth
+from ur5lib.identification.condition import UNITS
 from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointChange
-from ur5lib.pipeline.records.currents import Prediction
-from ur5lib.recordings.quality import Quality
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.changes import FEWEST, Series, find_changes, over_spans
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
 WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
-
-
-def checkup(
-    record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Quality
-) -> Checkup:
-    """Return the condition by one recording; fit: of its arm."""
-    lost = sum(one.count for one in quality.findings if one.finding == "lost frames")
-    warmth = np.full(record.q.shape[1], np.nan)
-    if record.temperature is not None:
-        warmth = np.nanmean(record.temperature, axis=0)
-    joints = joint_conditions(record, smooth, fit)
-    return Checkup(day.isoformat(), joints, warmth, lost / quality.frames)
-
-
-def dated(given: str, quality: Quality, currents: Prediction) -> date | None:
-    """Return the date of a recording, None if it is unknown or the recording cannot be used.
-
-    A recording with a stop sign or an unknown load cannot be used. given: ISO 8601, by the study;
-    if empty, the date (UTC) of its start stamp counts.
-    """
-    start = quality.start_epoch_s
-    if currents.is_loaded or not currents.scores:
-        return None
-    if given:
-        return date.fromisoformat(given)
-    return None if start is None else datetime.fromtimestamp(start, UTC).date()
 
 
 def health_of(checkups: Sequence[Checkup], paths: Iterable[PathStates]) -> Health:

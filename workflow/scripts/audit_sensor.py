@@ -3,10 +3,10 @@
 from typing import Any
 
 from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.records.currents import Prediction
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.force_errors import Audit
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_audit import audit
 from ur5lib.recordings.quality import Contradictions, Quality

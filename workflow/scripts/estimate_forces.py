@@ -1,6 +1,5 @@
 """Contact wrench from the external torque, with its band and the odds that there is a contact."""
 
-from itertools import compress
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
@@ -14,11 +13,12 @@ from ur5lib.pipeline.force_estimates import (
     may_be_template,
     repeat_problem,
 )
-from ur5lib.pipeline.records.currents import Currents, Prediction
+from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
@@ -51,8 +51,8 @@ def _fitted(input: Any, params: Any) -> Run:
     if "Fmap" in found:
         known = found["Fmap"].input, read_record(Prediction, input.load)
         alike = [may_be_template(*known, read_record(Prediction, p)) for p in input.free_loads]
-        files = compress(zip(input.free_currents, input.free_motion, strict=True), alike)
-        runs = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
+        files = zip(alike, input.free_currents, input.free_motion, strict=True)
+        runs = ((Currents.read(free), Motion.read(moved)) for own, free, moved in files if own)
         found |= repeat_problem(found["Fmap"], runs, params.cutoff_hz)
     prior = ContactPrior(force=params.contact_force_n)
     causal = causal_odds(motion, currents, residuals, jacobian, prior)

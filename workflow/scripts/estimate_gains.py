@@ -10,7 +10,8 @@ from ur5lib.pipeline.closed_loop import (
     simulated,
     tracking_of,
 )
-from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.pipeline.records.gains import GainSummary
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import write_json

@@ -7,11 +7,12 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.observability import judged, observability, pushed
 from ur5lib.pipeline.records.arm_state import Observed
-from ur5lib.pipeline.records.currents import Currents, Prediction
+from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.tables import read_record, write_rows
 
 

@@ -1,8 +1,7 @@
-"""The joints in closed loop, and their gains."""
+"""The joints in closed loop."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from ur5lib.identification.closed_loop import JointGains
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
@@ -20,13 +19,3 @@ class ClosedLoop(SegmentedTable):
     qd: dict[str, Array] = channel("qd_{}", "rad/s", JOINTS)
     qdd: dict[str, Array] = channel("qdd_{}", "rad/s2", JOINTS)
     torque: dict[str, Array] = channel("tau_{}", "Nm", JOINTS)
-
-
-@dataclass(frozen=True)
-class GainSummary:
-    """gains.json: the estimated gains of each joint in closed loop, and the costs (6,) of published
-    ones by their name; empty where targets were not recorded.
-    """
-
-    joints: list[JointGains] = field(default_factory=list)
-    published: dict[str, Array] = field(default_factory=dict)

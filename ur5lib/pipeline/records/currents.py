@@ -1,9 +1,7 @@
-"""Predicted currents and how well they fit, the torques from motor currents, and a load."""
+"""Predicted currents, and the torques from motor currents."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from ur5lib.identification.payload import JudgedLoad
-from ur5lib.identification.validation import Scores
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
@@ -48,22 +46,3 @@ class LoadRegressor(SegmentedTable):
         if self.load_regressor is None:
             raise ValueError("the recording has no currents, so no load was estimated")
         return self.load_regressor @ parameters
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """currents.json: how well the currents of a recording are predicted, and what the arm carried.
-
-    fitted: whether it is a recording of the fit; scores: by model; extent: (2, 12), of the motion
-    in which the external torque is known, as by `force_input.extent`.
-    """
-
-    fitted: bool
-    scores: dict[str, Scores] = field(default_factory=dict)
-    load: JudgedLoad | None = None
-    extent: Array | None = None
-
-    @property
-    def is_loaded(self) -> bool:
-        """Return whether the prediction includes an undeclared load."""
-        return self.load is not None and self.load.taken

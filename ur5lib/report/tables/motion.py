@@ -5,7 +5,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ur5lib.pipeline.records.accelerations import COMPONENTS, Difference, ImuComparison
-from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.pipeline.records.gains import GainSummary
 from ur5lib.pipeline.records.motion import MotionAccount
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report.reference import Published

@@ -1,0 +1,38 @@
+"""The condition of an arm by one recording, and the date that it is of."""
+
+from datetime import UTC, date, datetime
+
+import numpy as np
+
+from ur5lib.identification.condition import joint_conditions
+from ur5lib.identification.currents import CurrentFit
+from ur5lib.identification.samples import Record, Smooth
+from ur5lib.pipeline.records.arm_state import Checkup
+from ur5lib.pipeline.records.prediction import Prediction
+from ur5lib.recordings.quality import Quality
+
+
+def checkup(
+    record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Quality
+) -> Checkup:
+    """Return the condition by one recording; fit: of its arm."""
+    lost = sum(one.count for one in quality.findings if one.finding == "lost frames")
+    warmth = np.full(record.q.shape[1], np.nan)
+    if record.temperature is not None:
+        warmth = np.nanmean(record.temperature, axis=0)
+    joints = joint_conditions(record, smooth, fit)
+    return Checkup(day.isoformat(), joints, warmth, lost / quality.frames)
+
+
+def dated(given: str, quality: Quality, currents: Prediction) -> date | None:
+    """Return the date of a recording, None if it is unknown or the recording cannot be used.
+
+    A recording with a stop sign or an unknown load cannot be used. given: ISO 8601, by the study;
+    if empty, the date (UTC) of its start stamp counts.
+    """
+    start = quality.start_epoch_s
+    if currents.is_loaded or not currents.scores:
+        return None
+    if given:
+        return date.fromisoformat(given)
+    return None if start is None else datetime.fromtimestamp(start, UTC).date()
