@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO, NamedTuple, Self
 
 import numpy as np
 
@@ -60,9 +60,16 @@ class Ports:
             return cls(*(free.getsockname()[1] for free in sockets))
 
 
-# What controllers of one generation have in common, as in `Setup`.
-CB3: dict[str, Any] = {"software": (3, 15, 8, 106339), "rate": 125, "message": 1140}
-E_SERIES: dict[str, Any] = {"software": (5, 11, 1, 108318), "rate": 500, "message": 1220}
+class Generation(NamedTuple):
+    """What controllers of one generation have in common, as in `Setup`."""
+
+    software: tuple[int, int, int, int]
+    rate: int
+    message: int
+
+
+CB3 = Generation(software=(3, 15, 8, 106339), rate=125, message=1140)
+E_SERIES = Generation(software=(5, 11, 1, 108318), rate=500, message=1220)
 
 Service = Callable[[StreamReader, StreamWriter], Coroutine[Any, Any, None]]
 
@@ -100,7 +107,7 @@ class EmulatedController:
         """robot: or its name; options: of Setup; default: those of the arm's generation."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
         generation = E_SERIES if arm.wrist_sensor else CB3
-        self.setup = Setup(arm, plan, **generation | options)
+        self.setup = Setup(arm, plan, **generation._asdict() | options)
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path as File
-from typing import Any
 
 import numpy as np
 import yaml
@@ -42,7 +41,7 @@ def write_files(
         write_text(text, folder / name)
 
 
-def summary(found: Design) -> dict[str, Any]:
+def summary(found: Design) -> dict[str, object]:
     """Return a trajectory, its margins and its worth, as `Worth` explains it."""
     problem, worth = found.task.problem, found.worth
     columns = {

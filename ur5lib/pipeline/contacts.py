@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -89,7 +89,8 @@ def detected(
             raised=[named(span, strongest(span, sensor.time, own)) for span in own.raised],
             time_in_alarm=float(marked(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
-            **by_sample(own, sensor),
+            free_time_in_alarm=free_time_in_alarm(own, sensor),
+            roc_area=roc_area(own, sensor),
         )
         for name, own in found.items()
     }
@@ -152,17 +153,20 @@ def strongest(span: Span, time: Array, own: Alarms) -> Alarm:
     return Alarm(*times, force[peak], std[peak])
 
 
-def by_sample(own: Alarms, sensor: SensorWrenches) -> dict[str, Any]:
-    """Return the share of the samples without contact that are in alarm, if there are any, and the
-    area under the receiver's curve; nothing without a sensor.
-    """
+def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
+    """Return the share of the samples without contact that are in alarm, None without a sensor."""
     if (force := sensed_force(sensor)) is None:
-        return {}
+        return None
+    free = is_free(force, sensor.period)
+    return float(marked(own.raised, len(force))[free].mean()) if free.any() else None
+
+
+def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
+    """Return the area under the receiver's curve by sample, None without a sensor."""
+    if (force := sensed_force(sensor)) is None:
+        return None
     wrong, right = receiver_curve(own.evidence, force >= TOUCH)
-    found = {"roc_area": float(np.trapezoid(right, wrong))}
-    if (free := is_free(force, sensor.period)).any():
-        found["free_time_in_alarm"] = float(marked(own.raised, len(force))[free].mean())
-    return found
+    return float(np.trapezoid(right, wrong))
 
 
 def sensed_force(sensor: SensorWrenches) -> Array | None:

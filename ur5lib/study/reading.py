@@ -218,7 +218,7 @@ def _with_files(raw: Raw) -> Raw:
     entries = [*_listed(raw, "recordings")]
     for k, entry in _entries(raw):
         if isinstance(plan := entry.get("simulate"), dict):
-            files: dict[str, Any] = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
+            files: dict[str, object] = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
             if entry.get("format") in layout.FORMATS:
                 sensors = [name for name in layout.COLUMNS if plan.get(name) is not None]
                 files |= layout.device_keys(entry["format"], sensors)
