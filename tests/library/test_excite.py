@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 
 from ur5lib.cli import app
 from ur5lib.commands import excite
-from ur5lib.doubles.controller import HOST, EmulatedController, Ports
+from ur5lib.doubles.controller import EmulatedController, Ports
+from ur5lib.doubles.emulated import HOST
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
 from ur5lib.excitation.trajectory import Path as Motion

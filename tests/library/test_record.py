@@ -18,8 +18,8 @@ from tests.examples import examples
 from ur5lib.channels import columns
 from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
-from ur5lib.doubles.controller import HOST, EmulatedController
-from ur5lib.doubles.emulated import Faults
+from ur5lib.doubles.controller import EmulatedController
+from ur5lib.doubles.emulated import HOST, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.truth import Truth

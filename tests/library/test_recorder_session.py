@@ -17,8 +17,8 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.entries import read_recording
-from ur5lib.doubles.controller import HOST, EmulatedController, Ports
-from ur5lib.doubles.emulated import Clock, Faults
+from ur5lib.doubles.controller import EmulatedController, Ports
+from ur5lib.doubles.emulated import HOST, Clock, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.errors import InputError

@@ -27,7 +27,7 @@ import numpy as np
 from ur5lib.doubles import dashboard_server
 from ur5lib.doubles.control_box import ControlBox
 from ur5lib.doubles.control_script import run_programs
-from ur5lib.doubles.emulated import Clock, Faults
+from ur5lib.doubles.emulated import HOST, Clock, Faults
 from ur5lib.doubles.live_arm import LiveArm
 from ur5lib.doubles.streams import RealtimeServer, RtdeServer
 from ur5lib.doubles.truth import Truth
@@ -35,7 +35,6 @@ from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording, Standstill
 
-HOST = "127.0.0.1"
 STARTS = 60.0  # s within which the process of a controller must answer
 LONGEST = 1 << 24  # bytes of a line that a client sends
 STILL = SimulatedRecording(trajectory=Standstill(kind="standstill"))

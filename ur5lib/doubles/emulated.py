@@ -14,6 +14,7 @@ from typing import Self
 
 from ur5lib.timeseries.arrays import Array
 
+HOST = "127.0.0.1"
 NAP = 0.001  # s, shortest sleep: samples due meanwhile are sent together
 HASTE = 3  # times the rate, at most, at which samples are sent after the computer was busy
 Reading = Callable[[float], Array]  # of the host's monotonic time [s]

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ur5lib.doubles.controller import HOST, EmulatedController
-from ur5lib.doubles.emulated import Clock
+from ur5lib.doubles.controller import EmulatedController
+from ur5lib.doubles.emulated import HOST, Clock
 from ur5lib.doubles.net_ft_box import INTERNAL_RATE, NetFTBox
 from ur5lib.doubles.truth import force_reading, imu_reading
 from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens

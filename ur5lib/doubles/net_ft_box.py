@@ -12,11 +12,10 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.doubles.emulated import Clock, Emulated, Faults, Reading
+from ur5lib.doubles.emulated import HOST, Clock, Emulated, Faults, Reading
 from ur5lib.recorder import net_ft
 from ur5lib.timeseries.arrays import Array
 
-HOST = "127.0.0.1"
 INTERNAL_RATE = 7000  # Hz, at which ft_sequence counts
 GAUGES_SATURATED = net_ft.ERROR | net_ft.SATURATED
 LARGEST = 2**31 - 1  # count

@@ -10,12 +10,12 @@ from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import Block, names_command
 from ur5lib.importing.contents import Contents
 from ur5lib.recordings.checks import MOVES
+from ur5lib.recordings.stop_signs import DEGREES
 from ur5lib.timeseries.arrays import Array
 
 AGREE = 0.9  # least correlation of a slope with its velocity
 RATIO = (0.8, 1.25)  # of a slope to its velocity
 CLOSER = 0.1  # of what another block misses as a derivative; then it is no rival
-DEGREES = 180 / np.pi
 LONGEST = 0.1  # s; across longer steps, a slope is no velocity
 SMOOTHED = 0.05  # s
 TARGETS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees

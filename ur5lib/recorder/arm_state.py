@@ -7,8 +7,8 @@ from enum import IntEnum
 import numpy as np
 
 from ur5lib.errors import InputError, optional
-from ur5lib.recorder.device import DeviceLost
-from ur5lib.recorder.rtde_arm import PATIENCE, PORT, RtdeClient
+from ur5lib.recorder.device import PATIENCE, DeviceLost
+from ur5lib.recorder.rtde_arm import PORT, RtdeClient
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
 from ur5lib.timeseries.arrays import Array
 

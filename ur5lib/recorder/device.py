@@ -12,6 +12,8 @@ from ur5lib.timeseries.arrays import Array
 CHUNK = 1 << 16  # bytes read at a time
 LONGEST_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
 LONGEST_SILENCE = 1.0  # s
+PATIENCE = 3.0  # s, for a device to answer
+GATHER = 0.05  # s, for which one call collects samples
 
 
 class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects

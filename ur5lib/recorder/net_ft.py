@@ -18,7 +18,15 @@ import requests
 
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
-from ur5lib.recorder.device import Counter, DeviceLost, Identity, NewSamples, Silence
+from ur5lib.recorder.device import (
+    GATHER,
+    PATIENCE,
+    Counter,
+    DeviceLost,
+    Identity,
+    NewSamples,
+    Silence,
+)
 
 PORT = 49152
 HIGHEST_RATE = 8000.0  # Hz; Net F/T boxes send up to 7000 records a second, Axia sensors 7812
@@ -49,10 +57,8 @@ TORQUE_UNITS = {  # Nm
     "lbfft": 4.4482216152605 * 0.3048,
     "kgfcm": 9.80665e-2,
 }
-PATIENCE = 3.0  # s, for the box to answer
 ATTEMPTS = 4  # to request the stream: UDP may lose a request
 LONGEST_PAGE = 1 << 20  # bytes
-GATHER = 0.05  # s, for which one call collects samples
 BUFFER = 1 << 22  # bytes of datagrams that the socket may queue; Linux may allow fewer
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ur5lib.recorder.device import (
     LONGEST_SILENCE,
+    PATIENCE,
     Identity,
     Packets,
     Silence,
@@ -18,7 +19,6 @@ from ur5lib.recorder.device import (
 from ur5lib.robots.realtime_message import SOFTWARE
 
 PORT = 30003
-PATIENCE = 3.0  # s, for the controller to answer
 HEAD = struct.Struct(">id")  # size and timestamp of a message
 WAIT = 0.1  # s, for which one call waits
 

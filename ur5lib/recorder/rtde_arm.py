@@ -15,12 +15,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ur5lib.recorder.device import DeviceLost, Identity, NewSamples, Silence, no_controller, receive
+from ur5lib.recorder.device import (
+    PATIENCE,
+    DeviceLost,
+    Identity,
+    NewSamples,
+    Silence,
+    no_controller,
+    receive,
+)
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, all_columns, layout
 
 PORT = 30004
-PATIENCE = 3.0  # s, for the controller to answer
 PROTOCOL = 2
 OUTPUTS = (
     *("timestamp", "target_q", "target_qd", "target_qdd", "target_current", "target_moment"),

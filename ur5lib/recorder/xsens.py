@@ -11,7 +11,7 @@ import numpy as np
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recorder import xbus
-from ur5lib.recorder.device import Counter, Identity, NewSamples, Silence
+from ur5lib.recorder.device import GATHER, Counter, Identity, NewSamples, Silence
 from ur5lib.recorder.xbus import Measurement, Message, RefusedError, XbusPort
 
 GO_TO_CONFIG, GO_TO_MEASUREMENT = 0x30, 0x10
@@ -22,7 +22,6 @@ SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0xD0, 0xD2
 WITH_EACH_SAMPLE = 0xFFFF  # rate of counter and time
 PERIOD_CLOCK = 115_200  # Hz, in whose ticks the older MTi's sampling period is given
 
-GATHER = 0.05  # s, for which one call collects samples
 UNITS = {"imu_a": "m/s²", "imu_g": "rad/s", "imu_m": "a.u."}
 CHANNELS = {channel: unit for name, unit in UNITS.items() for channel in columns(name)}
 
