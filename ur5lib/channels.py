@@ -139,6 +139,11 @@ def columns(channel: str, joints: int = 6) -> list[str]:
     return [channel + suffix for suffix in suffixes(channel, joints) or ("",)]
 
 
+def units_of(*channels: str) -> dict[str, str]:
+    """Return the unit of each column of some channels."""
+    return {name: CHANNELS[channel].unit for channel in channels for name in columns(channel)}
+
+
 def joint_count(names: Collection[str]) -> int:
     """Return the number of joints of a recording with these columns, by its widest channel."""
     places = range(MOST_JOINTS)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
-from ur5lib.errors import Remark
+from ur5lib.errors import Remark, remark
 from ur5lib.signals.clock import (
     BY_MOTION,
     BY_STAMPS,
@@ -181,6 +181,16 @@ def test_where_motion_does_not_determine_a_clock_the_stamps_stand(case: str) -> 
     assert clock == STAMPS
     assert reason is not None
     assert reason.code in codes
+
+
+def test_just_enough_samples_are_no_reason() -> None:
+    """Twenty in each of eight blocks, and four in a period of 4 Hz: of the robot, of the device."""
+    for one in (robot_rows(slice(0, 160 * 8, 8)), device_rows(slice(0, 160 * 16, 16))):
+        assert one.clock()[1] != remark("short record")
+    whole, own = record(trajectory), np.arange(0, DURATION, 1 / 16.5)
+    slow = {"time": own, "rate": trajectory(own), "segment": np.zeros(len(own), np.int64)}
+    for one in (slow, {"device_time": own, "gyroscope": trajectory(own)}):
+        assert replace(whole, **one).clock()[1] != remark("slow record")
 
 
 def test_a_better_stamp_is_not_given_up() -> None:

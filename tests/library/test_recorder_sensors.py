@@ -105,7 +105,7 @@ def test_samples_of_a_tracker_arrive_with_their_counters(is_legacy: bool) -> Non
     assert entry.message == ("MTData" if is_legacy else "MTData2")
     assert (entry.model, entry.firmware) == ("MTi-30-2A5G4", "1.8.2")
     assert entry.serial_number == "07700ABC"
-    assert (entry.units["imu_az"], entry.units["imu_gx"]) == ("m/s²", "rad/s")
+    assert (entry.units["imu_az"], entry.units["imu_gx"]) == ("m/s2", "rad/s")
     assert values.shape == (len(received), len(imu.columns))
     assert np.ptp(values[:, 0]) == len(values) + lost - 1
     np.testing.assert_array_equal(values[:, 2:], np.tile(READING, (len(values), 1)))

@@ -147,6 +147,15 @@ def test_signals_are_read_under_the_names_of_rtde(tmp_path: Path) -> None:
     assert columns >= rtde | {*SENSOR_COLUMNS["force"], *SENSOR_COLUMNS["imu"]}
 
 
+def test_what_was_not_recorded_is_no_array_of_nothing() -> None:
+    empty = {"time": np.zeros(1), "segment": np.zeros(1, np.int64)}
+    joints = {"interpolated": np.zeros(1, bool), "actual_q": np.zeros((1, 6))}
+    with pytest.raises(ValueError, match="no IMU"):
+        _ = Signals(**empty, **joints).imu
+    with pytest.raises(ValueError, match="no currents"):
+        LoadRegressor(**empty).torque(np.zeros(4))
+
+
 def test_truth_is_a_line_between_its_samples_and_unknown_outside() -> None:
     time, names = np.arange(4) * 0.5, [own.name for own in fields(Truth) if own.name != "time"]
     slopes = {name: np.arange(6) + 10.0 * k for k, name in enumerate(names)}

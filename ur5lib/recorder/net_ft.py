@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 import numpy as np
 import requests
 
-from ur5lib.channels import columns
+from ur5lib.channels import units_of
 from ur5lib.errors import InputError
 from ur5lib.recorder.device import (
     GATHER,
@@ -38,8 +38,7 @@ FIELDS: Final = ("rdt_sequence", "ft_sequence", "status")  # before the six coun
 REQUEST = struct.Struct(">HHI")
 RECORD = struct.Struct(">3I6i")
 
-UNITS = {"ft_f": "N", "ft_t": "Nm"}
-CHANNELS = {channel: unit for name, unit in UNITS.items() for channel in columns(name)}
+UNITS = units_of("ft_f", "ft_t")
 FORCE_UNITS = {  # N; names as in netftapi2.xml, in lower case and without hyphens
     "n": 1.0,
     "kn": 1e3,
@@ -83,7 +82,7 @@ class NetFT:
     on the sensor's tool side, in the axes that the box is set to.
     """
 
-    columns = (*FIELDS, *CHANNELS)
+    columns = (*FIELDS, *UNITS)
 
     def __init__(
         self, address: str, bias: bool = False, port: int = PORT, http_port: int = 80
@@ -105,7 +104,7 @@ class NetFT:
             address=address,
             serial_number=settings.get("cfgcalsn", ""),
             firmware=settings.get("mfgdigver", ""),
-            units=CHANNELS,
+            units=UNITS,
             counts_per_unit={"force": counts[0], "torque": counts[1]},
             box_units={"force": settings["scfgfu"], "torque": settings["scfgtu"]},
             rate_hz=_number(settings, "comrdtrate") or _number(settings, "commrdtrate"),

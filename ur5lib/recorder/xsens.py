@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 
-from ur5lib.channels import columns
+from ur5lib.channels import units_of
 from ur5lib.errors import InputError
 from ur5lib.recorder import xbus
 from ur5lib.recorder.device import GATHER, Counter, Identity, NewSamples, Silence
@@ -22,8 +22,7 @@ SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0xD0, 0xD2
 WITH_EACH_SAMPLE = 0xFFFF  # rate of counter and time
 PERIOD_CLOCK = 115_200  # Hz, in whose ticks the older MTi's sampling period is given
 
-UNITS = {"imu_a": "m/s²", "imu_g": "rad/s", "imu_m": "a.u."}
-CHANNELS = {channel: unit for name, unit in UNITS.items() for channel in columns(name)}
+UNITS = units_of("imu_a", "imu_g", "imu_m")
 
 
 class Xsens:
@@ -35,7 +34,7 @@ class Xsens:
     the tracker's axes.
     """
 
-    columns = ("sample_counter", "sample_time_fine", *CHANNELS)
+    columns = ("sample_counter", "sample_time_fine", *UNITS)
 
     def __init__(self, port: str, rate_hz: float = 100.0, baudrate: int = 115_200) -> None:
         """port: `/dev/ttyUSB0` or another terminal; baudrate: as configured on the device.
@@ -93,7 +92,7 @@ class Xsens:
             address=path,
             serial_number=ask(REQUEST_DEVICE_ID).hex().upper(),
             firmware=".".join(map(str, ask(REQUEST_FIRMWARE)[:3])),
-            units=CHANNELS,
+            units=UNITS,
             message=message,
             rate_hz=rate_hz,
         )
