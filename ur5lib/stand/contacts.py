@@ -23,6 +23,12 @@ def _held_share(load: Load, time: float) -> float:
     return float(np.sin(np.pi / 2 * min(since / GRASP, 1.0)) ** 2)
 
 
+def _cross(one: Array, other: Array) -> Array:
+    """Return the cross product of two vectors (3,); NumPy's takes longer than a whole step."""
+    (a, b, c), (x, y, z) = one.tolist(), other.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
+
+
 @dataclass
 class Touch:
     """The state of one contact during the simulation.
@@ -37,18 +43,21 @@ class Touch:
     velocity: Array | None = field(default=None, init=False)
     weight: Array = field(default_factory=lambda: np.zeros(3), init=False)
 
+    def may_act(self, time: float) -> bool:
+        """Return whether the contact may push: a wall always, others during their time."""
+        plan = self.plan
+        return isinstance(plan, Wall) or plan.start_s <= time <= plan.start_s + plan.seconds
+
     def force(
         self, time: float, point: Array, velocity: Array, mobility: Array, step: float
     ) -> Array:
-        """Return the force on the arm (3,) [N], base axes, at a point [m] with velocity [m/s].
+        """Return the force (3,) [N], base axes, at a point [m] with velocity [m/s], if it may act.
 
         mobility: acceleration of the point per force on it (3, 3) [1/kg].
         """
         contact = self.plan
         if isinstance(contact, Wall):
             return _wall(contact, point, velocity)
-        if not contact.start_s <= time <= contact.start_s + contact.seconds:
-            return np.zeros(3)
         if isinstance(contact, Push):
             return _profile(contact, time) * np.array(contact.force)
         if isinstance(contact, Load):
@@ -108,7 +117,7 @@ class Contacts:
         self._bodies: list[int] = []
         for contact in contacts:
             self.add(model, contact)
-        self._flange, self._tool = flange(model), model.body(TOOL).id
+        self.flange, self._tool = flange(model), model.body(TOOL).id
         self._jacobian = np.zeros((3, model.nv))
 
     def add(self, model: mujoco.MjModel, contact: Contact) -> None:
@@ -123,9 +132,13 @@ class Contacts:
         Returns the joint torques equivalent to all of them (n,) [Nm], and the wrench of those on
         the tool (6,) [N, Nm]: environment on arm, base axes, at the origin of the flange's frame.
         """
-        torque, wrench, solved = np.zeros(model.nv), np.zeros(6), np.empty_like(self._jacobian)
-        data.xfrc_applied[:] = 0
+        torque, wrench = np.zeros(model.nv), np.zeros(6)
+        if not self._touches:
+            return torque, wrench
+        solved, data.xfrc_applied[:] = np.empty_like(self._jacobian), 0
         for touch, body in zip(self._touches, self._bodies, strict=True):
+            if not touch.may_act(data.time):
+                continue
             point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ touch.plan.point
             mujoco.mj_jac(model, data, self._jacobian, None, point, body)
             velocity = self._jacobian @ data.qvel
@@ -134,10 +147,10 @@ class Contacts:
             force = touch.force(data.time, point, velocity, mobility, step)
             if not force.any():
                 continue
-            moment = np.cross(point - data.xipos[body], force)
+            moment = _cross(point - data.xipos[body], force)
             data.xfrc_applied[body] += np.concatenate([force, moment])
             torque += force @ self._jacobian
             if body == self._tool:
                 wrench[:3] += force
-                wrench[3:] += np.cross(point - data.xpos[self._flange], force)
+                wrench[3:] += _cross(point - data.xpos[self.flange], force)
         return torque, wrench

@@ -1,6 +1,6 @@
 """A simulated arm with its drives, friction and contacts, advanced step by step along a plan."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Mounting, Payload, Robot
-from ur5lib.robots.mjcf import add_arm, flange
+from ur5lib.robots.mjcf import add_arm
 from ur5lib.stand.contacts import Contacts
 from ur5lib.stand.drive import Drive, drive_of, link_torques
 from ur5lib.stand.friction import USUAL, Friction, FrictionParameters, friction_of
@@ -81,9 +81,10 @@ class Rig:
         """
         mujoco.mj_step1(self.plant, self.data)
         q, qd = self.data.qpos.copy(), self.data.qvel.copy()
-        self.nominal_data.qpos, self.nominal_data.qvel = q, qd
-        mujoco.mj_fwdPosition(self.nominal, self.nominal_data)
-        mujoco.mj_fwdVelocity(self.nominal, self.nominal_data)
+        if self.nominal_data is not self.data:
+            self.nominal_data.qpos, self.nominal_data.qvel = q, qd
+            mujoco.mj_fwdPosition(self.nominal, self.nominal_data)
+            mujoco.mj_fwdVelocity(self.nominal, self.nominal_data)
         motor = self.drive.torques(self.nominal, self.nominal_data, target)
         contact, wrench = self.contacts.apply(self.plant, self.data, STEP)
         # The gears transmit the torque of a contact, too.
@@ -91,9 +92,10 @@ class Rig:
         friction = self.friction_state.torque(q, qd, load, STEP, warmth)
         self.data.qfrc_applied = motor - friction
         mujoco.mj_step2(self.plant, self.data)
-        last, sensed = self.data.body(flange(self.plant)), self.data.sensordata
+        last, sensed = self.contacts.flange, self.data.sensordata
         forces = (motor, friction, contact, wrench, -sensed[:6], sensed[6:])
-        np.concatenate((q, qd, self.data.qacc, *forces, last.xpos, last.xmat), out=row)
+        frame = self.data.xpos[last], self.data.xmat[last]
+        np.concatenate((q, qd, self.data.qacc, *forces, *frame), out=row)
 
 
 def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.MjModel:
@@ -179,9 +181,12 @@ def perform(
     states = np.empty(len(time), state_of(len(robot.joints)))
     rig.data.qpos, rig.data.time = targets.q[0], -SETTLE * STEP
     wanted, rows = [*zip(*targets, strict=True)], as_rows(states)
+    moved = rig
+    if robot.carrying(rig.declared) == rig.robot:  # the controller's model is the arm itself
+        moved = replace(rig, nominal=rig.plant, nominal_data=rig.data)
     for step in range(-SETTLE, len(time)):
         now = max(step, 0)  # while the arm settles, the first target holds
-        rig.step(wanted[now], warmth[now], rows[now])
+        moved.step(wanted[now], warmth[now], rows[now])
     return Experiment(rig, plan, states, targets)
 
 
