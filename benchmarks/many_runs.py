@@ -44,7 +44,7 @@ WAY_POINTS = [
 ]
 FOURIER = {"kind": "fourier", "period_s": 10, "harmonics": 5}
 PROGRAMS = [*({"kind": "movej", "way_points": points} for points in WAY_POINTS), FOURIER]
-PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [40, -30, 20]}
+PUSH = {"kind": "push", "seconds": 3, "force": [40, -30, 20]}
 ROLES = {"reference": "fit", "daily": "validate", "pushed": "contact"}  # by the files' names
 
 
@@ -55,15 +55,18 @@ def main() -> None:
     options.add_argument("numbers", type=int, nargs="*", help="of runs; default: 60 240")
     given = options.parse_args()
     plan = ["--dry-run"] if given.quick else []
+    seconds = 2.0 if given.quick else SECONDS
     numbers = [REFERENCES + 2] if given.quick else given.numbers or [60, 240]
     print(f"{'on two cores':<28}{'runs':>6}{'wall':>10}{'processor':>12}{'memory':>10}")
     with ProcessPoolExecutor(1) as maker:
         for number in numbers:
-            measure(number, given.damaged, plan, maker)
+            measure(number, seconds, given.damaged, plan, maker)
 
 
-def measure(number: int, damaged: float, plan: Sequence[str], maker: Executor) -> None:
-    """Print what each run of a study of so many recordings takes.
+def measure(
+    number: int, seconds: float, damaged: float, plan: Sequence[str], maker: Executor
+) -> None:
+    """Print what each run of a study of so many recordings of some seconds takes.
 
     plan: further options of Snakemake; maker: another process, in which recordings are made: what a
     process holds when it starts another counts as memory of that one, too.
@@ -72,7 +75,7 @@ def measure(number: int, damaged: float, plan: Sequence[str], maker: Executor) -
     folder = Path("raw", name)
     shutil.rmtree(folder, ignore_errors=True)
     shutil.rmtree(Path("results", name), ignore_errors=True)
-    maker.submit(write_runs, folder, number, damaged).result()
+    maker.submit(write_runs, folder, number, damaged, seconds).result()
     changes: dict[str, tuple[str, list[str]]] = {
         "planned": ("", ["--dry-run"]),
         "whole study": ("", []),
@@ -81,9 +84,11 @@ def measure(number: int, damaged: float, plan: Sequence[str], maker: Executor) -
         "one more run": ("daily", []),
         "one more run to fit": ("reference", []),
     }
+    if plan:  # where nothing is built, they plan the same as the whole study
+        del changes["planned"], changes["nothing to do"]
     for what, (kind, chosen) in changes.items():
         if kind:
-            maker.submit(write_run, folder, kind, number, DAYS - 1).result()
+            maker.submit(write_run, folder, kind, number, DAYS - 1, seconds).result()
         used = snakemake(study(name, folder), *chosen, *plan)
         times = f"{used.wall:>8.1f} s{used.processor:>10.1f} s{used.memory:>7.2f} GB"
         print(f"{what:<28}{number:>6}{times}", flush=True)
@@ -113,9 +118,9 @@ def study(name: str, folder: Path) -> dict[str, Any]:
     return {"study": name, "title": "Runs of one arm over two years", "recordings": recordings}
 
 
-def write_runs(folder: Path, number: int, damaged: float = 0.0) -> list[Path]:
+def write_runs(folder: Path, number: int, damaged: float, seconds: float) -> list[Path]:
     """Write runs into a folder of each month; return the files of a share that is damaged."""
-    files = [write_run(folder, *one) for one in runs(number)]
+    files = [write_run(folder, *one, seconds) for one in runs(number)]
     torn = files[REFERENCES + 1 :: round(1 / damaged)] if damaged else []
     for file in torn:
         file.write_text("This is a letter, not a recording.\n", encoding="utf-8")
@@ -129,13 +134,14 @@ def runs(number: int) -> Iterator[tuple[str, int, int]]:
         yield "reference" if k < REFERENCES else kind, k, k * DAYS // number
 
 
-def write_run(folder: Path, kind: str, number: int, day: int) -> Path:
+def write_run(folder: Path, kind: str, number: int, day: int, seconds: float) -> Path:
     """Write a run; return its file. The same arguments give the same bytes."""
     random = np.random.default_rng(number)
     season = 30.0 - 4.0 * np.cos(2 * np.pi * day / 365) + random.normal()
     warm = season, season + random.uniform(0.0, 6.0)
     worn = float(np.interp(day / DAYS, [WORN_FROM, WORN_AFTER], [0.0, 1.0]))
-    run = mixture(kind, number % (REFERENCES if kind == "reference" else len(PROGRAMS)), worn, warm)
+    program = number % (REFERENCES if kind == "reference" else len(PROGRAMS))
+    run = mixture(kind, program, worn, warm, seconds)
     sent = frames(run, CYCLE, random)
     sent = sent.assign(**wrist_channels(run, sent, random))
     whole = draw_faulty_frames(run.plan.faults, len(sent), random)
@@ -146,22 +152,24 @@ def write_run(folder: Path, kind: str, number: int, day: int) -> Path:
     return folder / file
 
 
-def mixture(kind: str, program: int, worn: float, warm: tuple[float, float]) -> Experiment:
+def mixture(
+    kind: str, program: int, worn: float, warm: tuple[float, float], seconds: float
+) -> Experiment:
     """Return a run as worn (0 to 1) and with motors as warm [°C] from its start to its end."""
-    first = extreme(kind, program, worn=False, hot=False)
+    first = extreme(kind, program, seconds, worn=False, hot=False)
     plan = first.plan.model_copy(update={"temperature_c": warm})
     share = np.interp(plan.temperature(step_times(len(first.motion))), EXTREMES, [0.0, 1.0])
     mixed = np.zeros_like(as_rows(first.motion))
     wears, heats = (1 - worn, worn), (1 - share, share)
     for is_worn, is_hot in product((False, True), repeat=2):
         if wears[is_worn]:
-            states = extreme(kind, program, is_worn, is_hot).motion
+            states = extreme(kind, program, seconds, is_worn, is_hot).motion
             mixed += wears[is_worn] * heats[is_hot][:, None] * as_rows(states)
     return replace(first, plan=plan, motion=mixed.view(first.motion.dtype)[:, 0])
 
 
 @cache
-def extreme(kind: str, program: int, worn: bool, hot: bool) -> Experiment:
+def extreme(kind: str, program: int, seconds: float, worn: bool, hot: bool) -> Experiment:
     """Return a run of an arm that is fresh or worn, with motors of the same temperature."""
     motion = FOURIER | {"draw": program} if kind == "reference" else PROGRAMS[program]
     coulomb = np.ones(6)
@@ -169,10 +177,10 @@ def extreme(kind: str, program: int, worn: bool, hot: bool) -> Experiment:
     plan = SimulatedRecording.model_validate(
         {
             "trajectory": motion,
-            "seconds": SECONDS,
+            "seconds": seconds,
             "temperature_c": [EXTREMES[hot]] * 2,
             "coulomb_factor": [*coulomb],
-            "contacts": [PUSH] if kind == "pushed" else [],
+            "contacts": [PUSH | {"start_s": 0.4 * seconds}] if kind == "pushed" else [],
             "wrist_sensor": {},
         }
     )

@@ -67,7 +67,7 @@ def with_imu(own: Simulated) -> tuple[float, float, float]:
     """Return the RMSE of the acceleration with an IMU relative to that without, from 5 to 20 Hz,
     and the largest errors of q [rad] in a pause of the robot's stream, with and without it.
     """
-    both, alone = fused(own), smooth_encoders(*clock(len(own.q)), own.q, own.qd)
+    both, alone = fused(own)
     _, _, J = flange_kinematics(ROBOT, own.q.copy())
     shaken = [
         signal.sosfiltfilt(BAND, np.matvec(J[:, :3], motion.qdd - own.truth[:, 12:]), axis=0)
@@ -78,15 +78,17 @@ def with_imu(own: Simulated) -> tuple[float, float, float]:
     pause = slice(first, first + PAUSE)
     q, qd = own.q.copy(), own.qd.copy()
     q[pause] = qd[pause] = np.nan
-    gap = own._replace(q=q, qd=qd)
-    motions = fused(gap), smooth_encoders(*clock(len(q)), q, qd)
+    motions = fused(own._replace(q=q, qd=qd))
     worst = [float(np.abs((m.q - own.truth[:, :6])[pause]).max()) for m in motions]
     ratio = np.linalg.norm(shaken[0]) / np.linalg.norm(shaken[1])
     return float(ratio), worst[0], worst[1]
 
 
-def fused(own: Simulated) -> SmoothedMotion:
-    """Return the motion from encoders and IMU; its mounting is known, its biases are not."""
+def fused(own: Simulated) -> tuple[SmoothedMotion, SmoothedMotion]:
+    """Return the motion from encoders and IMU, and from encoders alone.
+
+    The IMU's mounting is known, its biases are not.
+    """
     assert ROBOT.mounting is not None
     samples = *clock(len(own.q)), own.q, own.qd
     encoders = smooth_encoders(*samples)
@@ -97,7 +99,7 @@ def fused(own: Simulated) -> SmoothedMotion:
     def model(rows: slice) -> LinearImu:
         return linearise_imu(rotation[rows], J[rows], encoders.qd[rows], point, axes, up)
 
-    return smooth_with_imu(*samples, own.imu, model, encoders.known())
+    return smooth_with_imu(*samples, own.imu, model, encoders.known()), encoders
 
 
 def judged(own: Simulated) -> tuple[Array, Array, Array]:
