@@ -50,7 +50,8 @@ def main() -> None:
     seeds, quick = asked(__doc__, SEEDS)
     seconds = 15.0 if quick else SECONDS
     with tempfile.TemporaryDirectory() as folder:
-        rows = audited(Path(folder), study(seeds, seconds, fits=1 if quick else 2))
+        own = study(seeds, seconds, fits=1 if quick else 2)
+        rows = audited(Path(folder), own, cores="1" if quick else "all")
     print(f"{seeds} seeds of {seconds:g} s")
     for quantity, part in rows.groupby("quantity", sort=False):
         inside = (part["low"] <= part["truth"]) & (part["truth"] <= part["high"])
@@ -97,13 +98,14 @@ def pushes(seed: int, seconds: float) -> list[dict[str, Any]]:
     ]
 
 
-def audited(folder: Path, study: dict[str, Any]) -> pd.DataFrame:
+def audited(folder: Path, study: dict[str, Any], cores: str) -> pd.DataFrame:
     """Return the audit's rows of the pushed recordings, each with its truth."""
     new_lab(folder)
     (folder / "config.yaml").write_text(yaml.safe_dump(study))
     pushed = [one["name"] for one in study["recordings"] if one["role"] == "contact"]
     audits = [f"results/wrist/recordings/{name}/audit.json" for name in pushed]
-    command = [sys.executable, "-m", "snakemake", "--quiet", "all", "--", *audits]
+    options = ["--quiet", "all", "--cores", cores]
+    command = [sys.executable, "-m", "snakemake", *options, "--", *audits]
     subprocess.run(command, cwd=folder, check=True)
     known = [read_record(Audit, folder / audit) for audit in audits]
     rows = pd.DataFrame([row for one in known for row in one.rows])
