@@ -405,6 +405,17 @@ def test_jumps_of_all_channels_exchange_no_currents(study: str, name: str) -> No
     assert max(ahead) < 10.0  # of 60, which are a sign
 
 
+def test_chance_tells_no_more_of_an_arm_that_mostly_rests() -> None:
+    """Noise in a quarter of the frames: a quarter for each of sixty independent numbers."""
+    noise, moves = np.random.default_rng(1).normal(size=(8000, 18)), np.arange(8000) < 2000
+    names = [f"actual_{name}_{joint}" for name in ("q", "qd", "current") for joint in range(6)]
+    table = pd.DataFrame(noise * (0.05 + moves[:, None]), columns=names)
+    table = table.assign(interpolated=False, segment=0)
+    own = np.einsum("ljj->l", innovation_likelihoods(table, 0.002, 10 * np.arange(-20, 21)))
+    assert own.mean() == pytest.approx(15.0, abs=3.0)
+    assert np.ptp(own) < 20.0  # a sign
+
+
 # Small arms bear little beside their friction: 12 s do not show these faults on them.
 UNSEEN = [
     ("joint 2's current x 0.6", "ur3e"),

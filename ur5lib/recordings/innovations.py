@@ -91,18 +91,19 @@ def _gains(near: Array, innovations: Array, joints: int) -> Array:
 
     near: motions (n, m), joint after joint; innovations: (n, c) of the currents. F: by how much the
     sum of squares that all joints leave grows without this one, of itself; a Wald test by the
-    inverse of the Gram matrix.
+    inverse of the Gram matrix. Where motion and noise grow together, as of an arm that rests for
+    a while, chance explains more: F is less by the mean of the product of their squares over the
+    product of the means.
     """
     inverse = np.linalg.inv(near.T @ near + RIDGE * np.eye(near.shape[1]))
     products = near.T @ innovations
     solution = inverse @ products
-    left = (
-        np.einsum("nc,nc->c", innovations, innovations)
-        - np.einsum("mc,mc->c", products, solution)
-        + TINY
-    )
+    squares = (innovations - near @ solution) ** 2
+    left = squares.sum(axis=0) + TINY
     own, size = solution.reshape(joints, -1, innovations.shape[1]), len(inverse) // joints
     every = range(joints)
     blocks = inverse.reshape(joints, size, joints, size)[every, :, every]  # of each joint's own
     beyond = np.linalg.solve(blocks, own)
-    return np.asarray(np.log1p((own * beyond).sum(axis=1) / left))
+    moves = (near**2).reshape(len(near), joints, -1).mean(axis=2)
+    together = len(near) * moves.T @ squares / left
+    return np.asarray(np.log1p((own * beyond).sum(axis=1) / left / np.maximum(together, 1)))
