@@ -17,13 +17,13 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.entries import read_recording
+from tests.made_up_device import MadeUp
 from ur5lib.doubles.controller import EmulatedController, Ports
 from ur5lib.doubles.emulated import HOST, Clock, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
-from ur5lib.recorder.device import Identity, NewSamples
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.recorder.session import MANIFEST, Session, write_manifest
 from ur5lib.recordings.quality import Finding
@@ -152,30 +152,6 @@ def test_a_device_that_dies_leaves_the_others(
     assert set(place_sensors(raw, findings)) == {"force", "imu"}, (raw.findings, findings)
 
 
-class MadeUp:
-    """A device at 100 Hz, which takes for ever in its hundredth `read`, in `close`, or nowhere."""
-
-    def __init__(self, hangs_in: str = "", width: int = 1) -> None:
-        self.columns = tuple(f"reading_{k}" for k in range(width))
-        self.identity = Identity(model="made up", address="here", units="SI", rate_hz=100.0)
-        self.hangs_in, self.count = hangs_in, 0
-
-    def open(self) -> "MadeUp":
-        return self
-
-    def read(self) -> NewSamples:
-        time.sleep(0.01)
-        self.count += 1
-        if self.count == 100 and self.hangs_in == "read":
-            time.sleep(60)
-        values = np.random.default_rng(self.count).random((1, len(self.columns)))
-        return NewSamples(np.array([time.monotonic()]), values, 0)
-
-    def close(self) -> None:
-        if self.hangs_in == "close":
-            time.sleep(60)
-
-
 @pytest.mark.parametrize(("hangs_in", "expected"), [("close", None), ("read", "did not end")])
 def test_a_device_that_does_not_close_loses_no_sample(
     hangs_in: str, expected: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -211,25 +187,24 @@ def test_of_several_devices_that_are_not_there_one_is_said(tmp_path: Path) -> No
 
 def test_a_full_disk_is_said(tmp_path: Path) -> None:
     here, there = multiprocessing.Pipe()
-    handler = signal.getsignal(signal.SIGINT)
-    with lab() as (devices, _):
-        stop = multiprocessing.Event()
-        try:
-            capture(devices.imu, Path("/dev/full"), 0.0, there, stop)  # type: ignore[arg-type]
-        finally:
-            signal.signal(signal.SIGINT, handler)
+    handler, plan, stop = signal.getsignal(signal.SIGINT), MadeUp(), multiprocessing.Event()
+    try:
+        capture(plan, Path("/dev/full"), 0.0, there, stop)  # type: ignore[arg-type]
+    finally:
+        signal.signal(signal.SIGINT, handler)
     identity, status = here.recv(), here.recv()
-    assert identity.model.startswith("MTi")
+    assert identity.model == "made up"
     assert isinstance(status, Status)
     assert "cannot be written (No space left on device)" in str(status.ended)
 
 
 RECORD = """
-import sys, time, tests.library.test_recorder_session as t
+import sys, time
 from pathlib import Path
-from ur5lib.recorder.session import Session
-if __name__ == "__main__":
-    with t.lab() as (devices, _), Session(devices.devices(), Path(sys.argv[1])) as session:
+if __name__ == "__main__":  # not in the processes that it starts
+    from tests.library.test_recorder_session import lab
+    from ur5lib.recorder.session import Session
+    with lab() as (devices, _), Session(devices.devices(), Path(sys.argv[1])) as session:
         while True:
             if all(status.samples for status in session.statuses().values()):
                 print("recording", flush=True)
