@@ -18,7 +18,7 @@ from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
 from ur5lib.stand.rig import STEP, build_rig
 from ur5lib.stand.truth import write_truth
 
-FORCE_RATE, IMU_RATE = 1000.0, 256.0  # Hz
+FORCE_RATE, IMU_RATE = 500.0, 256.0  # Hz
 FORCE_CLOCK, IMU_CLOCK = Clock(drift_ppm=40.0), Clock(drift_ppm=-3000.0)
 ARM_CLOCK = Clock(offset_s=4096.0, drift_ppm=25.0)
 FORCE_SENSOR, IMU = ForceSensor(bias=(-5.3, 1.8, -1.0, 0.07, 0.43, -0.11)), Imu()

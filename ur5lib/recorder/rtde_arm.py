@@ -11,11 +11,13 @@ kind (uint8) and its content, big-endian; texts list variables separated by comm
 import contextlib
 import socket
 import struct
+import time
 from collections.abc import Sequence
 
 import numpy as np
 
 from ur5lib.recorder.device import (
+    GATHER,
     PATIENCE,
     DeviceLost,
     Identity,
@@ -163,8 +165,11 @@ class RtdeArm:
         )
 
     def read(self) -> NewSamples:
-        """Return the samples since the last call, as `Device.read`."""
-        packages = self._client.receive(WAIT)
+        """Return the samples that arrive within 0.05 s, as `Device.read`, or the first of all."""
+        until, packages = time.monotonic() + GATHER, self._client.receive(WAIT)
+        with contextlib.suppress(DeviceLost):  # which the next call meets, too
+            while packages and (remaining := until - time.monotonic()) > 0:
+                packages += self._client.receive(remaining)
         self._silence.check(len(packages))
         received = np.array([arrived for arrived, _ in packages], np.float64)
         values = np.array([numbers for _, numbers in packages], np.float64)
