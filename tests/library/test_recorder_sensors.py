@@ -251,6 +251,15 @@ def test_the_counter_wraps_around() -> None:
     assert values[0, 0] < 2**16 < values[-1, 0]
 
 
+def test_a_program_that_is_kept_busy_for_two_seconds_misses_nothing() -> None:
+    with xsens() as (_, imu):
+        record(imu, 0.1)
+        time.sleep(2.0)
+        _, values, lost = record(imu, 0.1)
+    assert lost == 0
+    assert len(values) > 512
+
+
 def test_a_cable_that_is_pulled() -> None:
     with XsensDevice(lambda _: READING) as tracker:
         imu = Xsens(tracker.path, rate_hz=256)

@@ -29,6 +29,7 @@ LEGACY_SETTINGS = {
     xsens.SET_OUTPUT_MODE: b"\x00\x02",
     xsens.SET_OUTPUT_SETTINGS: b"\x00\x00\x00\x01",
 }
+KEPT = 1 << 16  # bytes of a serial port that nobody reads
 INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
 
 
@@ -57,7 +58,7 @@ class XsensDevice(Emulated):
         os.set_blocking(self.line, False)
         self.path = os.ttyname(self._slave)
         self._outputs = dict(FACTORY)  # kept without power
-        self._asked = b""
+        self._asked = self._unread = b""
         self._is_measuring = True
 
     def answer(self) -> None:
@@ -98,13 +99,14 @@ class XsensDevice(Emulated):
         return xbus.encode(xbus.MTDATA2, b"".join(parts))
 
     def send(self, part: bytes) -> None:
-        """Write bytes; unread ones are lost, as on a serial line."""
-        with contextlib.suppress(BlockingIOError):
-            os.write(self.line, part)
+        """Write bytes; as of a serial port, Linux keeps the first unread ones, no further ones."""
+        self._unread = (self._unread + part)[:KEPT]
+        with contextlib.suppress(BlockingIOError):  # a terminal keeps fewer
+            self._unread = self._unread[os.write(self.line, self._unread) :]
 
     def restart(self) -> None:
         """Send the wake-up message, and stream with the last configured outputs."""
-        self._asked, self._is_measuring = b"", True
+        self._asked, self._unread, self._is_measuring = b"", b"", True
         self.send(xbus.encode(WAKE_UP))
 
     def disconnect(self) -> None:

@@ -190,9 +190,8 @@ def with_pull_back(function: Callable[..., Tensor], *states: Array) -> tuple[Arr
     value = function(*inputs)
 
     def pull_back(sensitivity: Array) -> tuple[Array, ...]:
-        gradients = torch.autograd.grad(
-            value, inputs, torch.from_numpy(sensitivity), materialize_grads=True
-        )
+        change = (value * torch.from_numpy(sensitivity)).sum()  # of an array, torch loads sympy
+        gradients = torch.autograd.grad(change, inputs, materialize_grads=True)
         return tuple(gradient.numpy() for gradient in gradients)
 
     return value.detach().numpy(), pull_back
