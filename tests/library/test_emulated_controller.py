@@ -57,7 +57,7 @@ def wait_for(condition: Callable[[], bool]) -> None:
     until = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < until, "it never came"
-        time.sleep(0.01)
+        time.sleep(0.05)
 
 
 def recorded(device: RtdeArm, count: int) -> tuple[Array, Array, int]:
