@@ -47,8 +47,16 @@ def unpacked(text: str) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
     return head, times, np.where(levels == 0, np.nan, values)
 
 
-def test_lines_are_packed_within_half_a_level(tmp_path: Path) -> None:
-    path = drawn(tmp_path / "forces.svg", WRENCH)
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    drawn(folder / "forces.svg", WRENCH)
+    drawn(folder / "currents.svg", CURRENT, "joint")
+    return folder
+
+
+def test_lines_are_packed_within_half_a_level(figures: Path) -> None:
+    path = figures / "forces.svg"
     data = read_csv(path.with_suffix(".csv"))
     head, times, columns = unpacked(packed_lines(path))
     assert head["panels"][0] == ["Fx", "N"]
@@ -64,9 +72,9 @@ def test_lines_are_packed_within_half_a_level(tmp_path: Path) -> None:
 
 
 def test_colours_of_a_figure_over_time_are_kept_and_others_have_no_closer_look(
-    tmp_path: Path,
+    figures: Path, tmp_path: Path
 ) -> None:
-    head, *_ = unpacked(packed_lines(drawn(tmp_path / "currents.svg", CURRENT, "joint")))
+    head, *_ = unpacked(packed_lines(figures / "currents.svg"))
     assert [line["colours"] for line in head["lines"]] == [["#000000"], [*JOINTS[:6]]]
     save(response_panel(np.arange(1.0, 9.0), {"a": np.ones(8)}), tmp_path / "filters.svg")
     save(draw_traces(Traces(np.arange(3.0), {}), CURRENT), tmp_path / "empty.svg")
@@ -74,19 +82,17 @@ def test_colours_of_a_figure_over_time_are_kept_and_others_have_no_closer_look(
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("report")
+def report(figures: Path) -> Path:
     words = "Force and estimate along x, y, z over a minute."
-    forces = drawn(folder / "forces.svg", WRENCH)
-    currents = drawn(folder / "currents.svg", CURRENT, "joint")
+    forces, currents = figures / "forces.svg", figures / "currents.svg"
     pictures = [
         Picture("Forces.", forces, words, "forces", "a.csv", "draw", "pushed"),
         Picture("Currents.", currents, words, "currents", "b.csv", "draw", "pushed"),
         Picture("Others.", currents, words, "others", "b.csv", "draw", "still"),
     ]
     document = Document("Report", "Of a test.", [Section("Figures", [*pictures])]).numbered()
-    write_html(document, folder / "report.html")
-    return folder / "report.html"
+    write_html(document, figures / "report.html")
+    return figures / "report.html"
 
 
 @pytest.fixture(scope="module")
