@@ -12,7 +12,7 @@ REACH = 0.1  # m
 def test_gradients_of_distances_are_those_of_finite_differences(ur5: Robot) -> None:
     capsules, step = Capsules(ur5, CELL, REACH), 1e-6
     q = np.random.default_rng(1).uniform(-2, 2, (100, 6))
-    near, compared = capsules.near(q, gradient=True), set()
+    near, compared = capsules.near(q, gradient_below=REACH), set()
     for sample, gradient, pair in zip(near.sample, near.gradient, near.pairs, strict=True):
         if (near.sample == sample).sum() == 1:
             ends = [capsules.near(q[sample] + sign * step * np.eye(6)) for sign in (-1, 1)]

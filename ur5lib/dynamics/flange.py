@@ -1,10 +1,12 @@
 """Poses and motion of the links and the flange: arrays in, arrays out."""
 
+from functools import partial
+
 import numpy as np
 import torch
 
 from ur5lib.dynamics import kinematics
-from ur5lib.dynamics.arm import PullBack, build_arm, with_pull_back
+from ur5lib.dynamics.arm import Arm, PullBack, build_arm, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks
@@ -30,18 +32,22 @@ def independent_twists(robot: Robot) -> int:
     return int(np.linalg.matrix_rank(flange_kinematics(robot, q)[2], tol=RANK).max())
 
 
-def differentiable_singular_value(robot: Robot, q: Array, twists: int) -> tuple[Array, PullBack]:
+def singular_value(arm: Arm, q: Array, twists: int) -> Array:
     """Return the smallest singular value of J_g (N,) that is not always zero, in which metres and
-    radians count alike, and the pull-back of its derivative to q.
+    radians count alike.
 
-    q: (N, n) [rad]; twists: see `independent_twists`.
+    arm: under any link model; q: (N, n) [rad]; twists: see `independent_twists`.
     """
-    arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
+    return _smallest(arm, twists, torch.from_numpy(q)).numpy()
 
-    def smallest(q: torch.Tensor) -> torch.Tensor:
-        return torch.linalg.svdvals(kinematics.jacobian(arm, q))[:, twists - 1]
 
-    return with_pull_back(smallest, q)
+def differentiable_singular_value(arm: Arm, q: Array, twists: int) -> tuple[Array, PullBack]:
+    """Return `singular_value` and the pull-back of its derivative to q."""
+    return with_pull_back(partial(_smallest, arm, twists), q)
+
+
+def _smallest(arm: Arm, twists: int, q: torch.Tensor) -> torch.Tensor:
+    return torch.linalg.svdvals(kinematics.jacobian(arm, q))[:, twists - 1]
 
 
 def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:

@@ -102,7 +102,7 @@ def _broken_at_rest(cell: Cell, q: Array) -> dict[str, Mask]:
         "gravity needs more than the torque limit": np.any(
             np.abs(torque) > cell.limits.torque, axis=1
         ),
-        "the arm is near a singularity": cell.singular_value(q)[0] < cell.limits.singular_value,
+        "the arm is near a singularity": cell.singular_value(q) < cell.limits.singular_value,
     }
 
 

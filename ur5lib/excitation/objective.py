@@ -14,6 +14,7 @@ from ur5lib.excitation.problem import (
     PREDICTED_SPEED,
     Problem,
     random_states,
+    told,
 )
 from ur5lib.excitation.trajectory import REACH, Cell, Path, States
 from ur5lib.identification.samples import STEP as INDEPENDENT
@@ -220,9 +221,8 @@ class Objective:
     def _informed(self, Y: Array, qd: Array) -> tuple[float, Array, Array]:
         """Return the criterion and its derivatives by Y and q̇."""
         task, problem = self._task, self._task.problem
-        information = task.earlier + problem.information(Y, qd, STEP)
-        value, of_information = task.criterion(information)
         J = problem.rows(problem.theta, Y, qd)
+        value, of_information = task.criterion(task.earlier + told(J, STEP))
         return value, *problem.pull_back(Y, qd, 2 * STEP / INDEPENDENT * J @ of_information)
 
     def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:
@@ -240,8 +240,9 @@ class Objective:
 
     def _nearness(self, q: Array) -> tuple[float, Array]:
         """Return the penalty for parts that are too close, in units of REACH, and its slope."""
-        near = self._task.cell.capsules.near(q, gradient=True)
-        missing = np.maximum(self._task.cell.limits.clearance / INNER - near.distance, 0) / REACH
+        least = self._task.cell.limits.clearance / INNER
+        near = self._task.cell.capsules.near(q, gradient_below=least)
+        missing = np.maximum(least - near.distance, 0) / REACH
         slope = np.zeros_like(q)
         np.add.at(slope, near.sample, -2 / REACH * missing[:, None] * near.gradient)
         return float(missing @ missing), slope
@@ -249,9 +250,13 @@ class Objective:
     def _singularity(self, q: Array) -> tuple[float, Array]:
         """Return the penalty of singular values that are too small, and its slope by q."""
         least = self._task.cell.limits.singular_value / INNER
-        value, pull_back = self._task.cell.singular_value(q)
-        missing = np.maximum(1 - value / least, 0)
-        return float(missing @ missing), pull_back(-2 / least * missing)[0]
+        slope, missing = np.zeros_like(q), np.zeros(len(q))
+        low = self._task.cell.singular_value(q) < least
+        if low.any():
+            value, pull_back = self._task.cell.differentiable_singular_value(q[low])
+            missing[low] = np.maximum(1 - value / least, 0)
+            (slope[low],) = pull_back(-2 / least * missing[low])
+        return float(missing @ missing), slope
 
 
 HARDLY = 0.9  # share of a standard error above which a recording hardly lowers it

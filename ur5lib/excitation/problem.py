@@ -204,10 +204,9 @@ class Problem:
     def information(self, Y: Array, qd: Array, step: float) -> Array:
         """Return Fisher's information (P, P) of a recording with samples every `step` [s].
 
-        Jᵀ J step/INDEPENDENT, for normal errors that are independent every INDEPENDENT.
+        See `told`.
         """
-        J = self.rows(self.theta, Y, qd).reshape(-1, len(self.theta))
-        return J.T @ J * (step / INDEPENDENT)
+        return told(self.rows(self.theta, Y, qd), step)
 
     def torque(self, Y: Array) -> Array:
         """Return T (N, n) [Nm] of arm and nominal payload."""
@@ -244,6 +243,15 @@ class Problem:
     def _joint_columns(self) -> list[slice]:
         """Return the place of each joint's map in θ."""
         return [slice(self.count + 5 * k, self.count + 5 * k + 5) for k in range(self.joints)]
+
+
+def told(J: Array, step: float) -> Array:
+    """Return the information (P, P) of the rows J (N, 2 n, P) of samples every `step` [s].
+
+    Jᵀ J step/INDEPENDENT, for normal errors that are independent every INDEPENDENT.
+    """
+    rows = J.reshape(-1, J.shape[-1])
+    return rows.T @ rows * (step / INDEPENDENT)
 
 
 def nominal_maps(robot: Robot) -> Maps:

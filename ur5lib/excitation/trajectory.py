@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ur5lib.dynamics.arm import PullBack
-from ur5lib.dynamics.flange import differentiable_singular_value, independent_twists
+from ur5lib.dynamics.flange import differentiable_singular_value, independent_twists, singular_value
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot
@@ -176,9 +176,13 @@ class Cell:
         """Return states as they are limited to both sides: positions from the middle."""
         return states._replace(q=states.q - self.middle)
 
-    def singular_value(self, q: Array) -> tuple[Array, PullBack]:
+    def singular_value(self, q: Array) -> Array:
         """Return the smallest singular value (N,) of J_g along a path q (N, n) [rad]."""
-        return differentiable_singular_value(self.robot, q, self.twists)
+        return singular_value(self.model.arm, q, self.twists)
+
+    def differentiable_singular_value(self, q: Array) -> tuple[Array, PullBack]:
+        """Return the same, and the pull-back of its derivative to q."""
+        return differentiable_singular_value(self.model.arm, q, self.twists)
 
     def margins(self, states: States) -> Margins:
         """Return the margins of a trajectory to the limits."""
@@ -193,5 +197,5 @@ class Cell:
             used,
             REACH if nearest is None else float(near.distance[nearest]),
             "" if nearest is None else " and ".join(near.pairs[nearest]),
-            float(self.singular_value(states.q)[0].min()),
+            float(self.singular_value(states.q).min()),
         )

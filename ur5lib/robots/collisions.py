@@ -18,7 +18,7 @@ from ur5lib.robots.description import Positive, Robot, Vector3
 from ur5lib.robots.mjcf import add_arm
 from ur5lib.robots.statics import link_frames
 from ur5lib.strict import Strict
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 THICKNESS = 0.09  # radius of a capsule as a share of the longest link, at joint 1
 HOUSING = 0.02  # m, by which the joints' housings protrude from the capsules
@@ -55,7 +55,7 @@ class Clearances:
     """M pairs of parts that are near each other along a path.
 
     sample: (M,); distance: (M,) [m], negative where they overlap; gradient: (M, n) [m/rad], of the
-    distance, empty if not requested; pairs: (M,), names of the parts.
+    distance, zero unless it is below what was asked for; pairs: (M,), names of the parts.
     """
 
     sample: NDArray[np.intp]
@@ -86,8 +86,11 @@ class Capsules:
         self._model = _capsules(robot, surroundings, reach)
         self._data = mujoco.MjData(self._model)
 
-    def near(self, q: Array, gradient: bool = False) -> Clearances:
-        """Return the parts that are near each other along a path q (N, n) [rad]."""
+    def near(self, q: Array, gradient_below: float = -np.inf) -> Clearances:
+        """Return the parts that are near each other along a path q (N, n) [rad].
+
+        gradient_below: distance [m], of nearer parts its gradient is wanted.
+        """
         count = np.zeros(len(q), dtype=np.intp)
         distance, slopes, geoms = [np.empty(0)], list[Array](), [np.empty((0, 2), dtype=np.intp)]
         for k, self._data.qpos in enumerate(q):
@@ -98,13 +101,11 @@ class Capsules:
                 contacts = self._data.contact
                 distance.append(contacts.dist.copy())
                 geoms.append(contacts.geom.copy())
-                if gradient:
-                    mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
-                    slopes += map(self._gradient, contacts)
+                slopes.append(self._gradients(distance[-1] < gradient_below))
         return Clearances(
             np.repeat(np.arange(len(q)), count),
             np.concatenate(distance),
-            np.array(slopes).reshape(-1, self._model.nv),
+            np.concatenate([np.empty((0, self._model.nv)), *slopes]),
             self._names(np.concatenate(geoms)),
         )
 
@@ -112,6 +113,15 @@ class Capsules:
         """Return the names of pairs of parts (M, 2), in alphabetical order."""
         names = np.array([self._model.geom(k).name for k in range(self._model.ngeom)])
         return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
+
+    def _gradients(self, wanted: Mask) -> Array:
+        """Return the gradients (M, n) of the contacts' distances, zero for those not wanted."""
+        gradients = np.zeros((len(wanted), self._model.nv))
+        if wanted.any():
+            mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
+        for k in np.flatnonzero(wanted):
+            gradients[k] = self._gradient(self._data.contact[k])
+        return gradients
 
     def _gradient(self, contact: mujoco.MjContact) -> Array:
         """Return ∂distance/∂q (n,) = e · (J_2 - J_1), with e from the first part to the second."""
