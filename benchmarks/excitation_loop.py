@@ -29,7 +29,7 @@ RESULTS = Path("results") / STUDY
 LOAD = (2.0, 0.06, 0.0, 0.05)  # kg, m: beside the axis of joint 6
 PRECISION, MOST = 0.3, 3  # share of the prior's standard error, recordings
 SECONDS = 20.0
-QUICK = Effort(1, 0, ((1e2, 60), (1e4, 40)))
+QUICK = Effort(1, 0, ((1e2, 30), (1e4, 20)))
 SHOWN = 6
 IDENTIFIED = "fit_friction"  # the last step that the next design needs
 

@@ -14,7 +14,7 @@ from ur5lib.commands.excite import ExciteOptions, earlier, known_load, task_of
 from ur5lib.excitation.design import Effort, design
 from ur5lib.tables import read_csv
 
-SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))
+SHORT = Effort(1, 0, ((1e2, 30), (1e4, 20)))
 LARGEST = re.compile(r"largest standard error: (\d+)% of the prior's")
 ERRORS = re.compile(r"^ *load friction of joint \d +(\S+) -> (\S+) +(\S+) -> (\S+)", re.MULTILINE)
 
