@@ -3,12 +3,14 @@
 So have the packages of the steps been loaded, for the first worker of a run.
 """
 
+import gc
 import multiprocessing
 import os
 import pkgutil
 import subprocess
 import sys
 import tempfile
+from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 
 WARM = multiprocessing.get_context("forkserver")  # a process that waits, and forks one for each run
@@ -24,9 +26,7 @@ def run(
 ) -> subprocess.CompletedProcess[str]:
     """What `python -m snakemake` with arguments prints in a folder, and how it ends."""
     with tempfile.NamedTemporaryFile("r") as printed:
-        given = folder, environment, arguments, printed.name
-        process = WARM.Process(target=snakemake, args=given)
-        process.start()
+        process = start(folder, environment, arguments, printed.name)
         try:
             process.join()
         finally:
@@ -35,10 +35,21 @@ def run(
         return subprocess.CompletedProcess(arguments, process.exitcode, printed.read())
 
 
+def start(
+    folder: Path, environment: dict[str, str], arguments: tuple[str, ...], printed: str = os.devnull
+) -> ForkServerProcess:
+    """Such a run in a session of its own, which prints to a file."""
+    process = WARM.Process(target=snakemake, args=(folder, environment, arguments, printed))
+    process.start()
+    return process
+
+
 def snakemake(
     folder: Path, environment: dict[str, str], arguments: tuple[str, ...], printed: str
 ) -> None:
     """Be Snakemake: in a folder, with its modules and an environment, printing to a file."""
+    os.setsid()
+    gc.freeze()  # what was loaded stays: to look for garbage in it takes a quarter of a plan
     os.chdir(folder)
     os.environ.update(environment)
     sys.path.insert(0, str(folder))

@@ -57,7 +57,7 @@ def test_damaged_files_change_no_result_of_the_others(tmp_path: Path) -> None:
 
     for day, text in DAMAGED.items():
         (workflow.folder / "logs" / day[:7] / f"{day}.extra.csv").write_text(text)
-    done = workflow.run()
+    done = workflow.run("--cores", "1")
     assert done.returncode == 0, done.stdout
     absent = [f"run_{day[:7]}-{day}.extra" for day in DAMAGED]
     assert f"{len(absent)} of {RUNS + len(absent)} recordings were left out:" in done.stdout
