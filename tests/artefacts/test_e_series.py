@@ -11,10 +11,8 @@ import pandas as pd
 import pytest
 import yaml
 
+from tests.commands import Command
 from tests.conftest import Workflow, copy_project
-from ur5lib.commands.answers import audit_answers, payload_answers
-from ur5lib.commands.exported import exported
-from ur5lib.commands.replay import replayed
 from ur5lib.study.reading import read_study, study_text
 from ur5lib.tables import read_csv, read_json
 
@@ -116,14 +114,14 @@ def test_the_wrist_sensor_is_compared_and_audited(results: Path) -> None:
 
 
 def test_questions_are_answered_from_the_tables(
-    workflow: Workflow, monkeypatch: pytest.MonkeyPatch
+    workflow: Workflow, run_ur5: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(workflow.folder)
-    audit = "\n".join(audit_answers(Path("config.yaml")))
+    audit = run_ur5("audit", "config.yaml").out
     assert "the scale is 0.90" in audit
     assert re.search(r"its axes are turned by (4\.[89]|5\.[012])°", audit)
     assert "set_payload" not in audit  # the scale is wrong, not the payload
-    payload = "\n".join(payload_answers(Path("config.yaml")))
+    payload = run_ur5("payload", "config.yaml").out
     assert payload.count("by the currents 1.") == 4
     assert payload.count("by the wrist sensor") == 1
 
@@ -134,11 +132,14 @@ def test_the_report_has_a_section_on_it(results: Path) -> None:
     assert "cell-2" in report
 
 
-def test_the_identified_arm_is_replayed_in_mujoco(results: Path, tmp_path: Path) -> None:
+def test_the_identified_arm_is_replayed_in_mujoco(
+    results: Path, run_ur5: Command, tmp_path: Path
+) -> None:
     """Closer to the currents than the maker's model, on a recording that it was fitted to."""
-    (tmp_path / "arm.xml").write_text(exported("cell-2", None, "mjcf", results, "fit_1"))
-    told = replayed(tmp_path / "arm.xml", results, "fit_1")
-    rows = {line[:40].strip(): line[40:].split() for line in told}
+    options = ["--robot", "cell-2", "--to", "mjcf", "--results", results]
+    (tmp_path / "arm.xml").write_text(run_ur5("export", *options, "--as-in", "fit_1").out)
+    told = run_ur5("replay", tmp_path / "arm.xml", results, "fit_1").out
+    rows = {line[:40].strip(): line[40:].split() for line in told.splitlines()}
     assert [*rows["torque error [Nm], joint"]] == [*"123456"]
     error = {name: [float(value) for value in row] for name, row in rows.items()}
     ours, maker = error["arm.xml"], error["maker's model (maker)"]
