@@ -4,7 +4,6 @@ DATA ?=
 ESTIMATOR ?=
 SPEED := dynamics smoothing stream rtde_csv study
 REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m real_time --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
-GIVE_WAY := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib | sed 's/+cpu//'
@@ -32,7 +31,7 @@ test: lint ## run every check, as .ci/run does: style, types, all tests
 	test ! -e .pytest_cache/late || $(REAL_TIME) --last-failed --reruns 2 --reruns-delay 5
 
 test-others:
-	MAKEFLAGS= OMP_NUM_THREADS=1 $(GIVE_WAY) pytest -m "not real_time"  # two processes share the work already
+	MAKEFLAGS= OMP_NUM_THREADS=1 nice -n 19 pytest -m "not real_time"  # two processes share the work already
 
 test-real-time:
 	$(REAL_TIME) || touch .pytest_cache/late

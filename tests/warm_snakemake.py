@@ -12,6 +12,7 @@ import sys
 import tempfile
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
+from typing import Any
 
 WARM = multiprocessing.get_context("forkserver")  # a process that waits, and forks one for each run
 PLUGINS = [one.name for one in pkgutil.iter_modules() if one.name.startswith("snakemake_")]
@@ -26,7 +27,9 @@ def run(
 ) -> subprocess.CompletedProcess[str]:
     """What `python -m snakemake` with arguments prints in a folder, and how it ends."""
     with tempfile.NamedTemporaryFile("r") as printed:
-        process = start(folder, environment, arguments, printed.name)
+        given = folder, environment, arguments, printed.name
+        process = WARM.Process(target=snakemake, args=given)
+        process.start()
         try:
             process.join()
         finally:
@@ -35,24 +38,28 @@ def run(
         return subprocess.CompletedProcess(arguments, process.exitcode, printed.read())
 
 
-def start(
-    folder: Path, environment: dict[str, str], arguments: tuple[str, ...], printed: str = os.devnull
-) -> ForkServerProcess:
-    """Such a run in a session of its own, which prints to a file."""
-    process = WARM.Process(target=snakemake, args=(folder, environment, arguments, printed))
+def start(folder: Path, environment: dict[str, str]) -> ForkServerProcess:
+    """Such a run in a session of its own, which prints nothing."""
+    process = WARM.Process(target=in_own_session, args=(folder, environment, (), os.devnull))
     process.start()
     return process
+
+
+def in_own_session(*given: Any) -> None:
+    os.setsid()
+    snakemake(*given)
 
 
 def snakemake(
     folder: Path, environment: dict[str, str], arguments: tuple[str, ...], printed: str
 ) -> None:
     """Be Snakemake: in a folder, with its modules and an environment, printing to a file."""
-    os.setsid()
     gc.freeze()  # what was loaded stays: to look for garbage in it takes a quarter of a plan
     os.chdir(folder)
     os.environ.update(environment)
     sys.path.insert(0, str(folder))
+    for name in [name for name in sys.modules if name.partition(".")[0] == "ur5lib"]:
+        del sys.modules[name]  # of the clone, which an emulated device may have loaded
     with open(printed, "w") as file:
         os.dup2(file.fileno(), sys.stdout.fileno())
         os.dup2(file.fileno(), sys.stderr.fileno())

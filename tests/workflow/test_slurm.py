@@ -63,7 +63,6 @@ def wait_until(happens: Callable[[], object], seconds: float) -> bool:
     return True
 
 
-@pytest.mark.real_time
 @needs_plugin
 def test_a_killed_job_is_submitted_again_to_the_same_results(
     workflow: Workflow, slurm: dict[str, str]
@@ -96,7 +95,6 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
     assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
 
 
-@pytest.mark.real_time
 def test_a_study_as_one_job_is_started_again_to_the_same_results(
     workflow: Workflow, slurm: dict[str, str]
 ) -> None:
@@ -123,7 +121,6 @@ def known_of(job: str, environment: dict[str, str]) -> str:
     return ask(environment, "scontrol", "show", "job", job)
 
 
-@pytest.mark.real_time
 @needs_plugin
 def test_jobs_of_a_killed_run_keep_a_second_one_waiting(
     workflow: Workflow, slurm: dict[str, str]

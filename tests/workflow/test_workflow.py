@@ -311,7 +311,7 @@ def end(run: int, random: np.random.Generator) -> None:
             case 1:
                 os.kill(run, random.choice([signal.SIGKILL, signal.SIGTERM]))
             case 2:
-                os.kill(random.choice(processes_of(run)), signal.SIGKILL)
+                os.kill(random.choice(processes_of(run) or [run]), signal.SIGKILL)
 
 
 def killed_runs_go_on(workflow: Workflow, seed: int) -> None:
@@ -321,7 +321,7 @@ def killed_runs_go_on(workflow: Workflow, seed: int) -> None:
     for _ in range(int(os.environ.get("KILLS", "3"))):
         lost = random.choice(["recordings/pushed", "recordings/still", "parameters", "none"])
         shutil.rmtree(folder / lost, ignore_errors=True)
-        run = warm_snakemake.start(workflow.folder, workflow.environment, ())
+        run = warm_snakemake.start(workflow.folder, workflow.environment)
         time.sleep(random.uniform(0.5, 8))
         assert run.pid is not None
         end(run.pid, random)

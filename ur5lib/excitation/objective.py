@@ -13,8 +13,8 @@ from ur5lib.excitation.problem import (
     PREDICTED_ACCELERATION,
     PREDICTED_SPEED,
     Problem,
+    information_of,
     random_states,
-    told,
 )
 from ur5lib.excitation.trajectory import REACH, Cell, Path, States
 from ur5lib.identification.samples import STEP as INDEPENDENT
@@ -222,7 +222,7 @@ class Objective:
         """Return the criterion and its derivatives by Y and q̇."""
         task, problem = self._task, self._task.problem
         J = problem.rows(problem.theta, Y, qd)
-        value, of_information = task.criterion(task.earlier + told(J, STEP))
+        value, of_information = task.criterion(task.earlier + information_of(J, STEP))
         return value, *problem.pull_back(Y, qd, 2 * STEP / INDEPENDENT * J @ of_information)
 
     def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:

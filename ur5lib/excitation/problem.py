@@ -204,9 +204,9 @@ class Problem:
     def information(self, Y: Array, qd: Array, step: float) -> Array:
         """Return Fisher's information (P, P) of a recording with samples every `step` [s].
 
-        See `told`.
+        See `information_of`.
         """
-        return told(self.rows(self.theta, Y, qd), step)
+        return information_of(self.rows(self.theta, Y, qd), step)
 
     def torque(self, Y: Array) -> Array:
         """Return T (N, n) [Nm] of arm and nominal payload."""
@@ -245,7 +245,7 @@ class Problem:
         return [slice(self.count + 5 * k, self.count + 5 * k + 5) for k in range(self.joints)]
 
 
-def told(J: Array, step: float) -> Array:
+def information_of(J: Array, step: float) -> Array:
     """Return the information (P, P) of the rows J (N, 2 n, P) of samples every `step` [s].
 
     Jᵀ J step/INDEPENDENT, for normal errors that are independent every INDEPENDENT.
