@@ -84,8 +84,6 @@ def measure(
         "one more run": ("daily", []),
         "one more run to fit": ("reference", []),
     }
-    if plan:  # where nothing is built, they plan the same as the whole study
-        del changes["planned"], changes["nothing to do"]
     for what, (kind, chosen) in changes.items():
         if kind:
             maker.submit(write_run, folder, kind, number, DAYS - 1, seconds).result()

@@ -58,8 +58,6 @@ def snakemake(
     os.chdir(folder)
     os.environ.update(environment)
     sys.path.insert(0, str(folder))
-    for name in [name for name in sys.modules if name.partition(".")[0] == "ur5lib"]:
-        del sys.modules[name]  # of the clone, which an emulated device may have loaded
     with open(printed, "w") as file:
         os.dup2(file.fileno(), sys.stdout.fileno())
         os.dup2(file.fileno(), sys.stderr.fileno())

@@ -7,14 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.excitation_loop import PRECISION
+from benchmarks.excitation_loop import PRECISION, QUICK
 from tests.conftest import Workflow, copy_project
 from tests.library.test_benchmarks import run_benchmark
 from ur5lib.commands.excite import ExciteOptions, earlier, known_load, task_of
-from ur5lib.excitation.design import Effort, design
+from ur5lib.excitation.design import design
 from ur5lib.tables import read_csv
 
-SHORT = Effort(1, 0, ((1e2, 30), (1e4, 20)))
 LARGEST = re.compile(r"largest standard error: (\d+)% of the prior's")
 ERRORS = re.compile(r"^ *load friction of joint \d +(\S+) -> (\S+) +(\S+) -> (\S+)", re.MULTILINE)
 
@@ -41,7 +40,7 @@ def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(
     load = known_load(2.0, 0.06, 0.0, 0.05)
     options = ExciteOptions("ur5", 10.0, "undetermined", thesis_results, 0.0, None, 0, load)
     task = task_of(options, *earlier(options))
-    found = design(task, 0, SHORT)
+    found = design(task, 0, QUICK)
     assert found.margins.broken() == []
     alone, before, after = (
         dict(zip(task.problem.names(), task.problem.standard_errors(known), strict=True))

@@ -32,8 +32,8 @@ PRINTED = {  # what each prints at least
     "warming": ["| joint 6 | -1.1", "| all | -1.0", "± 0.04 %/K"],  # made up: -1 %/K
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
-    "many_runs": ["a changed caption", "one more run to fit", "put in: Coulomb friction"],
-    "study": ["whole study, from raw files", "one more recording", "a changed caption"],
+    "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],
+    "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 ELSEWHERE = {  # run by tests of their own, here and in tests/
     "simulated_contacts",

@@ -112,8 +112,7 @@ class EmulatedController:
         """Start; returns when all ports are open and the clock runs."""
         self._folder = tempfile.TemporaryDirectory()
         states = Path(self._folder.name, "states")
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload([__name__])  # loaded once for all controllers
+        context = multiprocessing.get_context("spawn")
         self._line, far_end = context.Pipe()
         self._process = context.Process(
             target=_run, args=(self.setup, states, far_end), daemon=True

@@ -63,26 +63,26 @@ def repair_frames(
     max_gap: [s]; source: the file, for messages; unbounded: as in `drop_implausible`.
     Returns `time`, `segment`, `interpolated`, the
     channels, and `filled_<channel>` for each channel with interpolated cells. Gaps up to `max_gap`
-    are interpolated; longer ones split the recording: `segment` counts its parts from 0. Where the
-    caller does not keep `frames`, a long recording is in memory only once.
+    are interpolated; longer ones split the recording: `segment` counts its parts from 0. `frames`
+    loses its columns on the way, so that a long recording is in memory only once.
     Raises InputError when fewer than two frames are usable or the units must be wrong.
     """
     findings: list[Finding] = []
     _expect_frames(frames, source)
-    frames = _whole_channels(frames, findings, source)
+    given, frames = frames, _whole_channels(frames, findings, source)
     possible = drop_implausible(frames, source, "robot", findings, unbounded)
     frames = in_order(possible, findings)
     del possible
+    for name in [*given]:
+        del given[name]  # so that each channel can be freed when it is on the grid
     _expect_frames(frames, source)
     timing = _timing(frames, cycle, source)
     _report_steps(timing, findings)
-    steps, holes, channels = _steps(frames), _holes(frames), _vectors(frames)
+    steps, holes, channels = _steps(frames), _holes(frames), len(_vectors(frames))
     stretches = _stretches(frames, timing, max_gap)
-    received = dict(frames.items())
-    del frames
-    table, lost = _on_grid(received, channels, stretches, timing, max_gap)
+    table, lost = _on_grid(frames, stretches, timing, max_gap)
     _expect_frames(table, source)
-    _report_lost(steps, table, timing, len(channels), findings)
+    _report_lost(steps, table, timing, channels, findings)
     counts = {
         "missing cells": holes,
         "split": int(table["segment"].max()),
@@ -170,21 +170,17 @@ def _stretch(rows: Labels, time: Array, timing: Timing) -> Stretch:
 
 
 def _on_grid(
-    received: dict[str, pd.Series],
-    channels: dict[str, list[str]],
-    stretches: list[Stretch],
-    timing: Timing,
-    max_gap: float,
+    frames: pd.DataFrame, stretches: list[Stretch], timing: Timing, max_gap: float
 ) -> tuple[pd.DataFrame, int]:
     """Return the table on the grid, and how many of its slots were lost.
 
-    A slot is lost if any channel has a long gap there, or is missing altogether. `received`
-    loses each channel when it is on the grid.
+    A slot is lost if any channel has a long gap there, or is missing altogether. `frames` loses
+    each channel when it is on the grid.
     """
     columns_at, flags = dict[str, Array](), dict[str, Mask]()
     lost = np.zeros(sum(len(stretch.slots) for stretch in stretches), dtype=bool)
-    for name, columns in channels.items():
-        values = np.stack([received.pop(column) for column in columns], axis=1).astype(float)
+    for name, columns in _vectors(frames).items():
+        values = np.stack([frames.pop(column) for column in columns], axis=1).astype(float)
         filled, flag, beyond = _fill_stretches(values, stretches, timing, max_gap, name)
         columns_at |= {column: filled[:, k].copy() for k, column in enumerate(columns)}
         lost |= beyond

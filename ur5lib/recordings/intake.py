@@ -56,13 +56,13 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     frames = with_currents(frames, arm, findings)
     if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
         findings.append(Finding("robot", "no velocities", "note", len(frames)))
-    findings, remarks = findings + raw.findings, list[Finding]()
+    findings += raw.findings
+    remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
-    whole = [frames]
-    del raw, frames  # whose channels are freed while they are repaired
-    robot, timing, repairs = repair_frames(whole.pop(), cycle, max_gap, source, _unbounded(arm))
+    del raw  # whose channels are freed while they are repaired
+    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, _unbounded(arm))
     findings += repairs + remarks
     robot = with_wrist_sensor(robot, arm, "force" in placed, findings)
     sensed = placed["force"][0].table if "force" in placed else robot

@@ -24,7 +24,7 @@ def _held_share(load: Load, time: float) -> float:
 
 
 def _cross(one: Array, other: Array) -> Array:
-    """Return the cross product of two vectors (3,); NumPy's takes longer than a whole step."""
+    """Return the cross product of two vectors (3,); NumPy's takes a third of a step."""
     (a, b, c), (x, y, z) = one.tolist(), other.tolist()
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
@@ -135,7 +135,8 @@ class Contacts:
         torque, wrench = np.zeros(model.nv), np.zeros(6)
         if not self._touches:
             return torque, wrench
-        solved, data.xfrc_applied[:] = np.empty_like(self._jacobian), 0
+        solved = np.empty_like(self._jacobian)
+        data.xfrc_applied[:] = 0
         for touch, body in zip(self._touches, self._bodies, strict=True):
             if not touch.may_act(data.time):
                 continue

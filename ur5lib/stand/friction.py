@@ -117,7 +117,7 @@ class Friction:
         """
         parameters = self._parameters
         dry = parameters.dry(qd, load, warmth)
-        if not np.count_nonzero(dry):
+        if not dry.any():
             return dry
         limit = dry / self._stiffness * np.sign(qd)
         decay = np.exp(-np.abs(qd) * step * self._stiffness / dry)
