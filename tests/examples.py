@@ -115,6 +115,9 @@ def check_command(line: str) -> None:
         return check_command(words[-1] if "--wrap" in words else line.partition("&&")[2])
     name, *words = words or [""]
     match name.removeprefix(".venv/bin/"):
+        case "ur5" if words and words[0].startswith("-"):
+            own = typer.main.get_command(app).params
+            assert words[0] in [option for each in own for option in each.opts], words
         case "ur5" if words:
             command = typer.main.get_command(app).commands[words[0]]  # type: ignore[attr-defined]
             if words[1:]:  # else the text names the command

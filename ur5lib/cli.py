@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from ur5lib.errors import InputError
+from ur5lib import __version__
+from ur5lib.errors import InputError, unknown
 
 Results = Annotated[Path, typer.Argument(help="results of a study: results/<study>")]
 RanStudy = Annotated[
@@ -18,9 +19,25 @@ ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g
 app = typer.Typer(
     help="Dynamics, friction and contact force of Universal Robots arms, from recordings.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,  # markup would take units, [s], for its own
     pretty_exceptions_enable=False,
 )
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"ur5lib {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="the version")
+    ] = False,
+) -> None:
+    pass
 
 
 @app.command()
@@ -189,11 +206,9 @@ def compare(
     from ur5lib.commands.compare import compare as compare_results
 
     topics = [topic for topic in fail_on.split(",") if topic]
-    unknown = [topic for topic in topics if topic not in TOPICS]
-    if unknown:
-        raise InputError(
-            f"--fail-on: unknown topic {unknown[0]!r}; give some of {', '.join(TOPICS)}"
-        )
+    for topic in topics:
+        if topic not in TOPICS:
+            raise unknown("topic", topic, TOPICS)
     comparisons = compare_results(before, after)
     _print(lines(comparisons))
     if junit:
@@ -394,6 +409,10 @@ def settings() -> None:
     from ur5lib.study.schema import settings_text
 
     typer.echo(settings_text(), nl=False)
+
+
+for command in app.registered_commands:
+    command.short_help = getattr(command.callback, "__doc__", None)  # of `help`, click shows a part
 
 
 def main() -> None:

@@ -1,8 +1,9 @@
 """Errors that a user can correct, and remarks about doubtful results."""
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
@@ -61,6 +62,20 @@ def optional(module: str, purpose: str, extra: str) -> Any:
         raise InputError(
             f"{purpose} needs the extra `{extra}`; install it: pip install 'ur5lib[{extra}]'"
         ) from error
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> InputError:
+    """Return the error of a name that is none of those known; kind: of what it would name."""
+    names = [*known]
+    return InputError(
+        f"unknown {kind} {name!r}{perhaps(name, names)}; available: {', '.join(names)}"
+    )
+
+
+def perhaps(name: object, known: Iterable[str]) -> str:
+    """Return " (did you mean `x`?)" of the known name that is closest, empty if none is close."""
+    near = get_close_matches(str(name), [*known], n=1, cutoff=0.5)
+    return f" (did you mean `{near[0]}`?)" if near else ""
 
 
 def some(names: Sequence[str], most: int = 5) -> str:

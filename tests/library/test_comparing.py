@@ -104,7 +104,7 @@ def test_the_exit_status_is_that_of_the_topics_asked_for(
 def test_an_unknown_topic_is_refused(tmp_path: Path) -> None:
     one = str(results(tmp_path / "a"))
     done = CliRunner().invoke(app, ["compare", one, one, "--fail-on", "tea"])
-    assert "unknown topic 'tea'; give some of data, model" in str(done.exception)
+    assert "unknown topic 'tea'; available: data, model" in str(done.exception)
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:

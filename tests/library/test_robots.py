@@ -170,7 +170,7 @@ def test_a_new_arm_is_a_file_and_nothing_else(tmp_path: Path) -> None:
         (["--robot", "ur5", "--model", "D"], "no link model 'D'; available: A, B, C"),
         (
             ["--robot", "ur5", "--model", "C", "--to", "usd"],
-            "unknown format 'usd'; available: urdf",
+            r"unknown format 'usd' \(did you mean `sdf`\?\); available: urdf",
         ),
     ],
 )

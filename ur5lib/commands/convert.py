@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.errors import InputError, optional
+from ur5lib.errors import InputError, optional, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.tables import write_aside, write_csv
 
@@ -149,7 +149,7 @@ def write_recordings(
     for missing results and files that cannot be written.
     """
     if to not in WRITERS:
-        raise InputError(f"unknown format {to!r}; available: {', '.join(WRITERS)}")
+        raise unknown("format", to, WRITERS)
     study, (ending, write) = FinishedStudy(results), WRITERS[to]
     for name in names or study.recordings:
         frames = {table: study.frame(name, table) for table in TABLES}

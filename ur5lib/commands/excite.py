@@ -13,7 +13,7 @@ from rich.progress import Progress
 
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, unknown
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import write_files
 from ur5lib.excitation.objective import QUESTIONS, STEP, Task, Worth
@@ -67,7 +67,7 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     Raises InputError for a wrong option, missing results, and limits that allow no motion.
     """
     if options.question not in QUESTIONS:
-        raise InputError(f"--question {options.question!r}: give one of {', '.join(QUESTIONS)}")
+        raise unknown("question", options.question, QUESTIONS)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
     arm, known = earlier(options)

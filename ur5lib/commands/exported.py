@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.commands.friction_scales import direct_torque
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
 from ur5lib.pipeline.records.currents import Currents
@@ -46,7 +46,7 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     the arm has, empty for none. Raises InputError for unknown names and missing results.
     """
     if to not in FORMATS:
-        raise InputError(f"unknown format {to!r}; available: {', '.join(FORMATS)}")
+        raise unknown("format", to, FORMATS)
     if to == "direct-torque":
         return direct_torque(robot, results)
     study = None if results is None else FinishedStudy(results)
@@ -58,7 +58,10 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
         arm = arm.carrying(study.payload(as_in)).mounted(gravity)
     model = model or (arm.chosen_model if study is None else arm.fullest_model())
     if model not in arm.models:
-        raise InputError(f"{robot} has no link model {model!r}; available: {', '.join(arm.models)}")
+        near = perhaps(model, arm.models)
+        raise InputError(
+            f"{robot} has no link model {model!r}{near}; available: {', '.join(arm.models)}"
+        )
     friction = None if study is None else simulator_friction(robot, model, study)
     if to in WRITERS:
         return WRITERS[to](arm, model, friction)

@@ -11,7 +11,7 @@ import requests
 from pooch.hashes import hash_matches
 
 from ur5lib.datasets.catalogue import catalogue
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, unknown
 from ur5lib.tables import made, write_aside
 
 TIMEOUT = 30  # s
@@ -212,7 +212,7 @@ def fetch(name: str, target: Path | None = None, source: Path | None = None) -> 
     as `fetch_archive` and `fetch_record`.
     """
     if name not in catalogue():
-        raise InputError(f"unknown data set {name!r}; available: {', '.join(catalogue())}")
+        raise unknown("data set", name, catalogue())
     dataset, folder = catalogue()[name], target or Path("raw") / name
     if dataset.archive:
         known = dataset.checksums

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args
@@ -372,9 +373,10 @@ def robot_names() -> list[str]:
 def no_description(name: str) -> str:
     """Return the message about an arm without description, with the name that may be meant."""
     known = {_letters(other): other for other in robot_names()} | SAME_LINKS
-    near = f" (did you mean `{known[_letters(name)]}`?)" if _letters(name) in known else ""
+    [near] = get_close_matches(_letters(name), known, n=1, cutoff=0.8) or [""]
+    meant = f" (did you mean `{known[near]}`?)" if near else ""
     described = ", ".join(robot_names())
-    return f"no description of `{name}`{near}; docs/robots.md shows how to add one to {described}"
+    return f"no description of `{name}`{meant}; docs/robots.md shows how to add one to {described}"
 
 
 def _letters(name: str) -> str:

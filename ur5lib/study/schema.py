@@ -3,12 +3,12 @@
 import json
 import math
 from collections.abc import Iterable, Iterator
-from difflib import get_close_matches
 from typing import Any
 
 from pydantic_core import ErrorDetails
 
 from ur5lib.channels import RECORDED
+from ur5lib.errors import perhaps
 from ur5lib.study.model import Study
 
 QUOTE = "'"  # pydantic puts it around a discriminator's name
@@ -40,14 +40,14 @@ def explain(error: ErrorDetails, schema: Schema) -> str:
     key, kind = "".join(parts).lstrip("."), error["type"]
     if kind == "extra_forbidden":
         known = _descend(schema, error["loc"][:-1])[1]["properties"]
-        return f"unknown key `{key}`{_near(location[-1], known)}; known keys: {', '.join(known)}"
+        return f"unknown key `{key}`{perhaps(location[-1], known)}; known keys: {', '.join(known)}"
     if kind.startswith("union_tag"):
         return _explain_tag(error, key, list(branches(node)))
     if kind == "missing":
         return f"`{key}` is missing; give {allowed(node)}"
     if kind == "no_description":
         return f"`{key}`: {error['msg']}"
-    near = _near(error["input"], _choices(node))
+    near = perhaps(error["input"], _choices(node))
     wanted = error["ctx"]["error"] if kind == "value_error" else allowed(node)
     quoted = " (in quotes, or YAML does not read it as text)" if kind == "string_type" else ""
     return f"`{key}` is {shown(error['input'])}{near}; give {wanted}{quoted}"
@@ -60,7 +60,7 @@ def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
     if error["type"] == "union_tag_not_found":
         return f"`{key}` is missing; {remedy}"
     value = error["ctx"]["tag"]
-    return f"`{key}` is {value!r}{_near(value, tags)}; {remedy}"
+    return f"`{key}` is {value!r}{perhaps(value, tags)}; {remedy}"
 
 
 def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | int], Schema]:
@@ -99,11 +99,6 @@ def _child(node: Schema, part: str | int) -> Schema:
         return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
     entries = node.get("prefixItems", [])
     return entries[part] if part < len(entries) else node.get("items", {})
-
-
-def _near(value: object, candidates: Iterable[str]) -> str:
-    matches = get_close_matches(str(value), list(candidates), n=1, cutoff=0.5)
-    return f" (did you mean `{matches[0]}`?)" if matches else ""
 
 
 def shown(value: object) -> str:
