@@ -135,7 +135,7 @@ def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Pa
     ("words", "message"),
     [
         (["--robot", "ur6"], "no description of `ur6`"),
-        (["--question", "tea"], "--question 'tea': give one of model, undetermined"),
+        (["--question", "tea"], "unknown --question 'tea'; available: model, undetermined"),
         (["--payload", "0", "0", "0", "0"], "--payload 0 0 0 0: give a mass above zero"),
         (["--table", "nan"], "--table nan: give its height"),
         (["--boxes", "none.yaml"], "--boxes none.yaml cannot be read"),

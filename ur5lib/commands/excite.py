@@ -67,7 +67,7 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     Raises InputError for a wrong option, missing results, and limits that allow no motion.
     """
     if options.question not in QUESTIONS:
-        raise unknown("question", options.question, QUESTIONS)
+        raise unknown("--question", options.question, QUESTIONS)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
     arm, known = earlier(options)
