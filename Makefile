@@ -61,7 +61,7 @@ schema: .venv/ready ## write the schema and the table of a study's settings anew
 
 lock: ## pin the newest versions that pyproject.toml allows
 	rm -rf .venv && $(PYTHON) -m venv .venv
-	$(PIP) install hatchling --editable '.[formats,record]'
+	$(PIP) install hatchling --editable '.[record]'
 	$(FREEZE) > requirements.lock
 	$(PIP) install --editable '.[dev]'
 	(echo "--requirement requirements.lock"; $(FREEZE) | grep --invert-match --line-regexp --fixed-strings --file requirements.lock) > requirements-dev.lock

@@ -54,13 +54,13 @@ def reason(error: ValueError) -> Remark:
     return remark("other reason", reason=str(error))
 
 
-def optional(module: str, purpose: str, extra: str) -> Any:
-    """Return a module of an extra of ur5lib. Raises InputError where it is not installed."""
+def of_recorder(module: str, purpose: str) -> Any:
+    """Return a module of the extra `record`. Raises InputError where it is not installed."""
     try:
         return import_module(module)
     except ImportError as error:
         raise InputError(
-            f"{purpose} needs the extra `{extra}`; install it: pip install 'ur5lib[{extra}]'"
+            f"{purpose} needs the extra `record`; install it: pip install 'ur5lib[record]'"
         ) from error
 
 

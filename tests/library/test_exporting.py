@@ -4,7 +4,6 @@ They are read back by the formats' own libraries.
 """
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -177,12 +176,6 @@ def test_what_is_not_there_is_reported(
     with pytest.raises(InputError, match=message):
         [*write_recordings(results, names, to)]
     assert not (results / "exported").exists()
-
-
-def test_a_missing_package_is_reported(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "mcap.writer", None)
-    with pytest.raises(InputError, match="MCAP needs the extra `formats`"):
-        exported(results, "mcap")
 
 
 def test_an_interrupted_export_leaves_nothing(

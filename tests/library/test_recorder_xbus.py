@@ -3,13 +3,22 @@
 import math
 import random
 import struct
+import sys
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
-from ur5lib.recorder.xbus import Decoder, Message, decode_mtdata, decode_mtdata2, encode
+from ur5lib.errors import InputError
+from ur5lib.recorder.xbus import (
+    Decoder,
+    Message,
+    XbusPort,
+    decode_mtdata,
+    decode_mtdata2,
+    encode,
+)
 
 STREAMS = 1000
 
@@ -155,3 +164,9 @@ def test_random_data_never_raises(data: bytes, draw: random.Random) -> None:
     decode_mtdata2(data)
     decode_mtdata(data)
     decode_mtdata2(damaged_stream(SAMPLE[4:-1], draw))
+
+
+def test_a_missing_package_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "serial", None)
+    with pytest.raises(InputError, match="reading the IMU needs the extra `record`; install it"):
+        XbusPort("/dev/null", 115200)

@@ -1,17 +1,23 @@
 """Files that hold arrays: HDF5, MAT, ROS bags, Parquet, Feather, one file a channel."""
 
+import json
 import random
 import re
 import subprocess
 import sys
+import tomllib
+from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from hypothesis import given
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from tests.commands import time_limit
+from tests.conftest import PROJECT
 from tests.damage import DRAWS, FLIPPED, compare, damaged_file, drawn, findings
 from tests.entries import read_and_repair, read_recording
 from tests.stored_files import (
@@ -183,13 +189,37 @@ def test_a_line_without_a_number_would_shift_the_rows(
         read_recording(entry)
 
 
-def test_a_package_that_is_not_installed_is_named(
-    tmp_path: Path, made: Made, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    entry = write("hdf5", tmp_path, *made)
-    monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(InputError, match="HDF5 needs the extra `formats`; install it"):
-        read_recording(entry)
+BASE = """
+import json, sys
+packages, entries = json.loads(sys.stdin.read())
+sys.modules.update(dict.fromkeys(packages))  # as if these were not installed
+from ur5lib.recordings.entries import ENTRY
+from ur5lib.recordings.formats import read_recording
+print(*(len(read_recording(ENTRY.validate_python(entry)).robot.table) for entry in entries))
+"""
+
+
+def not_of_the_base_install() -> list[str]:
+    """Packages that are here, but not among those that `pip install .` brings."""
+    project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
+    waiting, brought = [Requirement(line) for line in project["dependencies"]], set[str]()
+    while waiting:
+        one = waiting.pop()
+        name = canonicalize_name(one.name)
+        if name not in brought and (not one.marker or one.marker.evaluate({"extra": ""})):
+            brought.add(name)
+            waiting += map(Requirement, metadata.requires(name) or [])
+    here = metadata.packages_distributions().items()
+    given = {package for package, names in here if {*map(canonicalize_name, names)} & brought}
+    return sorted({package for package, _ in here} - given - {"ur5lib", "_distutils_hack"})
+
+
+def test_the_base_install_reads_every_format(tmp_path: Path, made: Made) -> None:
+    entries = [write(kind, tmp_path, *made) for kind in WRITERS]
+    told = json.dumps([not_of_the_base_install(), entries])
+    run = [sys.executable, "-c", BASE]
+    counts = subprocess.check_output(run, input=told, text=True, cwd=PROJECT)
+    assert counts.split() == [str(len(made[0]))] * len(WRITERS)
 
 
 def test_a_block_that_was_never_written_is_reported(tmp_path: Path, made: Made, ur5: Robot) -> None:

@@ -121,7 +121,7 @@ def test_a_user_installs_nothing_that_only_tests_need() -> None:
     """Each lock has what its part of pyproject.toml names, and no package is in both."""
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
     extras = project["optional-dependencies"]
-    for_users = project["dependencies"] + extras["formats"] + extras["record"]
+    for_users = project["dependencies"] + extras["record"]
     named = {canonicalize_name(Requirement(each).name) for each in for_users}
     for_tests = {canonicalize_name(Requirement(each).name) for each in extras["dev"]}
     assert named <= locked("requirements.lock")

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
+from mcap.writer import Writer
 
-from ur5lib.errors import InputError, optional, unknown
+from ur5lib.errors import InputError, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.tables import write_aside, write_csv
 
@@ -91,13 +91,12 @@ def write_mcap(contents: Contents, path: Path) -> None:
 
     A message has a number for each column, without unknown values. The topic's JSON schema has the
     units. Time stamps count from 1970, or from the recording's start if its date is unknown.
-    Raises InputError where the file cannot be written, or the package `mcap` is missing.
+    Raises InputError where the file cannot be written.
     """
-    mcap = optional("mcap.writer", "MCAP", "formats")
 
     def write(aside: Path) -> None:
         with aside.open("wb") as stream:
-            writer = mcap.Writer(stream)
+            writer = Writer(stream)
             writer.start()
             _write_messages(writer, contents)
             writer.finish()
@@ -105,7 +104,7 @@ def write_mcap(contents: Contents, path: Path) -> None:
     write_aside(path, write)
 
 
-def _write_messages(writer: Any, contents: Contents) -> None:
+def _write_messages(writer: Writer, contents: Contents) -> None:
     """Write the samples of all tables in the order of their time stamps, as players expect."""
     topics = [_add_topic(writer, name, table) for name, table in contents.tables.items()]
     rows = [_messages(table) for table in contents.tables.values()]
@@ -116,7 +115,7 @@ def _write_messages(writer: Any, contents: Contents) -> None:
             writer.add_message(topic, stamp, message, stamp, number)
 
 
-def _add_topic(writer: Any, name: str, table: pd.DataFrame) -> int:
+def _add_topic(writer: Writer, name: str, table: pd.DataFrame) -> int:
     """Add a table's topic, in whose schema each column's description is its unit."""
     kinds = {column: "boolean" if table[column].dtype == bool else "number" for column in table}
     units = table.attrs["units"]

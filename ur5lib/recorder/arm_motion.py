@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Self
 
-from ur5lib.errors import InputError, optional
+from ur5lib.errors import InputError, of_recorder
 from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import ACCELERATION, SPEED, CommandedMotion
 from ur5lib.timeseries.arrays import Array
@@ -48,7 +48,7 @@ class ArmMotion:
         Raises InputError when ur_rtde is not installed or the controller does not answer.
         """
         read_state(self._address)  # fails fast and clearly, where ur_rtde would block
-        rtde_control = optional("rtde_control", "moving the arm", "record")
+        rtde_control = of_recorder("rtde_control", "moving the arm")
         try:
             self._control = rtde_control.RTDEControlInterface(self._address)
         except (RuntimeError, ValueError) as error:

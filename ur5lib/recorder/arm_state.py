@@ -6,7 +6,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from ur5lib.errors import InputError, optional
+from ur5lib.errors import InputError, of_recorder
 from ur5lib.recorder.device import PATIENCE, DeviceLost
 from ur5lib.recorder.rtde_arm import PORT, RtdeClient
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
@@ -67,7 +67,7 @@ def identify(address: str) -> dict[str, str]:
 
     Raises InputError when ur_rtde is not installed or the dashboard does not answer.
     """
-    ur_rtde = optional("dashboard_client", "asking the dashboard", "record")
+    ur_rtde = of_recorder("dashboard_client", "asking the dashboard")
     dashboard = ur_rtde.DashboardClient(address)
     try:
         dashboard.connect()

@@ -16,7 +16,7 @@ import time
 from collections import deque
 from typing import Final, NamedTuple
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, of_recorder
 from ur5lib.recorder.device import DeviceLost
 
 START = b"\xfa\xff"  # preamble, and the bus identifier of a device that is connected directly
@@ -180,9 +180,8 @@ class XbusPort:
     """The messages of a device at a serial port."""
 
     def __init__(self, path: str, baudrate: int) -> None:
-        """Open the port. Raises InputError when that fails."""
-        import serial
-
+        """Open the port. Raises InputError when that fails, or pyserial is not installed."""
+        serial = of_recorder("serial", "reading the IMU")
         self._path = path
         self._decoder = Decoder()
         self._early: deque[Message] = deque()

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.feather as feather
 import pyarrow.parquet as pq
 
-from ur5lib.errors import InputError, optional
+from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.strict import expect_file
@@ -96,7 +96,9 @@ def _column(column: pa.ChunkedArray) -> np.ndarray | None:
 @array_format("hdf5", "an HDF5 file", ".h5", ".hdf5")
 def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the arrays of numbers by their path in the file."""
-    with optional("h5py", "HDF5", "formats").File(path) as file:
+    import h5py  # slow to import
+
+    with h5py.File(path) as file:
         names: list[str] = []
         file.visit(names.append)  # follows no link to another file
         paths = names if wanted is None else wanted

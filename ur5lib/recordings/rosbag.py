@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.errors import optional
 from ur5lib.recordings.array_files import Arrays, array_format
 from ur5lib.recordings.quality import Finding, Log
 
@@ -49,13 +48,14 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     [s]. Joints come in the arm's order where the messages name them. Messages that cannot be read
     are skipped and reported. Raises InputError when the file is damaged or no bag.
     """
-    reader = optional("rosbags.highlevel", "a bag", "formats").AnyReader
-    types = optional("rosbags.typesys", "a bag", "formats")
-    store = types.get_typestore(types.Stores.ROS2_HUMBLE)
+    from rosbags.highlevel import AnyReader  # slow to import, and few recordings are bags
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
     topics: dict[str, list[Message]] = {}
     lost = Counter[str]()
     try:
-        with reader([path], default_typestore=store) as bag:
+        with AnyReader([path], default_typestore=store) as bag:
             _collect(bag, wanted, topics, lost)
     except Exception:  # of damaged files, the library may raise anything
         if not topics:
