@@ -125,6 +125,7 @@ INTERNAL = ("segment", "interpolated", "filled", "received")  # of repaired fram
 RECORDED = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
+SIGNED_CHANNELS = [name for name in JOINT_CHANNELS if CHANNELS[name].unit not in ("degC", "V")]
 
 
 def suffixes(channel: str, joints: int = 6) -> tuple[str, ...]:

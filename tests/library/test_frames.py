@@ -1,5 +1,7 @@
 """Frame repair: back onto a uniform grid, in order, each slot once, gaps marked."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -19,7 +21,7 @@ RANDOM = np.random.default_rng(0)
 NOISE = RANDOM.normal(size=(10_000, 6))
 
 
-def frames(slots: list[int] | range = range(COUNT), cycle: float = CYCLE) -> pd.DataFrame:
+def frames(slots: Sequence[int] | np.ndarray = range(COUNT), cycle: float = CYCLE) -> pd.DataFrame:
     """A parabola in the positions, a line in the velocities, noise in the currents."""
     time = 0.05 + cycle * np.array(slots)
     columns = {"time": time}
@@ -395,6 +397,21 @@ def test_a_stale_stamp_does_not_hide_that_the_clock_was_reset() -> None:
     repaired, findings = repair(stale)
     assert (findings["clock reset"].count, findings["stale stamps"].count) == (1, 1)
     np.testing.assert_array_equal(repaired["actual_current_0"], 0.1 * np.arange(120))
+
+
+@pytest.mark.parametrize("beside", [{}, {"received": 0.0}, {"ft_fx": 3.0}])
+@pytest.mark.parametrize("rate", [110, 150, 250])
+def test_what_a_faster_recorder_polls_again_is_dropped(rate: int, beside: dict[str, float]) -> None:
+    """At irregular times, which it may write beside: so may another device."""
+    random = np.random.default_rng(rate)
+    polled = np.cumsum(np.clip(random.exponential(1 / rate, 10 * rate), 2e-5, 0.1))
+    slots = np.floor(polled / CYCLE).astype(int)
+    written = frames(slots).assign(**{name: size * polled for name, size in beside.items()})
+    repaired, findings = repair(written, cycle=None)
+    expected, _ = repair(frames(np.unique(slots)))
+    pd.testing.assert_frame_equal(repaired[[*expected]], expected)
+    assert findings["repeated frames"].count == len(slots) - len(np.unique(slots))
+    assert findings.keys() == {"repeated frames", "lost frames"}
 
 
 def test_what_a_reset_clock_shows_again_is_no_repeat() -> None:

@@ -27,7 +27,7 @@ from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import SPLIT
 from ur5lib.stand.files import MESSAGE, messages
 from ur5lib.study.model import Recording
-from ur5lib.tables import named
+from ur5lib.tables import channel, named
 
 LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX]
 
@@ -197,8 +197,10 @@ def test_units_and_skipped_columns(tmp_path: Path) -> None:
             "`units` in the study give actual_q in furlong; use one of",
         ),
         ({"units": {"target_q": "deg"}}, "`units` in the study give target_q in deg; use one of"),
-        ({"columns": ["actual_q"] * 2}, "name actual_q_0 twice; name `time` and each channel once"),
-        ({"columns": ["actual_q"]}, "lack `time`; name `time` and each channel once"),
+        (
+            {"columns": ["time", "actual_q", "actual_q"]},
+            "name actual_q_0 twice; name each channel once",
+        ),
         ({"file": "none.csv"}, "none.csv .*; add the file"),
         ({"columns": ["time", "actual_q"]}, "line 1: expected 7 numbers .*; correct `columns`"),
     ],
@@ -209,6 +211,47 @@ def test_a_wrongly_named_table_is_reported(tmp_path: Path, change: dict, sentenc
     entry = TABLE | {"folder": str(tmp_path), "file": "log.csv", "columns": columns} | change
     with pytest.raises(InputError, match=sentence):
         read_recording(entry)
+
+
+@pytest.mark.parametrize("rate", [125, 43.478, 300])
+def test_a_log_without_a_clock_has_the_rate_that_the_study_states(
+    tmp_path: Path, ur5: Robot, rate: float
+) -> None:
+    """Its damaged rows count, too: they are gaps."""
+    q = 0.1 * np.sin(np.arange(400)[:, None] / rate + np.arange(6))
+    np.savetxt(tmp_path / "log.txt", q, fmt="%.9f")
+    lines = (tmp_path / "log.txt").read_text().splitlines()
+    lines[100] = lines[200] = "torn"
+    (tmp_path / "log.txt").write_text("\n".join(lines) + "\n")
+    entry = TABLE | {"folder": str(tmp_path), "file": "log.txt", "columns": ["actual_q"]}
+    taken = read_and_repair(entry | {"rate": rate}, ur5, 0.1)
+    np.testing.assert_allclose(taken.robot["time"], np.arange(400) / rate, atol=1e-9)
+    assert np.flatnonzero(taken.robot["interpolated"]).tolist() == [100, 200]
+    np.testing.assert_allclose(channel(taken.robot, "actual_q"), q, atol=1e-5)
+
+
+def test_joints_are_counted_as_the_arm_s_description_counts_them(tmp_path: Path) -> None:
+    """q = home + s recorded; what has no direction stays."""
+    home, signs = np.array([0.0, -90, 90, 0, 45, 180]), np.array([1, -1, -1, 1, -1, 1])
+    rows = np.random.default_rng(0).normal(size=(50, 30))
+    names = ["actual_q", "target_q", "actual_qd", "actual_current", "joint_temperatures"]
+    time = 0.01 * np.arange(len(rows))
+    np.savetxt(tmp_path / "log.csv", np.column_stack([time, rows]), delimiter=",")
+    entry = TABLE | {"folder": str(tmp_path), "file": "log.csv", "columns": ["time", *names]}
+    stated = {"home_deg": home.tolist(), "directions": signs.tolist()}
+    table = read_recording(entry | stated).robot.table
+    q, target_q, qd, current, temperature = np.split(rows, 5, axis=1)
+    for name, expected in {
+        "actual_q": np.radians(home) + signs * q,
+        "target_q": np.radians(home) + signs * target_q,
+        "actual_qd": signs * qd,
+        "actual_current": signs * current,
+        "joint_temperatures": temperature,
+    }.items():
+        np.testing.assert_allclose(channel(table, name), expected)
+    for key, values in stated.items():
+        with pytest.raises(InputError, match=f"`{key}` .* 5 entries, but .* 6 joints; give one"):
+            read_recording(entry | {key: values[1:]})
 
 
 def test_sensors_of_a_table_have_their_own_clock(tmp_path: Path) -> None:

@@ -63,6 +63,36 @@ def test_each_format_gives_what_was_written(tmp_path: Path, made: Made, kind: st
     assert raw.findings == []
 
 
+@pytest.mark.parametrize("kind", [kind for kind in WRITERS if not kind.startswith("rosbag")])
+def test_a_rate_takes_the_place_of_stamps(tmp_path: Path, made: Made, kind: str) -> None:
+    entry = write(kind, tmp_path, *made)
+    del entry["channels"]["time"]
+    raw = read_recording(entry | {"rate": 125})
+    same(raw, made, [*entry["channels"]])
+    assert raw.cycle == 0.008
+
+
+def test_a_sensor_beside_arrays_without_stamps_has_a_rate_too(tmp_path: Path, made: Made) -> None:
+    force = np.random.default_rng(1).normal(size=(len(made[0]), 3))
+    write_hdf5(tmp_path / "run.h5", made[0], made[1] | {"force": force})
+    entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q"]) | {"rate": 125}
+    del entry["channels"]["time"]
+    entry["force_sensor"] = {"channels": {"ft_f": "run/force"}, "rate": 125}
+    raw = read_recording(entry)
+    np.testing.assert_allclose(raw.sensors["force"].table["time"], raw.robot.table["time"])
+
+
+def test_the_columns_of_any_number_of_joints_may_be_reordered(tmp_path: Path) -> None:
+    q, order = np.random.default_rng(3).normal(size=(90, 7)), [2, 1, 3, 4, 7, 6, 5]
+    shuffled = q[:, [joint - 1 for joint in order]]
+    np.savez(tmp_path / "run.npz", time=0.01 * np.arange(90), actual_q=shuffled)
+    entry = entry_of("npz", tmp_path / "run.npz", ["actual_q"]) | {"joints": order}
+    table = read_recording(entry).robot.table
+    np.testing.assert_allclose(table[[f"actual_q_{joint}" for joint in range(7)]], q)
+    with pytest.raises(InputError, match=r"lists 6 joints, but .* has 7; list the joint"):
+        read_recording(entry | {"joints": [1, 2, 3, 4, 5, 6]})
+
+
 def test_arrays_may_be_turned_and_stamps_may_be_pairs(tmp_path: Path, made: Made) -> None:
     time, channels = made
     epoch = time + 1577738076.0

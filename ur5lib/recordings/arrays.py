@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 import ur5lib.recordings.rosbag  # noqa: F401 - registers its format
-from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS
+from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS, joint_count
 from ur5lib.channels import suffixes as suffixes_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS, Arrays
@@ -33,13 +33,26 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
         for channel in JOINT_CHANNELS
         for place, joint in enumerate(recording.joints or [])
     }
-    table = _table(recording, arrays, path).rename(columns=in_arm_order)
+    table = _table(recording, arrays, path)
+    _expect_listed(recording, table)
+    table = table.rename(columns=in_arm_order)
     table = drop_untimed(drop_zeroed(table, findings), Log(path, "robot", findings))
     if table.empty:
         raise InputError(f"{path}: no row has a time; record it again, or correct `channels`")
     robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
     records = {d: _sensor(sensor, arrays, path, d, findings) for d, sensor in sensors.items()}
-    return RawRecording(robot, None, {d: r for d, r in records.items() if r}, findings)
+    present = {d: r for d, r in records.items() if r}
+    return RawRecording(robot, recording.cycle, present, findings)
+
+
+def _expect_listed(recording: ArrayFiles, table: pd.DataFrame) -> None:
+    """Raise InputError where `joints` lists more or fewer joints than the arrays have."""
+    listed, found = len(recording.joints or []), joint_count(table.columns)
+    if listed not in (0, found):
+        raise InputError(
+            f"`joints` in the study lists {listed} joints, but {recording.path} has {found}; "
+            "list the joint of each column"
+        )
 
 
 def _wanted(tables: Iterable[StoredTable]) -> set[str]:
@@ -58,11 +71,16 @@ def _wanted(tables: Iterable[StoredTable]) -> set[str]:
 
 def _table(named: StoredTable, arrays: Arrays, path: Path) -> pd.DataFrame:
     """Return `time` and the channels in SI units."""
-    time = seconds_of(_array(arrays, "time", named.channels["time"], path))
-    columns = {"time": time}
-    for channel, given in named.channels.items():
-        if channel != "time":
-            columns |= _columns(channel, given, arrays, len(time), path)
+    first, *others = sorted(named.channels.items(), key=lambda pair: pair[0] != "time")
+    values = _array(arrays, *first, path)
+    if first[0] == "time":
+        columns = {"time": seconds_of(values)}
+        rows = len(columns["time"])
+    else:
+        rows = max(values.shape)
+        columns = _columns(*first, arrays, rows, path)
+    for channel, given in others:
+        columns |= _columns(channel, given, arrays, rows, path)
     return named.in_si(pd.DataFrame(columns))
 
 

@@ -18,7 +18,7 @@ from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
 
 DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")  # ISO 8601
 NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
@@ -48,18 +48,25 @@ class Form(NamedTuple):
 
 
 def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
+    """Return the complete rows of a delimited table, as `read_rows` does."""
+    return read_rows(log, names)[0]
+
+
+def read_rows(log: Log, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
     """Return the complete rows of a delimited table; other lines are skipped and reported.
 
     names: of the columns, in order; None takes them from the header line. The separator is a
     comma, semicolon, tab or blank; beside semicolons and tabs, commas are decimal points. Returns
     float64, with NaN for empty cells and those with the text NaN, dates as seconds since 1970, and
-    no column of other text that is not named like a channel. Raises InputError when the file
-    cannot be read, is not text, lacks a required header, or has mostly damaged lines.
+    no column of other text that is not named like a channel; and the number of each row from 0
+    (N,), skipped lines counted. Raises InputError when the file cannot be read, is not text, lacks
+    a required header, or has mostly damaged lines.
     """
     blocks = text_blocks(log)
     first = next(blocks)
     top, form = _form_of(first, log.path, names)
     tables, damaged, fault, line = list[pa.Table](), list[int](), "", 1
+    above = 1 + first.count(b"\n", 0, top)
     for block in chain([first], blocks):
         data = _with_points(block, form, log)
         end = _end_of_rows(data, top, line, form, log)
@@ -73,7 +80,8 @@ def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
     table = _joined(tables)
     if damaged:
         _report_damaged(log, damaged, fault, table, len(form.names))
-    return table
+    lines = np.arange(above, above + len(table) + len(damaged))
+    return table, np.setdiff1d(lines, damaged)[: len(table)] - above  # blank lines are no rows
 
 
 def drop_untimed(table: pd.DataFrame, log: Log) -> pd.DataFrame:

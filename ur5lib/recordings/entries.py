@@ -1,11 +1,13 @@
 """The entry of a recording in a study, as far as its reader needs it: files, columns, units."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
+import numpy as np
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, model_validator
+from pydantic_core import PydanticCustomError
 
 from ur5lib.channels import SIX, joint_count, meant
 from ur5lib.channels import columns as columns_of
@@ -16,6 +18,8 @@ from ur5lib.strict import Strict
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from ur5lib.timeseries.arrays import Labels
 
 SKIPPED = "-"
 RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # of frame repair
@@ -33,6 +37,11 @@ FACTORS = {  # from these units to SI
     "g": 9.80665,
     OPPOSITE: -1.0,
 }
+
+
+def of_entry(fault: str) -> PydanticCustomError:
+    """Return the error of an entry as a whole; fault: the sentence without its subject."""
+    return PydanticCustomError("of_entry", "{fault}", {"fault": fault})
 
 
 RunFile = Annotated[
@@ -58,10 +67,35 @@ class Clocked(Strict):
         description="time base: seconds since the start, seconds since 1970, milliseconds of the "
         "day, seconds of the clock of the computer that recorded robot and sensors together",
     )
+    rate: float | None = Field(
+        None,
+        ge=1,
+        le=5000,
+        description="rows per second [Hz], of a log without a clock: its rows are equally spaced",
+    )
 
-    def in_si(self, table: "pd.DataFrame") -> "pd.DataFrame":
+    @property
+    def cycle(self) -> float | None:
+        """Return the time between two rows [s], None where each row has its own time."""
+        return None if self.rate is None else 1 / self.rate
+
+    def names(self) -> Collection[str]:
+        """Return the names of the columns or channels, none where the format gives them."""
+        return ()
+
+    @model_validator(mode="after")
+    def _has_one_clock(self) -> Self:
+        stamped = "time" in self.names()
+        if self.rate is not None and (stamped or self.time != "relative_s"):
+            raise of_entry("has both `time` and `rate`; remove one")
+        if self.names() and not stamped and self.rate is None:
+            raise of_entry("names no `time`; name it, or state the `rate` of the rows [Hz]")
+        return self
+
+    def in_si(self, table: "pd.DataFrame", row: "Labels | None" = None) -> "pd.DataFrame":
         """Return a table with its channels in SI units and without the columns to skip.
 
+        row: numbers (N,) of the rows, by which the rate gives their `time`; default: in order.
         Raises InputError for an unknown unit, and for units of channels that the table lacks.
         """
         table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
@@ -78,6 +112,8 @@ class Clocked(Strict):
                     "channels that `columns` names"
                 )
             table[names] = table[names] * factor
+        if self.cycle is not None:
+            table["time"] = self.cycle * (np.arange(len(table)) if row is None else row)
         return table
 
 
@@ -97,6 +133,10 @@ class DeviceTable(Clocked):
         description="contents of the columns, in order: `time` and channels by their RTDE names; a "
         "channel without suffix stands for all its columns, `-` for a column to skip",
     )
+
+    def names(self) -> Collection[str]:
+        """Return the names of the columns."""
+        return self.columns
 
 
 class Sensor(DeviceTable):
@@ -128,9 +168,7 @@ class ForceSensor(Sensor):
     )
 
 
-def _maps_the_time(channels: dict[str, str | list[str]]) -> dict[str, str | list[str]]:
-    if "time" not in channels:
-        raise ValueError("a mapping with `time`, which names the array of the stamps")
+def _of_channels(channels: dict[str, str | list[str]]) -> dict[str, str | list[str]]:
     for name in channels:
         if (channel := meant(name)) is not None:
             raise ValueError(f"`{channel}` instead of `{name}`, if you mean that channel")
@@ -142,11 +180,21 @@ def _maps_the_time(channels: dict[str, str | list[str]]) -> dict[str, str | list
 class StoredTable(Clocked):
     """Arrays with one clock, in a file."""
 
-    channels: Annotated[dict[str, str | list[str]], AfterValidator(_maps_the_time)] = Field(
+    channels: Annotated[dict[str, str | list[str]], AfterValidator(_of_channels)] = Field(
         description="the array of each channel: of `time` and of channels by their RTDE names, "
         "without suffix; an array by its path in the file, or a list of those that hold its "
         "columns. Arrays may be n × 6 or 6 × n, stamps pairs of seconds and nanoseconds"
     )
+
+    def names(self) -> Collection[str]:
+        """Return the names of the channels."""
+        return self.channels
+
+
+def _each_once(joints: list[int]) -> list[int]:
+    if sorted(joints) != [*range(1, len(joints) + 1)]:
+        raise ValueError(f"each joint from 1 to {len(joints)} once")
+    return joints
 
 
 class Files(Strict):
@@ -160,6 +208,17 @@ class Files(Strict):
     )
     to_s: float | None = Field(
         None, gt=0, description="use the recording until this time, counted from its first frame"
+    )
+    home_deg: list[float] | None = Field(
+        None,
+        description="angle of each joint [°] by the arm's description where the recorded position "
+        "is zero: q = home + direction · recorded; default: 0",
+    )
+    directions: list[Literal[1, -1]] | None = Field(
+        None,
+        description="direction of each joint: -1 where the signs of its recorded positions, "
+        "velocities, currents and torques are opposite to those of the arm's description; default: "
+        "1",
     )
     format: str = Field(description="format of the files")
 
@@ -220,11 +279,10 @@ class TableFiles(DeviceTable, WithSensors):
 class ArrayFiles(StoredTable, Files):
     """Arrays of the robot, and of sensors in the same file."""
 
-    joints: list[Annotated[int, Field(ge=1, le=6)]] | None = Field(
+    joints: Annotated[list[int], AfterValidator(_each_once)] | None = Field(
         None,
-        min_length=6,
-        max_length=6,
-        description="joint, 1 to 6, of each column of the joints' arrays; default: in order",
+        min_length=1,
+        description="joint, from 1, of each column of the joints' arrays; default: in order",
     )
     force_sensor: StoredTable | None = Field(None, description="arrays of the force sensor, if any")
     imu: StoredTable | None = Field(None, description="arrays of the IMU, if any")
@@ -256,7 +314,7 @@ ENTRY: TypeAdapter[Files] = TypeAdapter(
 def expand(columns: Sequence[str]) -> list[str]:
     """Return the names of the single columns: actual_q becomes actual_q_0 .. actual_q_5.
 
-    Raises InputError when a column is named twice or `time` is missing.
+    Raises InputError when a column is named twice.
     """
     names = [
         f"{SKIPPED}{index}" if column == SKIPPED else name
@@ -264,7 +322,6 @@ def expand(columns: Sequence[str]) -> list[str]:
         for name in columns_of(column)
     ]
     twice = sorted({name for name in names if names.count(name) > 1})
-    if twice or "time" not in names:
-        fault = f"name {twice[0]} twice" if twice else "lack `time`"
-        raise InputError(f"`columns` in the study {fault}; name `time` and each channel once")
+    if twice:
+        raise InputError(f"`columns` in the study name {twice[0]} twice; name each channel once")
     return names

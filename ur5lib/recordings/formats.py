@@ -5,11 +5,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
+from ur5lib.channels import SIGNED_CHANNELS, columns, joint_count
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS
 from ur5lib.recordings.arrays import read_arrays
-from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
+from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers, read_rows
 from ur5lib.recordings.entries import RESERVED, Files, RecordedFiles, TableFiles, expand
 from ur5lib.recordings.host_clock import on_robot_clock
 from ur5lib.recordings.plausibility import first_time
@@ -19,6 +21,7 @@ from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import counted_from_first, read_sensors
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 
+POSITIONS = ("actual_q", "target_q")
 RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving a message
 
 
@@ -28,7 +31,37 @@ def read_recording(recording: Files) -> RawRecording:
     Raises InputError when they cannot be read.
     """
     raw = on_robot_clock(READERS[recording.format](recording))
-    return excerpt(raw, recording.from_s, recording.to_s)
+    robot = replace(raw.robot, table=as_described(raw.robot.table, recording))
+    return excerpt(replace(raw, robot=robot), recording.from_s, recording.to_s)
+
+
+def as_described(table: pd.DataFrame, recording: Files) -> pd.DataFrame:
+    """Return a robot's table with its joints counted as the arm's description counts them.
+
+    q = q_home + s q_recorded, joint by joint, with the angles q_home of `home_deg` and the signs s
+    of `directions`; velocities, accelerations, currents and torques have the sign alone. Raises
+    InputError where these are not as many as the recorded joints.
+    """
+    stated = {"home_deg": recording.home_deg, "directions": recording.directions}
+    joints = joint_count(table.columns)
+    for key, values in stated.items():
+        if values is not None and len(values) != joints:
+            raise InputError(
+                f"`{key}` in the study has {len(values)} entries, but {recording.path} has "
+                f"{joints} joints; give one for each joint"
+            )
+    if not any(stated.values()):
+        return table
+    home = np.radians(recording.home_deg or [0.0] * joints)
+    described = {
+        name: sign * table[name] + (zero if channel in POSITIONS else 0.0)
+        for channel in SIGNED_CHANNELS
+        for name, sign, zero in zip(
+            columns(channel, joints), recording.directions or [1] * joints, home, strict=True
+        )
+        if name in table
+    }
+    return table.assign(**described)
 
 
 def excerpt(raw: RawRecording, start: float | None, end: float | None) -> RawRecording:
@@ -56,15 +89,14 @@ def read_table_csv(recording: TableFiles) -> RawRecording:
     findings: list[Finding] = []
     path, names = recording.path, expand(recording.columns)
     log = Log(path, "robot", findings)
-    table = drop_untimed(read_numbers(log, names), log)
+    table = drop_untimed(recording.in_si(*read_rows(log, names)), log)
     if table.empty:
         raise InputError(
             f"{path}, line 1: no complete row of {len(names)} numbers (it begins "
             f"{first_line(path)}); correct `columns`, or remove the recording from the study"
         )
-    table = recording.in_si(table)
     robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
-    return RawRecording(robot, None, read_sensors(recording, findings), findings)
+    return RawRecording(robot, recording.cycle, read_sensors(recording, findings), findings)
 
 
 def read_rtde_csv(recording: RecordedFiles) -> RawRecording:

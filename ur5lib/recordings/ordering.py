@@ -1,13 +1,17 @@
 """Ordering of frames: as the controller sent them, each once."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import joint_count
 from ur5lib.recordings.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 RESET_RUN = 50  # frames; a jump back in time followed by fewer is disorder, not a clock reset
 TRAVEL = 1e-3  # rad a cycle, of all joints: ten times the noise of positions
+FREE = 1.5  # cycles to the next stamp, from which on a slot between is free
 HALF = 0.5  # of a cycle, by which a frame must be late on both sides
 
 
@@ -15,9 +19,10 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """Return the frames by time, without repeats; `epoch` counts the resets of the clock.
 
     Frames that repeat the previous one, or only its data with a new timestamp, are discarded. New
-    data with an old timestamp are kept: they are moved to the next slot.
+    data with an old timestamp are moved to the next slot.
     """
-    frames = drop_repeats(frames, "robot", findings)
+    sent = ["time", *(name for name in frames if joint_count([name]))]
+    frames = drop_repeats(frames, "robot", findings, sent)
     epoch = epochs(frames["time"].to_numpy())
     add_finding(findings, "robot", "clock reset", "warning", epoch.max())
     ordered = frames.assign(epoch=epoch)
@@ -40,27 +45,46 @@ def epochs(time: np.ndarray) -> np.ndarray:
     return np.cumsum(reset)  # shorter runs are frames out of order, not a clock reset
 
 
-def drop_repeats(frames: pd.DataFrame, device: Device, findings: list[Finding]) -> pd.DataFrame:
-    """Return the frames without exact repeats, timestamps included."""
+def drop_repeats(
+    frames: pd.DataFrame, device: Device, findings: list[Finding], sent: Sequence[str] = ()
+) -> pd.DataFrame:
+    """Return the frames without exact repeats, timestamps included.
+
+    sent: columns that are the device's own, by default all; a recorder that polls the device faster
+    than it sends repeats these beside stamps of its own.
+    """
     if frames["time"].is_unique:  # the usual case, and quick to test
         return frames
-    time = frames["time"].to_numpy()
-    repeated = frames.duplicated()
+    time, own = frames["time"].to_numpy(), frames[[*sent] or [*frames]]
+    repeated = own.duplicated()
     if epochs(time[~repeated]).max() > 0:  # after a reset, timestamps may legitimately recur
-        repeated = frames.assign(epoch=epochs(time)).duplicated()
+        repeated = own.assign(epoch=epochs(time)).duplicated()
     add_finding(findings, device, "repeated frames", "note", repeated.sum())
     return frames[~repeated].reset_index(drop=True)
 
 
 def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Move new data whose timestamp was used before to a later time."""
-    stale = frames.duplicated(["epoch", "time"])
+    """Move new data whose timestamp was used before to the next slot, in place of what is there.
+
+    Where a recorder reads the stamp before the data, the stamps after a stale one are stale, too.
+    """
+    stale = frames.duplicated(["epoch", "time"]).to_numpy()
     if not stale.any():
         return frames
     add_finding(findings, "robot", "stale stamps", "warning", stale.sum())
-    cycle = frames["time"].diff().loc[lambda step: step > 0].median()
-    frames = frames.assign(time=frames["time"] + cycle * stale)
-    return frames.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
+    time, stamp = frames["time"].to_numpy(), np.cumsum(~stale) - 1
+    steps = np.append(np.diff(time[~stale]), np.inf)  # from each stamp to the next
+    steps[np.flatnonzero(np.diff(frames["epoch"].to_numpy()[~stale]))] = np.inf
+    cycle = np.median(steps[np.isfinite(steps)])
+    # exactly the next stamp's time, or frames would lie apart by a rounding error
+    next_slot = np.where(
+        steps < FREE * cycle, np.append(time[~stale][1:], np.inf), time[~stale] + cycle
+    )
+    moved = frames.assign(time=np.where(stale, next_slot[stamp], time))
+    moved = moved.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
+    crowded = moved.duplicated(["epoch", "time"])
+    add_finding(findings, "robot", "crowded frames", "warning", crowded.sum())
+    return moved[~crowded].reset_index(drop=True)
 
 
 def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
-from ur5lib.recordings.delimited import drop_untimed, read_numbers
+from ur5lib.recordings.delimited import drop_untimed, read_rows
 from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
 from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
@@ -60,7 +60,7 @@ def read_device(
         log.add("no sensor", "note", 1, absence)
         return None
     return log.unless_unusable(
-        lambda: repair_samples(without_delays(clocked.in_si(read_numbers(log, names))), log)
+        lambda: repair_samples(without_delays(clocked.in_si(*read_rows(log, names))), log)
     )
 
 

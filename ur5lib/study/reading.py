@@ -28,7 +28,7 @@ Raw = Mapping[str, Any]  # a configuration, or a part of it, before it is valida
 WILDCARD = re.compile(r"[*?\[]")
 DAY = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 NOT_OF_NAMES = re.compile(r"[^A-Za-z0-9_.-]+")
-FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth"}
+FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 RENAMED = {  # settings of earlier versions, by step and key
     ("repair_frames", "max_gap_s"): "frames.max_gap_s",
     ("filter_signals", "order"): "lowpass.motion.order",
@@ -184,7 +184,7 @@ def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
     folder = entry.get("folder")
     if "simulate" in entry:
         for key in sorted(entry.keys() & FILE_KEYS):
-            yield f"`{place}.{key}` names real files, but the entry has `simulate`; remove one"
+            yield f"`{place}.{key}` is of real files, but the entry has `simulate`; remove one"
     elif isinstance(folder, str) and not Path(folder).is_dir():
         yield (
             f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; run in "

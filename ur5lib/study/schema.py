@@ -47,6 +47,8 @@ def explain(error: ErrorDetails, schema: Schema) -> str:
         return f"`{key}` is missing; give {allowed(node)}"
     if kind == "no_description":
         return f"`{key}`: {error['msg']}"
+    if kind == "of_entry":
+        return f"`{key}` {error['msg']}"
     near = perhaps(error["input"], _choices(node))
     wanted = error["ctx"]["error"] if kind == "value_error" else allowed(node)
     quoted = " (in quotes, or YAML does not read it as text)" if kind == "string_type" else ""
@@ -89,8 +91,8 @@ def branches(node: Schema) -> dict[str, Schema]:
 
 def _present(node: Schema) -> Schema:
     """Return the schema node of a value that may be omitted."""
-    options = (option for option in node.get("anyOf", []) if {"$ref", "oneOf"} & set(option))
-    return next(options, node)
+    options = [option for option in node.get("anyOf", []) if option.get("type") != "null"]
+    return options[0] if len(options) == 1 else node
 
 
 def _child(node: Schema, part: str | int) -> Schema:
@@ -108,7 +110,7 @@ def shown(value: object) -> str:
 
 
 def _choices(node: Schema) -> list[str]:
-    return node.get("enum", [node["const"]] if "const" in node else [])
+    return [str(value) for value in node.get("enum", [node["const"]] if "const" in node else [])]
 
 
 def allowed(node: Schema) -> str:
