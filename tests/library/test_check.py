@@ -87,7 +87,8 @@ def test_recordings_are_counted_and_few_are_named(some: int, named: str) -> None
 
 def noted(count: int, **changes: str) -> pd.DataFrame:
     """One finding of some recordings."""
-    finding = {"device": "robot", "finding": "irregular steps", "severity": "note"} | changes
+    finding = {"device": "robot", "finding": "irregular steps", "severity": "note", "place": ""}
+    finding |= changes
     rows = [{"recording": str(k), "count": k, "detail": "10 ms"} | finding for k in range(count)]
     return pd.DataFrame(rows)
 
@@ -102,8 +103,12 @@ def test_a_finding_of_many_recordings_is_one_row() -> None:
 
 
 def test_each_error_keeps_its_reason() -> None:
-    quality = noted(2, severity="error").assign(detail=["no file", "no time"])
-    assert {*by_finding(quality)["detail"]} == {"no file", "no time"}
+    """Whatever its numbers and files: of many recordings, every kind of reason is named."""
+    details = ["a.csv: 12.5 rad", "raw/b.csv: 1e3 rad", "no time", "no file", "joint 2", "joint 3"]
+    quality = noted(6, severity="error").assign(detail=details)
+    named = by_finding(quality)
+    assert [*map(len, named["recordings"])] == [1, 1, 1, 1, 2]
+    assert {*named["detail"]} == {*details} - {"a.csv: 12.5 rad"}  # the larger count of two stands
 
 
 def test_fourteen_recordings_with_one_note_fill_one_screen() -> None:
@@ -123,7 +128,9 @@ def test_many_damaged_files_fill_one_screen() -> None:
     assert print_tables(console, qualities, {}) == bad
     lines = console.file.getvalue().splitlines()
     assert len(lines) < 12
-    assert f"{bad - FEW} of {count} recordings" in console.file.getvalue()
+    assert f"{bad} of {count} recordings: run_0, run_1, run_2 and {bad - FEW} more" in (
+        console.file.getvalue()
+    )
 
 
 SIMULATED = (
@@ -215,9 +222,28 @@ def test_copies_and_poor_clocks_are_findings() -> None:
 def test_findings_of_two_meanings_keep_both() -> None:
     finding = {"recording": "one", "device": "robot", "finding": "apart", "severity": "warning"}
     details = ["a: b lie apart", "actual_current and target_current lie apart"]
-    rows = [finding | {"count": 1, "detail": detail} for detail in details]
+    rows = [finding | {"count": 1, "detail": detail, "place": ""} for detail in details]
     (reported,) = group_findings(pd.DataFrame(rows))["detail"]
     assert reported == "a: b lie apart; actual_current and target_current lie apart"
+
+
+def test_a_long_sentence_keeps_its_start() -> None:
+    """Only files are left out of a list, no part of what a finding says."""
+    ratios = [remark("ratio", joint=joint, value=0.0172) for joint in range(1, 7)]
+    values = {"name": "actual_qd", "position": "actual_q", "ratios": ratios}
+    names = ", ".join(f"actual_robot_voltage_of_{k}" for k in range(5))
+    sentences = [
+        Finding("robot", "inconsistent channels", "warning", 6, values, "no derivative"),
+        Finding("robot", "unused channels", "note", 5, {"names": names}),
+    ]
+    torn = [{"file": f"log_{k}.csv", "line": 2857} for k in range(9)]
+    places = [Finding("robot", "torn last line", "note", 1, values) for values in torn]
+    console = text_console(file=StringIO(), width=400)
+    print_tables(console, {"one": Quality(findings=[*sentences, *places]), "two": Quality()}, {})
+    printed = console.file.getvalue()
+    assert all(said(finding) in printed for finding in sentences)
+    cut = "log_0.csv, line 2857; log_1.csv, line 2857; log_2.csv, line 2857; 6 others: last line is"
+    assert cut in printed
 
 
 def test_a_recording_that_a_filter_leaves_as_it_is_is_reported() -> None:

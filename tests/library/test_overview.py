@@ -44,7 +44,7 @@ def made(count: int = MANY) -> Results:
         columns=["robot", "date", "joint", "quantity", "value", "temperature_c"]
     )
     lost = {"device": "robot", "finding": "lost frames", "severity": "warning", "detail": "lost"}
-    tables["quality"] = pd.DataFrame([{"recording": LOST, "count": 50} | lost])
+    tables["quality"] = pd.DataFrame([{"recording": LOST, "count": 50, "place": ""} | lost])
     tables["payload"].loc[used["recording"] == LOADED, "taken"] = "yes"
     study = {"study": "s", "title": "t", "recordings": entries}
     return Results(study, tables, Path())

@@ -20,7 +20,7 @@ from ur5lib.recordings.checks import touched
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import stop_signs
-from ur5lib.report.findings import by_finding, group_findings, shortened, worded
+from ur5lib.report.findings import by_finding, group_findings, worded
 from ur5lib.report.tables.files import name_copies
 from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot
@@ -30,7 +30,7 @@ from ur5lib.study.reading import read_study
 
 SEVERE = ("stop", "error")
 WORST = [*SEVERE, "warning", "note", "nothing"]
-FEW = 3  # recordings of a finding that are named, and reasons of one that are stated
+FEW = 3  # recordings of a finding that are named
 MANY = 20  # names of recordings that are proposed
 COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
@@ -187,13 +187,10 @@ def _print_by_finding(console: Console, quality: pd.DataFrame, names: list[str])
     kinds = by_finding(quality).groupby(["severity", "device", "finding"], sort=False)
     for (severity, device, finding), rows in kinds:
         title, style = f"{device}: {finding} ({severity}) in ", COLOURS[severity]
-        for row in rows[:FEW].itertuples():
+        for row in rows.itertuples():
             where = "" if row.alike else f"{row.recordings[0]}: "
             console.print(title + concerned(row.recordings, names), style=style)
-            console.print(Padding(where + shortened(row.detail), (0, 0, 0, 4)))
-        more = [name for recordings in rows["recordings"][FEW:] for name in recordings]
-        if more:
-            console.print(f"{title}{concerned(more, names)}, for other reasons", style=style)
+            console.print(Padding(where + row.detail, (0, 0, 0, 4)))
     unsound = {*quality["recording"]}
     if sound := [name for name in names if name not in unsound]:
         console.print(f"nothing found in {concerned(sound, names)}")

@@ -1,5 +1,6 @@
 """Findings about recordings and remarks of steps: their sentences, and findings of one kind."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import asdict
 from functools import cache
@@ -15,25 +16,35 @@ from ur5lib.strict import read_yaml
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
-LONGEST = 120  # characters for the places of one finding
+FEW = 3  # places of a meaning that are named beside the findings of other recordings
 TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
+PARTICULAR = re.compile(r"\S*(?:[/\\]|\d[\d.e]|\w\.\w)\S*")  # a path, or a number of two digits
 
 
-def group_findings(quality: pd.DataFrame) -> pd.DataFrame:
-    """Group findings of one kind in one row: counts summed, each meaning stated once."""
-    kinds = quality.groupby(["recording", "device", "finding", "severity"], sort=False)
-    grouped = kinds.agg({"count": "sum", "detail": lambda details: _stated_once(list(details))})
-    return grouped.reset_index()
+def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFrame:
+    """Group findings of one kind in one row: counts summed, each meaning stated once.
+
+    quality: the place of a finding is the start of its detail; most: places of a meaning that are
+    named, None for all.
+    """
+    kind = ["recording", "device", "finding", "severity"]
+    rows = [
+        (*names, own["count"].sum(), _stated_once(own, most))
+        for names, own in quality.groupby(kind, sort=False)
+    ]
+    return pd.DataFrame(rows, columns=[*kind, "count", "detail"])
 
 
 def by_finding(quality: pd.DataFrame) -> pd.DataFrame:
     """Group findings of all recordings, one row a finding, most serious first.
 
-    Stop signs and errors keep each meaning; of others, `detail` is that of the recording with the
-    largest count, and `alike` whether all recordings have the same. `recordings` is a list.
+    Stop signs and errors keep each meaning, whatever its numbers and paths; of others, `detail` is
+    that of the recording with the largest count, and `alike` whether all recordings have the same.
+    `recordings` is a list.
     """
-    grouped = group_findings(quality).sort_values("count", ascending=False, kind="stable")
-    meaning = grouped["detail"].where(grouped["severity"].isin(("stop", "error")), "")
+    grouped = group_findings(quality, FEW).sort_values("count", ascending=False, kind="stable")
+    general = grouped["detail"].str.replace(PARTICULAR, "…", regex=True)
+    meaning = general.where(grouped["severity"].isin(("stop", "error")), "")
     kinds = grouped.groupby(["severity", "device", "finding", meaning], sort=False)
     rows = kinds.agg(
         recordings=("recording", list),
@@ -48,23 +59,23 @@ def by_severity(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.sort_values("severity", key=lambda s: s.map(SEVERITIES.index), kind="stable")
 
 
-def _stated_once(details: list[str]) -> str:
-    """Join details, "place: meaning" or a meaning alone, with the places of each meaning."""
-    places: dict[str, list[str]] = {}
-    for detail in dict.fromkeys(details):
-        place, _, meaning = detail.rpartition(": ")
-        places.setdefault(meaning, []).extend([place] if place else [])
+def _stated_once(findings: pd.DataFrame, most: int | None) -> str:
+    """Join the details of findings: each meaning once, with its places, `most` of them named."""
+    places: dict[str, dict[str, None]] = {}
+    for place, detail in zip(findings["place"], findings["detail"], strict=True):
+        named = places.setdefault(detail.removeprefix(f"{place}: "), {})
+        named |= {place: None} if isinstance(place, str) and place else {}
     return "; ".join(
-        ": ".join(["; ".join(named), meaning] if named else [meaning])
+        ": ".join([_listed([*named], most), meaning] if named else [meaning])
         for meaning, named in places.items()
     )
 
 
-def shortened(detail: str) -> str:
-    """Return a finding's detail with its list of places shortened."""
-    places, _, meaning = detail.rpartition(": ")
-    several = len(places) > LONGEST
-    return f"{places[:LONGEST].rpartition(';')[0]} and others: {meaning}" if several else detail
+def _listed(places: list[str], most: int | None) -> str:
+    """Join places, of many the first few and how many others there are."""
+    named = places[:most]
+    others = [f"{len(places) - len(named)} others"] if named[: len(places)] != places else []
+    return "; ".join([*named, *others])
 
 
 class Words(Formatter):
@@ -91,7 +102,11 @@ def templates() -> dict[str, str]:
 
 def sentence(code: str, values: Mapping[str, Any]) -> str:
     """Return the sentence of a code, made printable: its values quote hostile files."""
-    return printable(Words().vformat(templates()[code], (), values))
+    return _filled(templates()[code], values)
+
+
+def _filled(template: str, values: Mapping[str, Any]) -> str:
+    return printable(Words().vformat(template, (), values))
 
 
 def in_words(remark: Remark) -> str:
@@ -100,7 +115,15 @@ def in_words(remark: Remark) -> str:
 
 
 def worded(finding: Finding) -> dict[str, str | int]:
-    """Return a finding as a row whose code and values are replaced by the sentence `detail`."""
+    """Return a finding as a row whose code and values are replaced by the sentence `detail`.
+
+    `place`: where in a file it is, with which that sentence starts.
+    """
     row = asdict(finding)
-    code, values = row.pop("code"), row.pop("values")
-    return row | {"detail": sentence(code or finding.finding, values)}
+    code, values = row.pop("code") or finding.finding, row.pop("values")
+    place, _, meaning = templates()[code].partition(": ")
+    located = meaning and place.startswith("{file}")
+    return row | {
+        "place": _filled(place, values) if located else "",
+        "detail": sentence(code, values),
+    }

@@ -7,7 +7,7 @@ import yaml
 
 from ur5lib.report.baseline import bars
 from ur5lib.report.document import MOST_ROWS, Number, State, Verdict
-from ur5lib.report.findings import SEVERITIES, by_severity, group_findings, shortened
+from ur5lib.report.findings import FEW, SEVERITIES, by_severity, group_findings
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
@@ -39,14 +39,15 @@ def findings(results: Results) -> pd.DataFrame:
 
     Of many recordings, each finding has the meaning that it has in the recording with most of it.
     """
-    grouped = group_findings(results.tables["quality"])
+    grouped = group_findings(results.tables["quality"], FEW)
     if results.many:
         most = grouped.sort_values("count", ascending=False, kind="stable")
         kind = ["severity", "device", "finding"]
         grouped = grouped.assign(detail=most.groupby(kind)["detail"].transform("first"))
     kinds = grouped.groupby(["severity", "device", "finding", "detail"], sort=False)
-    rows = kinds.agg(recordings=("recording", _named), count=("count", "sum")).reset_index()
-    return by_severity(rows.assign(meaning=rows["detail"].map(shortened)))
+    return by_severity(
+        kinds.agg(recordings=("recording", _named), count=("count", "sum")).reset_index()
+    )
 
 
 def count_findings(quality: pd.DataFrame) -> Sentence:
