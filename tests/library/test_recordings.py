@@ -2,6 +2,7 @@
 
 import tracemalloc
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -187,6 +188,22 @@ def test_units_and_skipped_columns(tmp_path: Path) -> None:
     assert list(robot) == ["time", *(f"actual_q_{j}" for j in range(6)), "actual_current_5"]
     assert robot["actual_current_5"].eq(0.0005).all()
     assert robot["actual_q_1"].iloc[0] == pytest.approx(np.deg2rad(0.084147), abs=1e-9)
+
+
+def test_rtde_names_in_other_units(tmp_path: Path, ur5: Robot) -> None:
+    """Impossible values name the likely unit, and the entry takes it."""
+    time = 0.008 * np.arange(100)
+    columns = {f"actual_q_{k}": np.full_like(time, 60.0 + k) for k in range(6)}
+    columns |= {f"actual_current_{k}": np.full_like(time, 1500.0) for k in range(6)}
+    pd.DataFrame({"timestamp": time, **columns}).to_csv(tmp_path / "log.csv", index=False)
+    entry: dict[str, Any] = {"format": "rtde-csv", "folder": str(tmp_path), "file": "log.csv"}
+    for units, likely in (({}, "degrees"), ({"actual_q": "deg"}, "mA")):
+        with pytest.raises(InputError, match=f"is it in {likely}"):
+            read_and_repair(entry | {"units": units}, ur5, 0.1)
+    units = {"actual_q": "deg", "actual_current": "mA"}
+    robot = read_recording(entry | {"units": units}).robot.table
+    assert robot["actual_current_5"].eq(1.5).all()
+    assert robot["actual_q_3"].iloc[0] == pytest.approx(np.deg2rad(63))
 
 
 @pytest.mark.parametrize(

@@ -53,8 +53,8 @@ RunFile = Annotated[
 ]
 
 
-class Clocked(Strict):
-    """Channels with one clock, and their units."""
+class InUnits(Strict):
+    """Channels and their units."""
 
     units: dict[str, str | list[float]] = Field(
         default={},
@@ -62,6 +62,35 @@ class Clocked(Strict):
         "`opposite`: SI units with the opposite sign, as of a force sensor that reads the force of "
         "the arm on its surroundings; or a list with the SI value of one unit of each column",
     )
+
+    def in_si(self, table: "pd.DataFrame") -> "pd.DataFrame":
+        """Return a table with its channels in SI units and without the columns to skip.
+
+        Raises InputError for an unknown unit, and for units of channels that the table lacks.
+        """
+        table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
+        joints = joint_count(table.columns) or len(SIX)
+        for channel, unit in self.known_units().items():
+            names = columns_of(channel, joints)
+            factor = FACTORS.get(unit) if isinstance(unit, str) else unit
+            fits = not isinstance(factor, list) or len(factor) == len(names)
+            if factor is None or not fits or not set(names) <= set(table):
+                raise InputError(
+                    f"`units` in the study give {channel} in {unit}; "
+                    f"use one of {', '.join(FACTORS)}, or a number for each of its columns, for "
+                    "channels of the recording"
+                )
+            table[names] = table[names] * factor
+        return table
+
+    def known_units(self) -> dict[str, str | list[float]]:
+        """Return the units of the channels that are not in SI units."""
+        return self.units
+
+
+class Clocked(InUnits):
+    """Channels with one clock, and their units."""
+
     time: Literal["relative_s", "epoch_s", "day_ms", "host_s"] = Field(
         "relative_s",
         description="time base: seconds since the start, seconds since 1970, milliseconds of the "
@@ -92,26 +121,16 @@ class Clocked(Strict):
             raise of_entry("names no `time`; name it, or state the `rate` of the rows [Hz]")
         return self
 
-    def in_si(self, table: "pd.DataFrame", row: "Labels | None" = None) -> "pd.DataFrame":
-        """Return a table with its channels in SI units and without the columns to skip.
+    def known_units(self) -> dict[str, str | list[float]]:
+        """Return the units of the channels, of the time too, that are not in SI units."""
+        return self.units | ({"time": "ms"} if self.time == "day_ms" else {})
 
-        row: numbers (N,) of the rows, by which the rate gives their `time`; default: in order.
-        Raises InputError for an unknown unit, and for units of channels that the table lacks.
+    def in_si(self, table: "pd.DataFrame", row: "Labels | None" = None) -> "pd.DataFrame":
+        """Return a table as `InUnits` does, with the time of its rows where the rate gives it.
+
+        row: numbers (N,) of the rows; default: in order.
         """
-        table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
-        units = self.units | ({"time": "ms"} if self.time == "day_ms" else {})
-        joints = joint_count(table.columns) or len(SIX)
-        for channel, unit in units.items():
-            names = columns_of(channel, joints)
-            factor = FACTORS.get(unit) if isinstance(unit, str) else unit
-            fits = not isinstance(factor, list) or len(factor) == len(names)
-            if factor is None or not fits or not set(names) <= set(table):
-                raise InputError(
-                    f"`units` in the study give {channel} in {unit}; "
-                    f"use one of {', '.join(FACTORS)}, or a number for each of its columns, for "
-                    "channels that `columns` names"
-                )
-            table[names] = table[names] * factor
+        table = super().in_si(table)
         if self.cycle is not None:
             table["time"] = self.cycle * (np.arange(len(table)) if row is None else row)
         return table
@@ -264,7 +283,7 @@ class StreamFiles(RecordedFiles):
     format: Literal["realtime-stream"] = Field(description="format of the files")
 
 
-class RtdeFiles(RecordedFiles):
+class RtdeFiles(InUnits, RecordedFiles):
     """A CSV with RTDE names."""
 
     format: Literal["rtde-csv"] = Field(description="format of the files")

@@ -12,7 +12,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS
 from ur5lib.recordings.arrays import read_arrays
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers, read_rows
-from ur5lib.recordings.entries import RESERVED, Files, RecordedFiles, TableFiles, expand
+from ur5lib.recordings.entries import RESERVED, Files, RecordedFiles, RtdeFiles, TableFiles, expand
 from ur5lib.recordings.host_clock import on_robot_clock
 from ur5lib.recordings.plausibility import first_time
 from ur5lib.recordings.quality import Finding, Log
@@ -99,12 +99,12 @@ def read_table_csv(recording: TableFiles) -> RawRecording:
     return RawRecording(robot, recording.cycle, read_sensors(recording, findings), findings)
 
 
-def read_rtde_csv(recording: RecordedFiles) -> RawRecording:
+def read_rtde_csv(recording: RtdeFiles) -> RawRecording:
     """Read a CSV with RTDE names in its header, from ur_rtde or Universal Robots' own client.
 
     `timestamp` counts from the controller's start; the time returned counts from the first row.
     `host_time`, if there is one, is when each row arrived [s].
-    Raises InputError when there is no `timestamp` column or no complete row.
+    Raises InputError when there is no `timestamp` column, no complete row, or an unknown unit.
     """
     path, findings = recording.path, list[Finding]()
     log = Log(path, "robot", findings)
@@ -122,7 +122,7 @@ def read_rtde_csv(recording: RecordedFiles) -> RawRecording:
         )
     table = table.drop(columns=RESERVED, errors="ignore")
     table = table.rename(columns={"timestamp": "time", "host_time": "received"})
-    table = drop_untimed(table, log)
+    table = drop_untimed(recording.in_si(table), log)
     table["time"] -= first_time(table["time"].to_numpy())
     robot = DeviceRecord(table, Stamp(0.0, 0.0, "relative_s"), str(path))
     return RawRecording(robot, None, read_sensors(recording, findings), findings)

@@ -22,6 +22,7 @@ AROUND = 2  # frames on each side that a timestamp is compared with
 FAR = 5.0  # times the largest usual step; a value that falls to zero by more was not received
 USUAL = 0.99  # quantile of a column's steps that is still usual
 NOISY = "actual_current_"  # channels that are never zero for long while other joints' are not
+LIKELY = {"rad": "is it in degrees? ", "A": "is it in mA? "}  # by the start of a unit
 SLOW = 0.1  # rad/s; drivers round smaller velocities to zero
 LONG, POWERED = 5, 50  # rows
 SMALLEST = (
@@ -63,12 +64,12 @@ def _beyond(channels: pd.DataFrame, bound: float, source: str) -> Mask:
     if beyond.mean() > FEW:
         size = channels.abs()
         channel = str((size > bound).sum().idxmax())
-        hint = "is it in degrees? " if unit(channel).startswith("rad") else ""
         middle = size[channel].where(size[channel] > bound).median()
         raise InputError(
             f"{source}: {channel} exceeds {bound:.4g} {unit(channel)} in "
-            f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); {hint}"
-            "correct the file, or its `columns` and `units` in the study (raw/README.md)"
+            f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); "
+            f"{LIKELY.get(unit(channel)[:3], '')}correct the file, or the column or unit that the "
+            "study gives it (raw/README.md)"
         )
     return beyond
 
