@@ -17,11 +17,11 @@ thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), 
 
 studies: .venv/ready ## build the default study and every other whose recordings are in raw/
 	@failed=; for study in config.yaml $$(grep -l '^study:' workflow/studies/*.yaml); do \
-		missing=$$(grep -o 'folder: *raw/[^,} ]*' $$study | sed 's/folder: *//' | sort -u \
+		missing=$$(grep -o 'folder: *raw/[^,} ]*' "$$study" | sed 's/folder: *//' | sort -u \
 			| while read folder; do test -d "$$folder" || echo "$$folder"; done | head -n 1); \
 		if [ "$$missing" ]; then \
-			echo "$$study is skipped: $$missing is missing; ur5 fetch $$(echo $$missing | cut -d/ -f2)"; \
-		else snakemake --configfile $$study || failed="$$failed $$study"; fi; \
+			printf '%s is skipped: %s is missing; ur5 fetch %s\n' "$$study" "$$missing" "$$(printf %s "$$missing" | cut -d/ -f2)"; \
+		else snakemake --configfile "$$study" || failed="$$failed $$study"; fi; \
 	done; [ -z "$$failed" ] || { echo "failed:$$failed"; exit 1; }
 
 test: lint ## run every check, as .ci/run does: style, types, all tests

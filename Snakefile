@@ -1,7 +1,10 @@
 # The study, the rules, and what a run makes.
 from snakemake.utils import min_version
 
+from ur5lib.study.loading import read_studies_as_data
+
 min_version("9.0")
+read_studies_as_data(workflow.overwrite_configfiles)
 
 # Paths in a study, raw/ and results/ are those of the working folder.
 # A study given by --configfile stands alone: it inherits nothing from config.yaml.

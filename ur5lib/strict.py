@@ -1,17 +1,23 @@
 """Base class of data that people write by hand."""
 
+import re
 import stat
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import yaml
-from pydantic import BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict
 
 from ur5lib.errors import InputError
 
+MOST_BYTES = 5_000_000  # of a file; a study of a thousand recordings has a twentieth of them
 MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of them
 DEEPEST = 50  # levels of lists and mappings; a study has 8
+LONGEST_NUMBER = 100  # characters
+LONGEST_PATH, LONGEST_PART = 1000, 255  # bytes of a path, and of a name in it
+PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # Snakemake replaces it in a path
+MERGE = "tag:yaml.org,2002:merge"  # of the key <<, which may stand several times
 FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, if installed
 FAST_DUMPER: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 SPECIAL = {
@@ -28,9 +34,27 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+def usable_path(path: str) -> str:
+    """Return the path. Raises ValueError for one that no file has, or that Snakemake changes."""
+    longest = max(len(part.encode(errors="replace")) for part in path.split("/"))
+    if "\0" in path or longest > LONGEST_PART or len(path) > LONGEST_PATH:
+        raise ValueError(
+            f"a path of at most {LONGEST_PATH:,} bytes, each name in it at most {LONGEST_PART}"
+        )
+    if PLACEHOLDER.search(path):
+        raise ValueError(
+            "a path without a word in {} or <>, which Snakemake would replace; rename the file or "
+            "folder"
+        )
+    return path
+
+
+PathText = Annotated[str, AfterValidator(usable_path)]
+
+
 def existing_file(path: str) -> str:
     """Return the path. Raises ValueError if there is no such file."""
-    if not Path(path).is_file():
+    if not Path(usable_path(path)).is_file():
         kind = _special_kind(Path(path))
         raise ValueError(f"a file, not {kind}" if kind else "an existing file")
     return path
@@ -58,9 +82,11 @@ def read_yaml(path: Path) -> Any:
     """Return the content of a YAML file as plain data.
 
     Raises OSError or UnicodeDecodeError when it cannot be read, yaml.YAMLError when it is not YAML,
-    InputError when it is not a file, or stands for too many values.
+    InputError when it is not a file, has a key twice, holds a number that is none, or is too large.
     """
     expect_file(path)
+    if path.stat().st_size > MOST_BYTES:
+        raise InputError(f"{path} has more than {MOST_BYTES:,} bytes; divide it")
     text, source = path.read_text(encoding="utf-8"), str(path)
     try:
         _expect_few_levels(text, source)  # before libyaml, which crashes on a deep nest
@@ -70,25 +96,81 @@ def read_yaml(path: Path) -> Any:
 
 
 def _expect_few_levels(text: str, source: str) -> None:
-    """Raise InputError where a text of YAML is nested too deep."""
+    """Raise InputError where a text of YAML is nested too deep, or has too many values."""
     level = 0
-    for event in yaml.parse(text, FAST_LOADER):
+    for count, event in enumerate(yaml.parse(text, FAST_LOADER)):
         level += isinstance(event, yaml.CollectionStartEvent)
         level -= isinstance(event, yaml.CollectionEndEvent)
         if level > DEEPEST:
             raise _too_deep(source)
+        if count > 3 * MOST_VALUES:  # a list has an event for its beginning, and one for its end
+            raise _too_many(source)
 
 
 def _plain_data(loader: Any, source: str) -> Any:
     """Return the content that a loader of YAML reads, as plain data."""
     try:
-        node = loader.get_single_node()
+        if (node := loader.get_single_node()) is None:
+            return None
         expect_few_values(node, source)
-        return None if node is None else loader.construct_document(node)
+        for part in _nodes(node):
+            if isinstance(part, yaml.MappingNode):
+                _expect_keys_once(part, source)
+            elif isinstance(part, yaml.ScalarNode) and part.tag != MERGE:
+                _expect_value(part, loader, source)
+        return loader.construct_document(node)
     except RecursionError as error:
         raise _too_deep(source) from error
     finally:
         loader.dispose()
+
+
+def _nodes(node: yaml.Node) -> Iterator[yaml.Node]:
+    """Yield a node of YAML and all below it, each once."""
+    waiting, met = [node], {id(node)}
+    while waiting:
+        yield (node := waiting.pop())
+        for part in _parts(node):
+            if id(part) not in met:
+                met.add(id(part))
+                waiting.append(part)
+
+
+def _expect_keys_once(node: yaml.MappingNode, source: str) -> None:
+    """Raise InputError where a mapping has a key twice: one of its values would vanish."""
+    lines: dict[str, int] = {}
+    for key, _ in node.value:
+        if not isinstance(key, yaml.ScalarNode) or key.tag == MERGE:
+            continue
+        if key.value in lines:
+            raise InputError(
+                f"{_place(key, source)}: `{key.value}` is in line {lines[key.value]} already, "
+                "and one of its two values would be lost; join them, or remove one"
+            )
+        lines[key.value] = key.start_mark.line + 1
+
+
+def _expect_value(node: yaml.ScalarNode, loader: Any, source: str) -> None:
+    """Raise InputError for a number, a date or a truth value that is none.
+
+    The loader keeps the others: they are not made twice.
+    """
+    try:
+        value = loader.construct_object(node)
+        sound = not isinstance(value, int) or len(node.value) <= LONGEST_NUMBER
+    except yaml.YAMLError:
+        raise
+    except Exception:  # PyYAML lets through whatever a conversion raises
+        sound = False
+    if not sound:
+        raise InputError(
+            f"{_place(node, source)}: {node.value[:20]!r} ({len(node.value):,} characters) is no "
+            "number, date or truth value that can be used; correct it, or quote it if it is text"
+        )
+
+
+def _place(node: yaml.Node, source: str) -> str:
+    return f"{source}, line {node.start_mark.line + 1}"
 
 
 def expect_few_values(data: Any, source: str) -> None:
@@ -98,10 +180,7 @@ def expect_few_values(data: Any, source: str) -> None:
     (`*name`) stands for all that it names: nine lines can stand for a thousand million values.
     """
     if _measure(data, 0, {}, source)[0] > MOST_VALUES:
-        raise InputError(
-            f"{source} stands for more than {MOST_VALUES:,} values, its aliases (`*name`) written "
-            "out; use fewer of them"
-        )
+        raise _too_many(source)
 
 
 def _measure(
@@ -126,6 +205,13 @@ def _parts(data: Any) -> Sequence[Any]:
     if isinstance(data, yaml.SequenceNode):
         return list(data.value)
     return data if isinstance(data, list | tuple) else ()
+
+
+def _too_many(source: str) -> InputError:
+    return InputError(
+        f"{source} stands for more than {MOST_VALUES:,} values, its aliases (`*name`) written out; "
+        "use fewer of them, or divide it"
+    )
 
 
 def _too_deep(source: str) -> InputError:

@@ -46,8 +46,6 @@ FOREIGN = (  # messages of the shell, make and Snakemake
     "ur5",
     "No Snakefile found",
     "no makefile found",
-    "Config file is not valid JSON or YAML",
-    "FileNotFoundError",
 )
 
 

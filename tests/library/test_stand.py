@@ -336,7 +336,7 @@ def test_the_stiffest_contacts_are_stable(contact: dict[str, Any]) -> None:
 
 
 def test_what_the_arm_cannot_do_is_told() -> None:
-    with pytest.raises(InputError, match="no link model 'D' to simulate; give one of A, B, C"):
+    with pytest.raises(InputError, match="`model` is 'D'; give one of A, B, C"):
         experiment(model="D")
     far = {"kind": "movej", "way_points": [POSTURE, (7, 0, 0, 0, 0, 0)]}
     with pytest.raises(

@@ -14,7 +14,7 @@ from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import SENSORS, Device
 from ur5lib.robots.description import Vector3
-from ur5lib.strict import Strict
+from ur5lib.strict import PathText, Strict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +45,7 @@ def of_entry(fault: str) -> PydanticCustomError:
 
 
 RunFile = Annotated[
-    str,
+    PathText,
     Field(
         description="path within the recording's folder; a pattern, as `2026-*/*.csv`, stands for "
         "an entry of each file that it matches, named after it and dated by its path"
@@ -146,7 +146,7 @@ def _spelt(column: str) -> str:
 class DeviceTable(Clocked):
     """A delimited table of numbers, with or without a header line."""
 
-    file: str = Field(description="path within the recording's folder")
+    file: PathText = Field(description="path within the recording's folder")
     columns: list[Annotated[str, AfterValidator(_spelt)]] = Field(
         min_length=1,
         description="contents of the columns, in order: `time` and channels by their RTDE names; a "
@@ -161,7 +161,7 @@ class DeviceTable(Clocked):
 class Sensor(DeviceTable):
     """A force sensor or an IMU with its own clock."""
 
-    start_file: str | None = Field(
+    start_file: PathText | None = Field(
         None, description="file with the time at which a relative clock read zero"
     )
     start: Literal["epoch_s", "day_ms"] = Field(
@@ -221,7 +221,7 @@ class Files(Strict):
 
     model_config = ConfigDict(extra="ignore")
 
-    folder: str = Field(description="the folder that holds the device files")
+    folder: PathText = Field(description="the folder that holds the device files")
     from_s: float | None = Field(
         None, ge=0, description="use the recording from this time on, counted from its first frame"
     )

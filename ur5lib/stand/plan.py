@@ -1,6 +1,6 @@
 """The plan of one recording of the virtual test stand, as a study requests it."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -307,8 +307,10 @@ class SimulatedRecording(Planned):
         """Return the motors' temperature [°C] at times [s] since the start."""
         return np.asarray(np.interp(time, [0.0, self.seconds], self.temperature_c))
 
-    def misfits(self, arm: str, joints: int) -> Iterator[str]:
-        """Yield in sentences what of the plan does not fit an arm with so many joints."""
+    def misfits(self, arm: str, joints: int, models: Collection[str]) -> Iterator[str]:
+        """Yield in sentences what of the plan does not fit an arm: its joints and link models."""
+        if self.model is not None and self.model not in models:
+            yield f"model` is {self.model!r}; give one of {', '.join(models)}, which {arm} has"
         if joints != 6 and isinstance(getattr(self.trajectory, "way_points", None), str):
             yield f"trajectory.way_points` names a file of six angles a line; {arm} has {joints}"
         for key, numbers in self._by_joint():

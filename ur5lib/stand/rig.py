@@ -127,14 +127,9 @@ def build_rig(
     declare: whether the controller is given the plan's `payload`; never its `undeclared_payload`.
     Raises InputError when the arm has no such link model or another number of joints.
     """
-    model = plan.model or list(robot.models)[-1]
-    if model not in robot.models:
-        names = ", ".join(robot.models)
-        raise InputError(
-            f"{robot.name} has no link model {model!r} to simulate; give one of {names}"
-        )
-    if misfits := [*plan.misfits(robot.name, len(robot.joints))]:
+    if misfits := [*plan.misfits(robot.name, len(robot.joints), robot.models)]:
         raise InputError("; ".join(f"`{misfit}" for misfit in misfits))
+    model = plan.model or list(robot.models)[-1]
     declared = plan.payload if declare else None
     loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
     mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)

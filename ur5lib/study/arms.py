@@ -1,6 +1,7 @@
 """The arm of a recording: its description, with individual numbers, mounting and tool."""
 
 import math
+import re
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
@@ -24,15 +25,25 @@ from ur5lib.strict import Strict, existing_file
 
 TILTS = {"floor": 0.0, "wall": 90.0, "ceiling": 180.0}  # degrees
 
+NAME = r"^[A-Za-z0-9_-][A-Za-z0-9_.-]{0,199}$"  # a file's name, with an ending
+CHARACTERS = "at most 200 letters, digits, `_`, `-`; dots too, except as the first character"
+PERIODIC = re.compile(r"(.+)\1{19}$")  # Snakemake takes such a name for a circle of rules
+
+
+def _aperiodic(name: str) -> str:
+    if PERIODIC.search(name):
+        raise ValueError("a name that does not end in 20 times the same")
+    return name
+
+
 Name = Annotated[  # becomes the name of a folder
     str,
     Field(
-        pattern=r"^[A-Za-z0-9_-][A-Za-z0-9_.-]*$",
+        pattern=NAME,
         description="name, also of its folder in results",
-        json_schema_extra={
-            "characters": "letters, digits, `_`, `-`; dots too, except as the first character"
-        },
+        json_schema_extra={"characters": CHARACTERS},
     ),
+    AfterValidator(_aperiodic),
 ]
 
 
@@ -42,6 +53,8 @@ def _described(name: str) -> str:
     if (FOLDER / f"{name}.yaml").is_file() and (PROJECT_FOLDER / f"{name}.yaml").is_file():
         file = PROJECT_FOLDER / f"{name}.yaml"
         raise ValueError(f"another name to {file}: ur5lib describes a {name} too")
+    if not re.match(NAME, name):
+        raise ValueError(f"a name of {CHARACTERS}; rename {PROJECT_FOLDER / name}.yaml")
     return name
 
 

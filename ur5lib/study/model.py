@@ -27,7 +27,7 @@ from ur5lib.robots.friction import CANDIDATES
 from ur5lib.robots.population import population_files
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.strict import Strict, existing_file
+from ur5lib.strict import PathText, Strict, existing_file
 from ur5lib.study.arms import Arm, Mounting, Name, NamedArm, Tool
 
 
@@ -148,7 +148,7 @@ class Simulable(Files, Part):
 class Recorded(Simulable):
     """A recording that may be one of an emulated lab."""
 
-    truth: str | None = Field(
+    truth: PathText | None = Field(
         None,
         description="path within the recording's folder of the truth about it, which the emulated "
         "lab of `ur5 record` leaves, without its suffixes .parquet and .json",

@@ -4,6 +4,7 @@ A pattern in the `file` of an entry stands for an entry of each file that it mat
 """
 
 import math
+import os
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -28,6 +29,7 @@ Raw = Mapping[str, Any]  # a configuration, or a part of it, before it is valida
 WILDCARD = re.compile(r"[*?\[]")
 DAY = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 NOT_OF_NAMES = re.compile(r"[^A-Za-z0-9_.-]+")
+CODE = "__use_yte__"  # Snakemake runs what a file with this key holds
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 RENAMED = {  # settings of earlier versions, by step and key
     ("repair_frames", "max_gap_s"): "frames.max_gap_s",
@@ -67,6 +69,11 @@ def read_plain(path: Path) -> Raw:
         raise InputError(f"{place}: cannot be read as YAML ({reason}); correct it") from error
     if not isinstance(raw, dict):
         raise InputError(f"{path} is not a study: it needs `study`, `title` and `recordings`")
+    if CODE in raw:
+        raise InputError(
+            f"{path}: `{CODE}` tells Snakemake to run code that the file holds, but a study is "
+            "data; remove the key, and write values instead of expressions"
+        )
     return raw
 
 
@@ -108,7 +115,7 @@ def is_pattern(entry: Any) -> bool:
     file, folder = entry.get("file"), entry.get("folder")
     if not isinstance(file, str) or not isinstance(folder, str) or not WILDCARD.search(file):
         return False
-    return not Path(folder, file).exists()
+    return not os.path.exists(Path(folder, file))
 
 
 def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -156,7 +163,7 @@ def _as_stated(error: ErrorDetails, stated: list[int]) -> ErrorDetails:
 def _without_files(raw: Raw) -> Iterator[str]:
     """Yield errors for patterns that no file matches."""
     for _, entry in _entries(raw):
-        if is_pattern(entry) and Path(entry["folder"]).is_dir():
+        if is_pattern(entry) and os.path.isdir(entry["folder"]):
             yield (
                 f"recordings: no file in {entry['folder']} matches `file` {shown(entry['file'])} "
                 f"of {entry.get('name')}; correct the pattern, or add the recordings"
@@ -185,7 +192,7 @@ def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
     if "simulate" in entry:
         for key in sorted(entry.keys() & FILE_KEYS):
             yield f"`{place}.{key}` is of real files, but the entry has `simulate`; remove one"
-    elif isinstance(folder, str) and not Path(folder).is_dir():
+    elif isinstance(folder, str) and not os.path.isdir(folder):
         yield (
             f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; run in "
             "the study's folder, correct the path, or fetch the data (`ur5 fetch`)"
@@ -206,7 +213,7 @@ def _missing_results(raw: Raw) -> Iterator[str]:
     for name in _listed(raw, "compare_with"):
         if name == raw.get("study"):
             yield f"`compare_with` names {shown(name)}, this study itself; name another"
-        elif isinstance(name, str) and not Path("results", name, "tables").is_dir():
+        elif isinstance(name, str) and not os.path.isdir(Path("results", name, "tables")):
             yield (
                 f"`compare_with` names {shown(name)}, but results/{name} holds no results; run "
                 "snakemake on that study first"
@@ -279,7 +286,7 @@ def _misfits(study: Study) -> Iterator[str]:
             yield str(error)
             continue
         place = f"`recordings.{recording.name}"
-        misfits = plan.misfits(recording.arm.known_as, len(robot.joints))
+        misfits = plan.misfits(recording.arm.known_as, len(robot.joints), robot.models)
         yield from (f"{place}.simulate.{misfit}" for misfit in misfits)
         of_ur = recording.format in layout.FORMATS_OF_UR
         if of_ur and (len(robot.joints) != 6 or robot.senses_torque()):

@@ -18,7 +18,7 @@ from ur5lib.robots.population import population_files
 from ur5lib.steps.batches import Batches, Step
 from ur5lib.steps.progress import show_progress
 from ur5lib.steps.workers import FAILED, run_batch, run_step
-from ur5lib.strict import read_yaml
+from ur5lib.strict import PLACEHOLDER, read_yaml
 from ur5lib.study.reading import names_by_pattern, parse_study, study_text
 from ur5lib.study.turn import share_turn, take_turn
 
@@ -257,13 +257,14 @@ def sensor_mounting_of(wildcards):
 
 @cache
 def raw_files(name):
-    """Return the files that a recording names, or all files below its folder."""
+    """Return the files that a recording names, or all files where readers look for others."""
     folder = Path(RECORDINGS[name].folder)
     named = [folder / file for file in RECORDINGS[name].file_names()]
     if name in SIMULATED:
         return [str(path) for path in named]
-    files = named or [path for path in folder.rglob("*") if path.is_file()]
-    return sorted(str(path) for path in files if path.is_file())
+    files = named or [*folder.glob("*"), *folder.glob("csv_files/*")]
+    paths = sorted(str(path) for path in files if path.is_file())
+    return [path for path in paths if not PLACEHOLDER.search(path)]
 
 
 def illustrated():

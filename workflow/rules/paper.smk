@@ -50,6 +50,6 @@ rule write_paper:
             TEMPLATES / "methods.tex.jinja",
             TEMPLATES / "references.bib",
         ),
-        study=STUDY_TEXT,
+        study=lambda wildcards: STUDY_TEXT,
     run:
         run_step(rule, input, output, params, log)

@@ -330,7 +330,7 @@ rule write_report:
         in_cluster("document")
     params:
         code=code("write_report", *PAGE, TEMPLATES / "report.typ"),
-        study=STUDY_TEXT,
+        study=lambda wildcards: STUDY_TEXT,
     run:
         run_step(rule, input, output, params, log)
 
@@ -349,7 +349,7 @@ rule write_run:
         in_cluster("document")
     params:
         code=code("write_run", *PAGE),
-        study=STUDY_TEXT,
+        study=lambda wildcards: STUDY_TEXT,
         recording="{recording}",
     run:
         run_step(rule, input, output, params, log)
@@ -371,6 +371,6 @@ rule describe_run:
         in_cluster("document")
     params:
         code=code("describe_run", SNAKEFILE, CITATION),
-        title=STUDY.title,
+        title=lambda wildcards: STUDY.title,
     run:
         run_step(rule, input, output, params, log)
