@@ -101,6 +101,8 @@ def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Ev
             status.ended = str(error)
         except OSError as error:
             status.ended = f"{path} cannot be written ({error.strerror}); free some space"
+        except Exception as error:  # a fault of the recorder, which the others outlive
+            status.ended = f"recording it failed ({type(error).__name__}: {error})"
         status.final = True
         if os.getppid() == parent:
             line.send(status)

@@ -1,10 +1,13 @@
 """The interface between the recorder and any device that it records, and what devices share."""
 
+import math
 import select
 import socket
 import time
 from dataclasses import dataclass
 from typing import Protocol
+
+import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
@@ -118,6 +121,25 @@ class Counter:
             return None
         self._last, self.total = number, self.total + step
         return step - 1
+
+
+class CycleCounter:
+    """Counts the cycles [s] that are missing between a controller's timestamps.
+
+    Stamps that are not finite count for nothing, nor do steps back and steps beyond LONGEST_GAP:
+    they are damaged, or the controller was restarted. last: timestamp [s] before the first.
+    """
+
+    def __init__(self, cycle: float, last: float = math.nan) -> None:
+        self._cycle, self._last = cycle, last
+
+    def lost(self, stamps: Array) -> int:
+        """Return the count of cycles missing before or among timestamps (n,) [s]."""
+        known = stamps[np.isfinite(stamps)]
+        steps = np.diff(known, prepend=self._last if math.isfinite(self._last) else known[:1])
+        self._last = float(known[-1]) if len(known) else self._last
+        gaps = steps[(steps > 0) & (steps <= LONGEST_GAP)]
+        return int((np.rint(gaps / self._cycle) - 1).clip(min=0).sum())
 
 
 class Silence:

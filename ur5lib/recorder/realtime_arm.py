@@ -10,6 +10,7 @@ import numpy as np
 from ur5lib.recorder.device import (
     LONGEST_SILENCE,
     PATIENCE,
+    CycleCounter,
     Identity,
     Packets,
     Silence,
@@ -36,14 +37,14 @@ class RealtimeArm:
             self._size, first, second = self._peek()
         except (OSError, struct.error) as error:
             raise no_controller("its stream", address, port, error) from error
-        self._cycle = second - first
-        self._rest, self._last = b"", first - self._cycle
+        cycle = second - first
+        self._rest, self._cycles = b"", CycleCounter(cycle, first - cycle)
         self._silence = Silence(address)
         self.identity = Identity(
             model="Universal Robots controller, realtime port",
             address=address,
             firmware=SOFTWARE[self._size],
-            rate_hz=round(1 / self._cycle),
+            rate_hz=round(1 / cycle),
             message_bytes=self._size,
             units="SI",
             clock="timestamp",
@@ -84,14 +85,13 @@ class RealtimeArm:
 
     def _count(self, data: bytes) -> tuple[int, int]:
         """Return the counts of complete messages, and of those missing before or among them."""
-        stream, at, messages, lost = self._rest + data, 0, 0, 0
+        stream, at, stamps = self._rest + data, 0, list[float]()
         while len(stream) - at >= self._size:
             size, stamp = HEAD.unpack_from(stream, at)
             if size != self._size:  # damaged; the reader of the recording repairs it
                 at = len(stream)
                 break
-            lost += max(round((stamp - self._last) / self._cycle) - 1, 0)
-            self._last = stamp
-            at, messages = at + size, messages + 1
+            stamps.append(stamp)
+            at += size
         self._rest = stream[at:]
-        return messages, lost
+        return len(stamps), self._cycles.lost(np.array(stamps))

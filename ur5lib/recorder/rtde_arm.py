@@ -19,6 +19,7 @@ import numpy as np
 from ur5lib.recorder.device import (
     GATHER,
     PATIENCE,
+    CycleCounter,
     DeviceLost,
     Identity,
     NewSamples,
@@ -114,10 +115,10 @@ class RtdeClient:
             content = struct.pack(">d", rate) + ",".join(names).encode()
             kinds = self._ask(rtde.SETUP_OUTPUTS, content)[1:].decode("ascii", "replace").split(",")
             available = [name for name, kind in zip(names, kinds, strict=False) if kind in FORMATS]
-            if len(available) == len(names):
+            if len(available) == len(names) == len(kinds):
                 return list(names), kinds
             names = available
-        raise ConnectionError("it refuses outputs that it offered")
+        raise ConnectionError("it refuses outputs that it offered" if names else "it has no output")
 
     def _ask(self, kind: int, content: bytes = b"") -> bytes:
         """Send a request and return the content of the answer to it."""
@@ -152,7 +153,7 @@ class RtdeArm:
         rate = rate or RATES.get(software[0], USUAL_RATE)
         names = self._client.start(OUTPUTS, rate)
         self.columns = all_columns(tuple(names))
-        self._cycle, self._last = 1 / rate, np.nan
+        self._cycles = CycleCounter(1 / rate)
         self._silence = Silence(address)
         self.identity = Identity(
             model="Universal Robots controller, RTDE",
@@ -174,16 +175,8 @@ class RtdeArm:
         received = np.array([arrived for arrived, _ in packages], np.float64)
         values = np.array([numbers for _, numbers in packages], np.float64)
         values = values.reshape(len(packages), len(self.columns))
-        return NewSamples(received, values, self._count_lost(values[:, 0]))
+        return NewSamples(received, values, self._cycles.lost(values[:, 0]))
 
     def close(self) -> None:
         """Stop the packages."""
         self._client.close()
-
-    def _count_lost(self, stamps: np.ndarray) -> int:
-        """Return the count of cycles missing before or among timestamps (n,) [s]."""
-        if not len(stamps):
-            return 0
-        steps = np.diff(stamps, prepend=stamps[0] if np.isnan(self._last) else self._last)
-        self._last = float(stamps[-1])
-        return int(np.maximum(np.rint(steps / self._cycle) - 1, 0).sum())
