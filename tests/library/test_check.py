@@ -5,6 +5,7 @@ from dataclasses import asdict
 from io import StringIO
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -26,7 +27,10 @@ from ur5lib.errors import InputError, remark
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.findings import by_finding, group_findings
 from ur5lib.report.tables.files import name_copies
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.model import Settings, Study
+from ur5lib.tables import named
 
 
 @pytest.fixture
@@ -244,6 +248,34 @@ def test_a_long_sentence_keeps_its_start() -> None:
     assert all(said(finding) in printed for finding in sentences)
     cut = "log_0.csv, line 2857; log_1.csv, line 2857; log_2.csv, line 2857; 6 others: last line is"
     assert cut in printed
+
+
+@pytest.mark.parametrize(("frames", "told"), [(2, True), (10, True), (62, True), (63, False)])
+def test_a_recording_too_short_for_any_force_is_reported(
+    study: Path, run_ur5: Command, frames: int, told: bool
+) -> None:
+    """Half a second is lost to the low-pass."""
+    for path in (study.parent / "raw/bad/csv_files").glob("log_*.csv"):
+        path.write_text("".join(path.read_text().splitlines(keepends=True)[:frames]))
+    result = run_ur5("check", study)
+    assert ("robot: too short (warning) in bad" in result.out) == told
+    assert (f"{frames} samples, {0.008 * frames:.2g} s" in result.line) == told
+    assert result.err == ""
+
+
+def test_a_recording_at_1_hz_is_checked(study: Path, run_ur5: Command, ur5: Robot) -> None:
+    """No delay of its currents is as long as its steps."""
+    time = np.arange(90.0)
+    phase = 0.3 * time[:, None] + np.arange(6)
+    q, qd = np.sin(phase), 0.3 * np.cos(phase)
+    current = gravity_torque(ur5, "C", q) / ur5.maker_torque_constants() + np.tanh(20 * qd)
+    current += 0.02 * np.random.default_rng(3).normal(size=q.shape)
+    channels = named(q, "actual_q") | named(qd, "actual_qd") | named(current, "actual_current")
+    slow = pd.DataFrame({"timestamp": time, **channels})
+    slow.to_csv(study.parent / "raw/slow.csv", index=False)
+    entry = "- {name: slow, robot: ur5, format: rtde-csv, folder: raw, file: slow.csv, role: fit}\n"
+    study.write_text(study.read_text() + entry)
+    assert words("`cutoff_hz` 0.5") <= words(run_ur5("check", study, "slow").line)
 
 
 def test_a_recording_that_a_filter_leaves_as_it_is_is_reported() -> None:

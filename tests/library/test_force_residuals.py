@@ -244,6 +244,15 @@ def test_unknown_torques_tell_nothing() -> None:
     )
 
 
+def test_samples_a_second_apart_tell_how_joints_go_together() -> None:
+    """The shorter lag is half a second."""
+    torque = drift(400, np.ones(6), 1.0, seed=8, period=1.0)
+    torque[:, 1] = 0.8 * torque[:, 0] + 0.6 * torque[:, 1]
+    model = fitted(moving_stretch(torque, 1.0))
+    assert model.correlation[0, 1] == pytest.approx(0.8, abs=0.1)
+    np.testing.assert_allclose(model.change[MOVING], 1.0, atol=0.3)
+
+
 def test_too_short_recordings_are_refused() -> None:
     with pytest.raises(RefusalError) as refusal:
         fitted(moving_stretch(np.zeros((20, 6))))

@@ -148,9 +148,11 @@ def test_an_arm_at_rest_is_no_stale_data() -> None:
 
 
 def test_a_reset_clock_splits_the_recording() -> None:
+    """And its time goes on, as all that follows needs it."""
     twice = pd.concat([frames(range(60, 120)), frames(range(70))], ignore_index=True)
     repaired, findings = repair(twice)
     assert findings["clock reset"].count == 1
+    np.testing.assert_allclose(repaired["time"], 0.05 + CYCLE * np.arange(60, 190))
     assert repaired["segment"].tolist() == [0] * 60 + [1] * 70
     np.testing.assert_array_equal(repaired["actual_current_0"], twice["actual_current_0"])
 
@@ -359,11 +361,13 @@ def test_of_a_part_that_lacks_a_channel_only_what_lies_between_its_cells_is_kept
     twice.loc[60 + np.delete(np.arange(70), known), "actual_q_2"] = np.nan
     repaired, findings = repair(twice)
     kept = range(known[0], known[-1] + 1) if known else range(0)
-    expected = [*frames(range(60, 120))["time"], *frames()["time"].iloc[[*kept]]]
+    on = CYCLE * 120  # by which the time goes on after the reset
+    expected = [*frames(range(60, 120))["time"], *(on + frames()["time"].iloc[[*kept]])]
     np.testing.assert_allclose(repaired["time"], expected)
     assert findings["incomplete frames"].count == 70 - len(kept)
     assert repaired["interpolated"].sum() == max(len(known) - 1, 0)
-    np.testing.assert_allclose(repaired["actual_q_2"], 0.1 * repaired["time"] ** 2, atol=1e-5)
+    own = np.array(expected) - on * (np.arange(len(expected)) >= 60)
+    np.testing.assert_allclose(repaired["actual_q_2"], 0.1 * own**2, atol=1e-5)
 
 
 def test_jitter_is_that_of_the_median_step_and_of_one_in_a_hundred() -> None:
@@ -412,6 +416,12 @@ def test_what_a_faster_recorder_polls_again_is_dropped(rate: int, beside: dict[s
     pd.testing.assert_frame_equal(repaired[[*expected]], expected)
     assert findings["repeated frames"].count == len(slots) - len(np.unique(slots))
     assert findings.keys() == {"repeated frames", "lost frames"}
+
+
+def test_time_goes_on_after_every_reset() -> None:
+    runs = [frames(range(60)).assign(actual_q_0=float(k)) for k in range(3)]
+    time = in_order(pd.concat(runs, ignore_index=True), [])["time"]
+    np.testing.assert_allclose(time, 0.05 + CYCLE * np.arange(180))
 
 
 def test_what_a_reset_clock_shows_again_is_no_repeat() -> None:

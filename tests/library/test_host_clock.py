@@ -49,6 +49,22 @@ def entry(tmp_path: Path) -> dict[str, Any]:
     return {"format": "rtde-csv", "force_sensor": sensor} | folder
 
 
+def test_after_the_robots_clock_restarts_no_sample_is_placed(entry: dict[str, Any]) -> None:
+    """Those before it are placed as well as ever."""
+    path, reset = Path(entry["folder"], "robot.csv"), 20.0
+    robot = pd.read_csv(path)
+    robot.loc[robot["timestamp"] > UPTIME + reset, "timestamp"] -= UPTIME + reset - 40.0
+    robot.to_csv(path, index=False)
+    raw, findings = read_recording(entry), list[Finding]()
+    record, start = place_sensors(raw, findings)["force"]
+    on_robot = start.seconds + record.table["time"].to_numpy()
+    assert on_robot.max() == pytest.approx(reset, abs=0.01)
+    true = record.table["ft_fx"].to_numpy() * (1 + ROBOT_DRIFT)
+    assert np.abs(on_robot - true).max() < 0.001
+    assert [(one.device, one.finding) for one in findings] == [("force", "clock reset")]
+    assert findings[0].count + len(record.table) == len(raw.sensors["force"].table)
+
+
 def test_each_sample_is_placed_within_a_millisecond(entry: dict[str, Any]) -> None:
     raw = read_recording(entry)
     record, start = place_sensors(raw, [])["force"]

@@ -115,6 +115,18 @@ def test_too_short_a_run_tells_no_load_all_along(fitted: CurrentFit) -> None:
     assert not load_of(fitted, cut(loaded(fitted, 68), slice(100))).certain
 
 
+def test_a_joint_that_was_fitted_exactly_tells_no_load(fitted: CurrentFit) -> None:
+    """Of too few samples, a fit leaves nothing by which a joint could be weighed."""
+    joints = [replace(fitted.joints[0], band_moving=0.0), *fitted.joints[1:]]
+    record = loaded(fitted, 69)
+    exact = estimate_payload(replace(fitted, joints=joints), record, regressor(record), smooth)
+    usual = estimate_payload(fitted, record, regressor(record), smooth)
+    assert exact.parameters[0] == pytest.approx(usual.parameters[0], abs=0.1)
+    none = [replace(joint, band_moving=0.0) for joint in fitted.joints]
+    unknown = estimate_payload(replace(fitted, joints=none), record, regressor(record), smooth)
+    np.testing.assert_array_equal(unknown.parameters, 0.0)
+
+
 # What a mass is worth
 
 

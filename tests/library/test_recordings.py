@@ -290,6 +290,17 @@ def test_sensors_of_a_table_have_their_own_clock(tmp_path: Path) -> None:
     assert record.table["ft_fx"].eq(1.5).all()
 
 
+def test_a_part_of_a_recording_is_counted_on_where_the_clock_restarts(tmp_path: Path) -> None:
+    entry = write_rtde(tmp_path, rows=500)
+    path = tmp_path / "robot.csv"
+    head, *rows = path.read_text().splitlines()
+    again = [f"{0.002 * k:.4f};" + row.partition(";")[2] for k, row in enumerate(rows)]
+    path.write_text("\n".join([head, *rows, *again, ""]))
+    raw = read_recording(entry | {"from_s": 0.499, "to_s": 1.199})
+    time = raw.robot.table["time"].to_numpy()
+    assert (len(time), time[0], np.ptp(time[250:])) == pytest.approx((350, 0.5, 0.198))
+
+
 # What users do to files before they get here
 
 SPREADSHEETS = {  # a number, and what a spreadsheet program may have made of it

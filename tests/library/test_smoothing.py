@@ -359,6 +359,19 @@ def test_what_is_missing_is_bridged_and_less_sure(
     assert np.isnan(motion.innovations[300:310]).all()
 
 
+@pytest.mark.parametrize("rate", [1.0, 2.0, 5.0])
+def test_a_recording_is_smoothed_whose_steps_are_longer_than_the_window_of_its_noise(
+    rate: float,
+) -> None:
+    time = np.arange(120) / rate
+    random, phase = np.random.default_rng(16), 0.2 * time[:, None] + np.arange(6)
+    q, qd = np.sin(phase), 0.2 * np.cos(phase)
+    measured = q + 1e-4 * random.normal(size=q.shape), qd + 1e-3 * random.normal(size=q.shape)
+    motion = smooth_encoders(time, np.zeros(120, np.int64), *measured)
+    np.testing.assert_allclose(motion.q, q, atol=1e-3)
+    np.testing.assert_allclose(motion.qdd[5:-5], -0.04 * q[5:-5], atol=0.02)
+
+
 def test_a_joint_without_velocities_is_refused() -> None:
     with pytest.raises(ValueError, match="no position or no velocity"):
         smooth_encoders(*clock(300), np.zeros((300, 6)), np.full((300, 6), np.nan))

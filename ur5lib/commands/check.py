@@ -16,7 +16,7 @@ from ur5lib.errors import InputError
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.checks import touched
+from ur5lib.recordings.checks import too_short, touched
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import stop_signs
@@ -136,6 +136,8 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     stops = stop_signs(intake.robot, arm, load.configured, load.payload, fitted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
+    currents = study.settings.lowpass.currents
+    doubts += too_short(signals.segment, intake.quality.period_s, currents.cutoff_hz)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
         doubts += touched(sensor, load.mass)

@@ -173,7 +173,7 @@ def _rates(growth: Array) -> Array:
 
 def _differences(stretch: Stretch, seconds: float) -> Stretch:
     """Return (x(t + h) - x(t)) / sqrt 2, in the least certain state of the joint in between."""
-    lag = round(seconds / stretch.period)
+    lag = max(1, round(seconds / stretch.period))
     torque, states = stretch.torque, stretch.states
     middle = slice(lag // 2, lag // 2 + max(0, len(torque) - lag))
     for state in (REVERSING, SETTLING):  # passed within the lag

@@ -148,7 +148,7 @@ def estimate_payload(
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
     every = max(1, round(STEP / record.period))
-    scale = torque_constants(fit) * [joint.band_moving for joint in fit.joints]
+    scale = torque_constants(fit) * [joint.band_moving or np.nan for joint in fit.joints]
     parts = [smooth(column, record)[::every] for column in np.moveaxis(regressor, 2, 0)]
     explained = np.stack(parts, axis=2)
     moving = smoothed_moving(record, smooth)[::every]

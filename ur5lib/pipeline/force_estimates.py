@@ -8,7 +8,7 @@ import numpy as np
 
 from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import past_states
+from ur5lib.force.external_torque import finite_rows, past_states
 from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.template import repeat_aware
@@ -61,14 +61,14 @@ def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
 def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) -> dict[str, Problem]:
     """Return the problems of Fmap, by the external torque, and of the observer, by its own.
 
-    Without those whose torque is not known.
+    Without those whose torque is not known, as throughout a recording of half a second.
     """
     found = {}
     for name, torque, model in (
         ("Fmap", currents.external_torque, residuals.tau_ext),
         ("observer", currents.observed_torque, residuals.tau_observer),
     ):
-        if torque is not None and model is not None:
+        if torque is not None and model is not None and finite_rows(torque).any():
             found[name] = Problem(force_input(motion, torque, currents), model)
     return found
 

@@ -12,6 +12,8 @@ from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Labels
+from ur5lib.timeseries.segments import extrapolated, unbroken
 
 MOVES = 0.05  # rad/s; slower joints do not show their velocities nor their friction
 DERIVATIVES = [  # a channel, and the channel that should be its derivative
@@ -67,6 +69,19 @@ def check_robot(
 def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
     """Check for saturation and for an IMU file read by mistake. table: `time` and ft_* as read."""
     return [*_saturation(table), *_looks_like_imu(table)]
+
+
+def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
+    """Return a warning where no stretch is long enough for low-passed currents, and thus forces.
+
+    segment: (N,) labels; period: [s]; cutoff: of the low-pass of the currents [Hz].
+    """
+    longest = max(part.stop - part.start for part in unbroken(segment))
+    least = 2 * extrapolated(cutoff, period) + 1
+    if longest >= least:
+        return []
+    values = {"seconds": longest * period, "samples": longest, "least_s": least * period}
+    return [Finding("robot", "too short", "warning", 1, values)]
 
 
 def touched(table: pd.DataFrame, mass: float) -> list[Finding]:

@@ -128,6 +128,8 @@ def delayed(delays: Array, scores: Array, driven: bool) -> Iterator[Finding]:
     delays: that are tried [s], none in the middle; scores: their log-likelihoods.
     """
     late = np.abs(delays) >= DELAYED
+    if not late.any():  # of a recording at 1 Hz, steps are longer than any delay that is tried
+        return
     most, shorter, none = scores[late].max(), scores[~late].max(), scores[len(scores) // 2]
     if most - none > SURE and most - shorter > (0.0 if driven else SURE_BY_HAND):
         delay = float(delays[late][np.argmax(scores[late])])

@@ -14,6 +14,7 @@ from ur5lib.recordings.arrays import read_arrays
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers, read_rows
 from ur5lib.recordings.entries import RESERVED, Files, RecordedFiles, RtdeFiles, TableFiles, expand
 from ur5lib.recordings.host_clock import on_robot_clock
+from ur5lib.recordings.ordering import continued, epochs
 from ur5lib.recordings.plausibility import first_time
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.realtime_stream import read_stream
@@ -72,8 +73,8 @@ def excerpt(raw: RawRecording, start: float | None, end: float | None) -> RawRec
     """
     if start is None and end is None:
         return raw
-    table = raw.robot.table
-    since = table["time"].to_numpy(float) - first_time(table["time"].to_numpy(float))
+    table, time = raw.robot.table, raw.robot.table["time"].to_numpy(float)
+    since = continued(time, epochs(time)) - first_time(time)
     within = (since >= (start or 0.0)) & (since < (np.inf if end is None else end))
     if not within.any():
         raise InputError(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from ur5lib.recordings.plausibility import before_reset
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.starts import Span, robot_coverage
 from ur5lib.timeseries.arrays import Array
@@ -117,7 +118,7 @@ def on_robot_clock(raw: RawRecording) -> RawRecording:
     sensors = {n: s for n, s in raw.sensors.items() if s.start and s.start.since == "host_s"}
     if not sensors or "received" not in table or start is None:
         return raw
-    stamped = table[["time", "received"]].dropna()
+    stamped = table.loc[before_reset(table["time"].to_numpy()), ["time", "received"]].dropna()
     if len(stamped) < FEWEST:
         return raw
     own, host = stamped["time"].to_numpy(), stamped["received"].to_numpy()

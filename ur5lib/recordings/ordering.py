@@ -1,6 +1,7 @@
 """Ordering of frames: as the controller sent them, each once."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,8 @@ HALF = 0.5  # of a cycle, by which a frame must be late on both sides
 
 
 def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Return the frames by time, without repeats; `epoch` counts the resets of the clock.
+    """Return the frames by time, without repeats; `epoch` counts the resets of the clock, after
+    which the time goes on.
 
     Frames that repeat the previous one, or only its data with a new timestamp, are discarded. New
     data with an old timestamp are moved to the next slot.
@@ -31,7 +33,9 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         add_finding(findings, "robot", "frames out of order", "note", backwards)
         ordered = ordered.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
     ordered = _nudge_stale_stamps(ordered, findings)
-    return _return_lost_data(_drop_stale_data(ordered, findings), findings)
+    ordered = _return_lost_data(_drop_stale_data(ordered, findings), findings)
+    time = continued(ordered["time"].to_numpy(), ordered["epoch"].to_numpy())
+    return ordered.assign(time=time)
 
 
 def epochs(time: np.ndarray) -> np.ndarray:
@@ -43,6 +47,21 @@ def epochs(time: np.ndarray) -> np.ndarray:
         before = time[bounds[:-2]], time[starts - 1]
         reset[starts] = (time[starts] <= before[0]) | (time[starts + RESET_RUN - 1] < before[1])
     return np.cumsum(reset)  # shorter runs are frames out of order, not a clock reset
+
+
+def continued(time: Array, epoch: Labels) -> Array:
+    """Return timestamps (N,) [s] that go on by one usual step where the clock was reset.
+
+    epoch: (N,), from `epochs`. How long the clock stood still is not known.
+    """
+    if not epoch.any():
+        return time
+    steps, going_on = np.diff(time), time.copy()
+    usual = np.median(steps[steps > 0])
+    for before, after in pairwise(np.unique(epoch)):
+        end = going_on[epoch == before].max()
+        going_on[epoch == after] += end + usual - time[epoch == after].min()
+    return going_on
 
 
 def drop_repeats(

@@ -98,8 +98,14 @@ def stray_times(time: Array) -> Mask:
 
 def first_time(time: Array) -> float:
     """Return when a recording began: its earliest timestamp [s] before any clock reset."""
-    time = time[~stray_times(time)]
-    return float(time[epochs(time) == 0].min())
+    return float(time[before_reset(time)].min())
+
+
+def before_reset(time: Array) -> Mask:
+    """Return which timestamps [s] (N,) are no strays and lie before any reset of the clock."""
+    kept = ~stray_times(time)
+    kept[kept] = epochs(time[kept]) == 0
+    return kept
 
 
 def _contradicted(time: Array) -> Mask:

@@ -84,8 +84,8 @@ class Quality:
 class Contradictions:
     """contradictions.json: what in a recording contradicts the study, and doubts about it.
 
-    stop_signs: contradictions with which no forces may be stated; findings: about its payload and
-    its tool.
+    stop_signs: contradictions with which no forces may be stated; findings: about its payload, its
+    tool and its length.
     """
 
     stop_signs: list[Finding] = field(default_factory=list)

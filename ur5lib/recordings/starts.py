@@ -1,6 +1,9 @@
 """Sensors of a recording: how much of it each recorded, and when its clock started."""
 
-from ur5lib.recordings.plausibility import stray_times
+from dataclasses import replace
+
+from ur5lib.recordings.ordering import epochs
+from ur5lib.recordings.plausibility import before_reset
 from ur5lib.recordings.quality import Device, Finding, StartOffset, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 
@@ -44,8 +47,12 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
 def place_sensors(
     recording: RawRecording, findings: list[Finding]
 ) -> dict[Device, tuple[DeviceRecord, StartOffset]]:
-    """Return the sensors whose record overlaps the robot's, and when their clocks started."""
+    """Return the sensors whose record overlaps the robot's, and when their clocks started.
+
+    After a reset of the robot's clock, nothing tells where their samples belong: they are left out.
+    """
     placed, robot = {}, _span(recording.robot)
+    was_reset = bool(epochs(recording.robot.table["time"].to_numpy(float)).any())
     for device, record in recording.sensors.items():
         offset = _offset(recording.robot, record)
         if offset is None:
@@ -55,6 +62,8 @@ def place_sensors(
         if max(robot[0], begin) >= min(robot[1], end):
             add_finding(findings, device, "stale copy", "warning", seconds=offset.seconds)
         else:
+            if was_reset:
+                record = _until(record, robot[1] - offset.seconds, device, findings)
             placed[device] = (record, offset)
             findings += sensor_coverage(device, (begin, end), robot, offset.std)
     return placed
@@ -69,7 +78,16 @@ def _offset(robot: DeviceRecord, device: DeviceRecord) -> StartOffset | None:
 
 
 def _span(record: DeviceRecord) -> tuple[float, float]:
-    """Return the first and last timestamp [s], whatever the order of the rows."""
+    """Return the first and last timestamp [s] before any reset, whatever the order of the rows."""
     time = record.table["time"].to_numpy(float)
-    time = time[~stray_times(time)]
+    time = time[before_reset(time)]
     return float(time.min()), float(time.max())
+
+
+def _until(
+    record: DeviceRecord, end: float, device: Device, findings: list[Finding]
+) -> DeviceRecord:
+    """Return a sensor's record up to a time of its clock [s]."""
+    later = record.table["time"] > end
+    add_finding(findings, device, "clock reset", "warning", later.sum(), "robot's reset")
+    return replace(record, table=record.table[~later])

@@ -145,7 +145,11 @@ def _current(robot: pd.DataFrame) -> Iterator[str]:
 
 
 def roughness(values: Array) -> Array:
-    """Return the median size (6,) of third differences of (N, 6): noise more than motion."""
+    """Return the median size (6,) of third differences of (N, 6), noise more than motion; NaN of
+    fewer than four samples.
+    """
+    if len(values) < 4:
+        return np.full(values.shape[1], np.nan)
     return np.asarray(np.nanmedian(np.abs(np.diff(values, 3, axis=0)), axis=0))
 
 

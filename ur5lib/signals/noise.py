@@ -219,7 +219,7 @@ class _Record:
         They are means of logarithms over a bank of filters, each weighted by its likelihood in the
         window. The prior of the noise's variance is inverse-gamma about that of the recording.
         """
-        count, unit = round(WINDOW / self.period), position / self.period**2.5
+        count, unit = max(1, round(WINDOW / self.period)), position / self.period**2.5
         known = count * _window_mean(self.valid.astype(float), self.parts, count)
         jerks, shares = np.array([*product(JERKS, VIBRATIONS)]).T
         bank = ratios._replace(jerk=jerks / unit, vibration=shares * ratios.vibration)

@@ -30,6 +30,13 @@ def unbroken(*labels: Labels | Mask) -> list[slice]:
     return [slice(start, end) for start, end in pairwise(bounds) if end > start]
 
 
+def extrapolated(cutoff: float, period: float) -> int:
+    """Return at how many samples at each end of a stretch a low-pass in both directions mostly
+    extrapolates: half a period of its cut-off [Hz]. period: of the samples [s].
+    """
+    return round(0.5 / cutoff / period)
+
+
 def runs(flags: Mask) -> Labels:
     """Return where runs of True begin and end (n, 2), of flags (N,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))

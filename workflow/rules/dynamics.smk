@@ -50,5 +50,6 @@ rule find_contradictions:
         payload=payload_of,
         tcp=tcp_of,
         role=lambda wildcards: recording_of(wildcards).role,
+        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)

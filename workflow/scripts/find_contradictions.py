@@ -1,9 +1,10 @@
-"""Stop signs: what in a recording contradicts the study; and doubts about its payload and tool."""
+"""Stop signs: what in a recording contradicts the study; and doubts about payload, tool, length."""
 
 from typing import Any
 
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.checks import too_short
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.recordings.stop_signs import CHECKED, stop_signs
 from ur5lib.robots.description import Payload, load_robot
@@ -14,6 +15,7 @@ def find_contradictions(input: Any, output: Any, params: Any) -> None:
     declared = Payload.model_validate_json(params.payload) if params.payload else None
     signals, arm = Signals.read(input.signals), load_robot(input.arm).mounted(params.gravity)
     load, doubts = carried(declared, signals), disagreements(declared, params.tcp or None, signals)
+    doubts += too_short(signals.segment, signals.period, params.cutoff_hz)
     del signals
     known = CHECKED.intersection(read_footer(input.signals).schema.names)
     table = read_table(input.signals, [*known])
