@@ -1,5 +1,14 @@
 # The study, the rules, and what a run makes.
+from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
+
+from ur5lib.errors import InputError
+from ur5lib.lab.extensions import take_up_all
+
+try:
+    take_up_all()  # what is loaded below uses them at once
+except InputError as error:
+    raise WorkflowError(str(error))
 
 from ur5lib.study.loading import read_studies_as_data
 

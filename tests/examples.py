@@ -28,6 +28,7 @@ INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 FIRST = {  # what the first line of a block begins with
     "python": re.compile(r"(?:import|from|def|class|>>>) "),
     "yaml": re.compile(r"(?:- )?\{?[a-z_]+:(?: |\n|$)"),
+    "toml": re.compile(r"\[\w+[.\]]"),
     "way-points": re.compile(r"-?\d+\.\d+,"),
     "moves": re.compile(r"move[jl]\("),
     "listing": re.compile(r"[\w./-]+/?(?:,? [\w./-]+/\S*)? {2,}\S"),

@@ -1,7 +1,10 @@
 """Every example in a document holds: commands exist, studies are valid, code runs."""
 
+import os
 import re
+import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from unittest.mock import MagicMock
@@ -18,9 +21,9 @@ from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from ur5lib.cli import app
+from ur5lib.lab.extensions import GROUP, KINDS
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recorder.move_program import plan, read_program
-from ur5lib.robots import friction
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_table
 
@@ -74,6 +77,12 @@ def test_a_study_that_is_wrong_is_found(text: str, tmp_path: Path) -> None:
     assert yaml_faults(text, tmp_path) != []
 
 
+@of_kind("toml")
+def test_entry_points_are_of_groups_that_are_taken_up(example: Example) -> None:
+    [group] = tomllib.loads(example.text)["project"]["entry-points"]
+    assert group.removeprefix(GROUP) in KINDS
+
+
 @of_kind("listing")
 def test_listed_files_exist(example: Example) -> None:
     """A line may name two, or go on with a text."""
@@ -121,14 +130,14 @@ def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     exec("\n".join(line.removeprefix(">>> ") for line in code.splitlines()), {})
 
 
-def add_a_term(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the module that the page names, on a motion."""
-    kinds = dict(friction.KINDS)
-    exec(code, vars(friction) | {"KINDS": kinds})
-    qd = np.array([-4.0, 0.0, 9.0])
-    motion = friction.JointMotion(np.zeros(3), qd, np.zeros(3), np.sign(qd))
-    (column,) = kinds["root"].columns(motion, 0.0)
-    assert column.tolist() == [-2.0, 0.0, 3.0]
+def extend(code: str, _: pytest.MonkeyPatch) -> None:
+    """As the file that states it; tests/workflow/test_extensions.py runs a study with all."""
+    [kind] = [kind for kind, own in KINDS.items() if f"{own.name} = {{" in code]
+    Path("extensions").mkdir()
+    Path("extensions", f"{kind}.py").write_text(code)
+    program = f"from {KINDS[kind].taken_up_by} import *"
+    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True)
 
 
 def add_an_estimator(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,7 +162,7 @@ def use_the_rules(code: str, _: pytest.MonkeyPatch) -> None:
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
-    'KINDS["root"]': add_a_term,
+    "import numpy as np": extend,
     "from dataclasses import dataclass": add_an_estimator,
     "from ur5lib.lab.places import": use_the_rules,
 }

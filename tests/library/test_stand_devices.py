@@ -224,7 +224,7 @@ def test_the_controller_s_force_is_that_of_the_arm(
     recorded = record(format, robot, **still)
     signals, time = Signals.from_table(recorded.repaired().robot), recorded.true()["time"]
     force = channel(recorded.repaired().robot, "actual_TCP_force")
-    stated = controller(Run(controller=signals.wrench_calc_from_currents))
+    stated = controller(Run(None, None, None, controller=signals.wrench_calc_from_currents))
     told = -force if stated is None else stated.wrench
     true = channel(recorded.true(), "wrench")[(time > 2.96) & (time < 3.04)].mean(axis=0)
     assert np.abs(true[:3]).min() > 5

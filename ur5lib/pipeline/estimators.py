@@ -4,14 +4,23 @@ Records, thresholds, tables, figures, the comparison with simulated truth and th
 ESTIMATORS as they stand here; the first that a recording has leads its figures and sentences.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import re
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.lab.extensions import PAGE, additions
 from ur5lib.timeseries.arrays import Array
 
 if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
     from ur5lib.force.wrench_estimate import WrenchEstimate
+    from ur5lib.pipeline.records.currents import Currents
+    from ur5lib.pipeline.records.dynamics import Kinematics
+    from ur5lib.pipeline.records.motion import Motion
 
 
 class Stated(NamedTuple):
@@ -35,16 +44,20 @@ Answer: TypeAlias = "Stated | WrenchEstimate | None"
 class Run:
     """A recording, as far as its estimators share it.
 
-    solved: the most probable wrenches by the external torque, the observer's, and less that of
-    other runs; causal_odds: log-odds (N,) of contact from past currents; static: the estimate
-    without any fit, where there is none; controller: the wrench (N, 6) [N, Nm] that the controller
-    computes from currents, where it was recorded.
+    motion: smoothed, with its `time` (N,); currents: predicted, and the external torques from them;
+    kinematics: of the flange at that motion; controller: the wrench (N, 6) [N, Nm] that the
+    controller computes from currents, where it was recorded. solved: the most probable wrenches by
+    the external torque, the observer's, and less that of other runs; causal_odds: log-odds (N,) of
+    contact from past currents; static: the estimate without any fit, where there is none.
     """
 
+    motion: "Motion"
+    currents: "Currents"
+    kinematics: "Kinematics"
+    controller: Array | None = None
     solved: "Mapping[str, WrenchEstimate]" = field(default_factory=dict)
     causal_odds: Array | None = None
     static: Stated | None = None
-    controller: Array | None = None
 
     @property
     def background(self) -> Array | None:
@@ -56,11 +69,10 @@ class Run:
 class Estimator:
     """One estimator of the contact wrench.
 
-    name: in records and tables; label: in reports; gated: whether it states odds of contact, so
-    that it raises alarms; article: before the label in sentences.
+    label: in reports; gated: whether it states odds of contact, so that it raises alarms; article:
+    before the label in sentences.
     """
 
-    name: str
     label: str
     estimate: Callable[[Run], Answer]
     gated: bool = True
@@ -90,18 +102,56 @@ def controller(run: Run) -> Answer:
     return None if run.controller is None else Stated(run.controller)
 
 
-ESTIMATORS = (
-    Estimator("Fmap", "F̂ᵐᵃᵖ", solved("Fmap")),
-    Estimator("least_squares", "least squares", least_squares, gated=False),
-    Estimator("observer", "observer", solved("observer")),
-    Estimator("repeat", "repeat-aware", solved("repeat")),
-    Estimator("static", "uncalibrated static estimate", lambda run: run.static, False, "the "),
-    Estimator(
-        "controller_currents", "controller, from currents", controller, False, "the force by the "
-    ),
-)
+def added(shipped: Collection[str]) -> dict[str, Estimator]:
+    """Return the estimators that the lab adds. Raises InputError where one cannot be used."""
+    found = {}
+    for source, name, one in additions("estimators"):
+        if not re.fullmatch(r"[a-z]\w*", name) or name in {*shipped, *PUBLISHED}:
+            raise InputError(
+                f"{source}: {name!r} is an estimator of ur5lib, or no lower-case word; rename it"
+            )
+        if not isinstance(one, Estimator):
+            raise InputError(f"{source}: {name!r} is no Estimator; {PAGE}")
+        found[name] = replace(one, estimate=partial(checked, one, f"{source}: {name!r}"))
+    return found
+
+
+def checked(estimator: Estimator, place: str, run: Run) -> Answer:
+    """Return what an estimator states of a run. Raises InputError where its form is wrong.
+
+    place: of the estimator, for the message.
+    """
+    found = estimator.estimate(run)
+    if found is None:
+        return None
+    count = len(run.motion.time)
+    shapes = {"wrench": (count, 6), "std": (count, 6), "log_odds": (count,)}
+    needed = ("wrench", "log_odds") if estimator.gated else ("wrench",)
+    for name, shape in shapes.items():
+        values: Array | None = getattr(found, name, None)
+        if name in needed if values is None else np.shape(values) != shape:
+            own = "no" if values is None else f"a {np.shape(values)}"
+            raise InputError(
+                f"{place} states {own} `{name}`, where {shape} is needed; return Stated of all "
+                "samples, or None for no estimate"
+            )
+    return found
+
+
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's
-NEW = {one.name: one.label for one in ESTIMATORS}
+ESTIMATORS = {  # by their names in records and tables
+    "Fmap": Estimator("F̂ᵐᵃᵖ", solved("Fmap")),
+    "least_squares": Estimator("least squares", least_squares, gated=False),
+    "observer": Estimator("observer", solved("observer")),
+    "repeat": Estimator("repeat-aware", solved("repeat")),
+    "static": Estimator("uncalibrated static estimate", lambda run: run.static, False, "the "),
+    "controller_currents": Estimator(
+        "controller, from currents", controller, False, "the force by the "
+    ),
+}
+OWN = added(ESTIMATORS)
+ESTIMATORS |= OWN
+NEW = {name: one.label for name, one in ESTIMATORS.items()}
 ESTIMATES = PUBLISHED | NEW
-SPOKEN = PUBLISHED | {one.name: one.article + one.label for one in ESTIMATORS}  # as in sentences
-GATED = [one.name for one in ESTIMATORS if one.gated]
+SPOKEN = PUBLISHED | {name: one.article + one.label for name, one in ESTIMATORS.items()}
+GATED = [name for name, one in ESTIMATORS.items() if one.gated]

@@ -310,7 +310,7 @@ class ArrayFiles(StoredTable, Files):
 class StoredFiles(ArrayFiles):
     """Arrays in one file."""
 
-    format: Literal["hdf5", "mat", "npz", "rosbag", "parquet", "feather"] = Field(
+    format: Literal["hdf5", "mat", "npz", "rosbag", "parquet", "feather", "own"] = Field(
         description="format of the files"
     )
     file: RunFile

@@ -25,16 +25,16 @@ SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
 def run_crate(
     folder: Path,
     title: str,
-    recordings: Sequence[str],
+    used: Sequence[str],
     results: Sequence[str],
     citation: Mapping[str, Any],
     known: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return the content of ro-crate-metadata.json for the results of one study.
 
-    folder: holds configuration.yaml, Snakefile and the results. recordings: device files, which
-    stay where they are; they are identified by their checksums. citation: of the software, as in
-    CITATION.cff. known: checksums of files that need not be read again.
+    folder: holds configuration.yaml, Snakefile and the results. used: files of devices and of the
+    lab's extensions, which stay where they are; they are identified by their checksums. citation:
+    of the software, as in CITATION.cff. known: checksums of files that need not be read again.
     """
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms["sha256"] = SHA256
@@ -45,10 +45,10 @@ def run_crate(
         for url, name in PROFILES.items()
     ]
     workflow = _workflow(crate, folder / "Snakefile", citation)
-    used = [_file(crate, folder / "configuration.yaml", "configuration.yaml")]
-    for path in recordings:
+    read = [_file(crate, folder / "configuration.yaml", "configuration.yaml")]
+    for path in used:
         own = known.get(path) or checksum(path)
-        used.append(_file(crate, Path(path), f"urn:sha256:{own}", own))
+        read.append(_file(crate, Path(path), f"urn:sha256:{own}", own))
     made = [_file(crate, Path(path), os.path.relpath(path, folder)) for path in results]
     about = {
         "name": f"Run of the study {folder.name}",
@@ -56,7 +56,7 @@ def run_crate(
         "endTime": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     crate.root_dataset["mentions"] = crate.add_action(
-        workflow, "#run", object=used, result=made, properties=about
+        workflow, "#run", object=read, result=made, properties=about
     )
     return dict(crate.metadata.generate())
 

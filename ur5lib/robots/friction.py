@@ -4,11 +4,14 @@ A term has columns (N, M) of a joint's motion; friction torque is columns times 
 parameters (a velocity, a period) belong to the term and are chosen from a grid.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
 
+from ur5lib.errors import InputError
+from ur5lib.lab.extensions import additions, failed
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
 
@@ -123,6 +126,32 @@ KINDS = {
         parts=("coulomb", "viscous"),
     ),
 }
+
+
+def added(shipped: Collection[str]) -> dict[str, Kind]:
+    """Return the kinds that the lab adds. Raises InputError where one cannot be a friction term."""
+    rest = JointMotion(*np.zeros((4, 3)))
+    found = {}
+    for source, name, kind in additions("friction"):
+        place = f"{source}: {name!r}"
+        if not re.fullmatch(r"[a-z]\w*", name) or name in shipped:
+            raise InputError(f"{place} is a term of ur5lib, or no lower-case word; rename it")
+        if not isinstance(kind, Kind) or not kind.candidates:
+            raise InputError(f"{place} is no Kind with candidates of its shape; give (0.0,) if one")
+        try:
+            sizes = [np.shape(own) for own in kind.columns(rest, kind.candidates[0])]
+        except Exception as error:  # whatever the lab's code does
+            raise failed(source, error) from error
+        if sizes != [(3,)] * (len(kind.parts) or 1):
+            raise InputError(
+                f"{place} gives columns of shapes {sizes} for 3 samples; return a list of one (3,) "
+                "for each of its `parts`, of one without"
+            )
+        found[name] = kind
+    return found
+
+
+KINDS |= added(KINDS)
 CANDIDATES = [kind for kind, own in KINDS.items() if own.candidates]
 
 
@@ -133,21 +162,31 @@ class Term:
     kind: str
     shape: float = 0.0
 
+    @property
+    def of(self) -> Kind:
+        """Return its kind. Raises InputError where that is an extension of another folder."""
+        if self.kind not in KINDS:
+            raise InputError(
+                f"the friction term {self.kind!r} is not known here; run this in the folder whose "
+                "extensions/friction.py states it, or install the package that does"
+            )
+        return KINDS[self.kind]
+
     def columns(self, motion: JointMotion) -> Array:
         """Return the columns (N, M), M = 2 for periodic and warming terms, 1 for all others."""
-        return np.stack(KINDS[self.kind].columns(motion, self.shape), axis=1)
+        return np.stack(self.of.columns(motion, self.shape), axis=1)
 
     def expected(self, torque_max: float) -> list[float]:
         """Return the prior standard deviation of each coefficient, in its unit.
 
         torque_max: of the motor [Nm].
         """
-        return [KINDS[self.kind].expected(torque_max)] * len(self.names())
+        return [self.of.expected(torque_max)] * len(self.names())
 
     def names(self) -> list[str]:
         """Return the coefficients' names: the kind, its shape, and which of two."""
         name = f"{self.kind}_{self.shape:g}" if self.shape else self.kind
-        return [f"{name}_{part}" for part in KINDS[self.kind].parts] or [name]
+        return [f"{name}_{part}" for part in self.of.parts] or [name]
 
 
 BASE = (Term("coulomb"), Term("viscous"), Term("load"))
@@ -163,6 +202,6 @@ def is_dissipative(terms: tuple[Term, ...], coefficients: Array, qd: Array, torq
     """
     speed, load = (grid.ravel() for grid in np.meshgrid(qd, torque))
     motion = JointMotion(np.zeros_like(speed), speed, load, np.sign(speed))
-    columns = [KINDS[term.kind].odd * term.columns(motion) for term in terms]
+    columns = [term.of.odd * term.columns(motion) for term in terms]
     friction = np.concatenate(columns, axis=1) @ coefficients
     return bool((friction * speed >= 0).all())

@@ -6,13 +6,16 @@ of Snakemake's prevents that.
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from snakemake.common import configfile
 from snakemake.exceptions import WorkflowError
 from snakemake.settings import types
 
 from ur5lib.errors import InputError
-from ur5lib.study.reading import Raw, read_plain
+
+if TYPE_CHECKING:
+    from ur5lib.study.reading import Raw
 
 
 def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
@@ -31,9 +34,13 @@ def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
         _data(path)
 
 
-def _data(path: str | Path) -> Raw:
+def _data(path: str | Path) -> "Raw":
     """Return a study as plain data. Raises WorkflowError."""
     try:
+        from ur5lib.study.reading import (
+            read_plain,
+        )  # loads extensions, in which there may be errors
+
         return read_plain(Path(path))
     except InputError as error:
         raise WorkflowError(f"the study has errors\n{error}") from None

@@ -172,7 +172,7 @@ class TableRecording(TableFiles, Part):
 
 
 class StoredRecording(StoredFiles, Part):
-    """Arrays in an HDF5, MAT, NumPy, Parquet or Feather file, or a ROS bag (.bag, .db3, .mcap)."""
+    """Arrays in an HDF5, MAT, NumPy, Parquet or Feather file, a ROS bag, or a lab's own file."""
 
 
 class ChannelFilesRecording(ChannelFiles, Part):

@@ -10,6 +10,7 @@ from hashlib import sha256
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
+from ur5lib.lab.extensions import KINDS, source_files
 from ur5lib.lab.places import CITATION, PACKAGE, SCRIPTS, SNAKEFILE
 from ur5lib.report.document import MOST_SHOWN, Picture, contents
 from ur5lib.report.reference import read_reference
@@ -337,7 +338,8 @@ def in_cluster(group):
 def code(step, *files):
     """Return a checksum of a step's script, of all library modules that it uses, and of files.
 
-    files: of the library, too. It is the same wherever the library is installed.
+    files: of the library, too. It is the same wherever the library is installed. Extensions of the
+    lab count as code of the steps whose modules take them up.
     """
     script = SCRIPTS / f"{step}.py"
     modules, unseen = set(), {script}
@@ -345,7 +347,8 @@ def code(step, *files):
         modules |= unseen
         unseen = {used for module in unseen for used in imported_modules(module)} - modules
     library = sorted(modules - {script} | {*files})
-    return sha256(b"".join(map(content, [script, *library]))).hexdigest()[:16]
+    extensions = source_files(modules)
+    return sha256(b"".join(map(content, [script, *library, *extensions]))).hexdigest()[:16]
 
 
 @cache

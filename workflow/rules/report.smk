@@ -359,6 +359,7 @@ rule describe_run:
     input:
         report=rules.write_report.output[:4],
         raw=lambda wildcards: [path for name in RECORDINGS for path in raw_files(name)],
+        extensions=[str(path) for path in source_files({own.file() for own in KINDS.values()})],
         files=rules.make_tables.output.files,
         tables=rules.write_report.input.tables,
         figures=rules.write_report.input.figures,

@@ -17,5 +17,6 @@ def describe_run(input: Any, output: Any, params: Any) -> None:
     citation = read_yaml(CITATION)
     read = read_csv(input.files)
     known = dict(zip(read["file"], read["sha256"], strict=True))
-    crate = run_crate(folder, params.title, input.raw, results, citation, known)
+    used = [*input.raw, *input.extensions]
+    crate = run_crate(folder, params.title, used, results, citation, known)
     write_json(crate, output.crate)

@@ -1,0 +1,70 @@
+"""Files of a lab's own formats, whose readers the lab adds (docs/extensions.md)."""
+
+import re
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.lab.extensions import additions
+from ur5lib.recordings.array_files import ENDINGS, LOADERS, Arrays
+from ur5lib.recordings.quality import Finding
+from ur5lib.strict import expect_file
+
+OWN = "own"  # the formats' common name in a study; endings tell them apart
+Read = Callable[[Path], dict[str, Any]]
+
+
+def added() -> dict[str, Read]:
+    """Return the lab's readers by the endings of their files.
+
+    Raises InputError where one is no function, or ur5lib reads files of that ending.
+    """
+    readers = {}
+    for source, ending, read in additions("formats"):
+        if not re.fullmatch(r"\.[a-z0-9_]+", ending) or ending in ENDINGS or not callable(read):
+            raise InputError(
+                f"{source}: {ending!r} is read by ur5lib, is no ending such as `.log`, or has no "
+                "function; correct it"
+            )
+        readers[ending] = read
+    return readers
+
+
+READERS = added()
+
+
+def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the arrays that the reader of files with this ending gives; None: all.
+
+    Raises InputError where there is no reader or no file, or the reader fails.
+    """
+    expect_file(path)
+    ending = path.suffix.lower()
+    if not path.is_file():
+        raise InputError(f"{path} is missing; add it, or remove the recording from the study")
+    if ending not in READERS:
+        raise InputError(
+            f"{path}: no extension reads `{ending}` (but {', '.join(READERS) or 'nothing'}); add "
+            "its reader to extensions/formats.py in the working folder"
+        )
+    try:
+        arrays = {name: np.asarray(own) for name, own in READERS[ending](path).items()}
+    except InputError:
+        raise
+    except Exception as error:  # whatever the lab's code does
+        raise InputError(
+            f"{path}: the reader of `{ending}` fails ({type(error).__name__}: {error}); "
+            "correct it, or copy the file again from its source"
+        ) from error
+    return {
+        name: own
+        for name, own in arrays.items()
+        if own.dtype.kind in "iuf" and own.ndim in (1, 2) and (wanted is None or name in wanted)
+    }
+
+
+LOADERS[OWN] = own_arrays
+ENDINGS.update(dict.fromkeys(READERS, OWN))
