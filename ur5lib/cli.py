@@ -97,32 +97,58 @@ def check(
 @app.command(name="import")
 def import_(
     files: Annotated[list[Path], typer.Argument(help="recordings of any known format")],
-    robot: Annotated[
-        str | None, typer.Option(help="name of the arm, where the files leave it open")
+    robot: Annotated[str | None, typer.Option(help="name of the arm")] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            help="channels of a table's columns in order, as time,actual_q,-,actual_current; of "
+            "arrays, as actual_q=run/positions"
+        ),
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(help="rows per second [Hz] of files without a clock", min=1)
+    ] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option(help="unit of a channel, as actual_current=mA")
     ] = None,
     write: Annotated[
         Path | None, typer.Option(help="study file to write; default: print the entries")
     ] = None,
-    trust_names: Annotated[
-        bool, typer.Option("--trust-names", help="take the joints' names against the evidence")
-    ] = False,
+    add: Annotated[Path | None, typer.Option(help="study to append the entries to")] = None,
 ) -> None:
-    """Propose the study entry of recordings, with what is proven, assumed and ambiguous."""
+    """Write the study entry of recordings, with what is proven, assumed, or to be checked."""
+    from rich.progress import track
+
+    from ur5lib.commands.check import text_console
     from ur5lib.commands.exported import described
-    from ur5lib.importing.files import as_entries, import_files, write_study
+    from ur5lib.importing.contents import Stated
+    from ur5lib.importing.files import add_to_study, as_entries, import_files, write_study
 
     if robot is not None:
         described(robot)
-    imported = import_files(files, [robot] if robot else [], trust_names)
-    if write is None:
-        typer.echo(as_entries(imported), nl=False)
-    else:
-        write_study(imported, write)
+    units = dict(_pair(one) for one in unit or [])
+    stated = Stated(robot or "", tuple((columns or "").split(",")) if columns else (), rate, units)
+    console = text_console(stderr=True)
+    imported = import_files(track(files, "reading", console=console, transient=True), stated)
+    if study := write or add:
+        (write_study if write else add_to_study)(imported, study)
         for item in imported:
             typer.echo("\n".join([f"{item.entry['name']}:", *item.comments]))
-        typer.echo(f"{write} written; next: ur5 check {write}")
+        typer.echo(f"{study} written; next: ur5 check {study}")
+    else:
+        typer.echo(as_entries(imported), nl=False)
+        names = " ".join(map(str, files))
+        typer.echo(f"next: ur5 import {names} --write mine.yaml", err=True)
     if imported.refused:
         raise InputError("\n".join(["not imported:", *imported.refused]))
+
+
+def _pair(stated: str) -> tuple[str, str]:
+    """Return channel and unit. Raises InputError where they are not `channel=unit`."""
+    channel, _, unit = stated.partition("=")
+    if not (channel and unit):
+        raise InputError(f"--unit {stated}: state a channel and its unit, as actual_current=mA")
+    return channel, unit
 
 
 @app.command()

@@ -11,6 +11,7 @@ import scipy.io
 from tests.entries import read_recording
 from tests.stored_files import JOINTS, Channels, Made, frame, made_up_channels, write_hdf5
 from ur5lib.errors import InputError
+from ur5lib.importing.contents import Stated
 from ur5lib.importing.files import import_files
 from ur5lib.tables import channel
 
@@ -25,7 +26,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 def imported(path: Path) -> tuple[dict[str, Any], str]:
     """The entry of a file of a UR5, and the comments on it."""
-    (one,) = import_files([path], ["ur5"])
+    (one,) = import_files([path], Stated("ur5"))
     return one.entry, "\n".join(one.comments)
 
 
@@ -72,7 +73,7 @@ def test_positions_of_another_arm_are_named(tmp_path: Path, made: Made) -> None:
     both = {f"{side}/{n}": channels[n] for side in ("left", "right") for n in MOVED[:2]}
     write_hdf5(tmp_path / "run.h5", time, both | {"left/actual_current": channels[MOVED[2]]})
     comments = imported(tmp_path / "run.h5")[1]
-    assert "run/left/actual_q are the positions; left out: run/right/actual_q" in comments
+    assert "left out: run/right/actual_q: named like positions" in comments
 
 
 def test_targets_in_degrees_have_their_unit(tmp_path: Path, made: Made) -> None:
@@ -98,7 +99,7 @@ def test_a_pose_in_millimetres_is_left_out(tmp_path: Path, made: Made) -> None:
     table = rtde(made, *MOVED, actual_TCP_pose=1e3 * made[1]["actual_TCP_pose"])
     entry, comments = imported(saved(table, tmp_path / "run.csv"))
     assert entry["columns"] == ["time", *MOVED, *["-"] * 6]
-    assert "is no pose of the flange, or of a tool on it, in m" in comments
+    assert "no pose of the flange, or of a tool on it, in m" in comments
 
 
 def test_stamps_of_a_busy_computer_jitter(tmp_path: Path, made: Made) -> None:
@@ -167,24 +168,27 @@ def test_dates_are_stamps_and_text_is_left_out(tmp_path: Path, made: Made, form:
 def test_a_channel_that_holds_text_is_no_number(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made).assign(actual_q_2="0.1 rad"), tmp_path / "run.csv")
     with pytest.raises(InputError, match=r"line 2: expected 19 numbers \('0.1 rad' is not a"):
-        import_files([path], ["ur5"])
+        import_files([path], Stated("ur5"))
 
 
 def test_lists_in_cells_are_named(tmp_path: Path, made: Made) -> None:
     table = pd.DataFrame({"time": made[0]} | {n: made[1][n].tolist() for n in MOVED})
     with pytest.raises(InputError, match="give each number of a list its own column"):
-        import_files([saved(table, tmp_path / "run.csv")], ["ur5"])
+        import_files([saved(table, tmp_path / "run.csv")], Stated("ur5"))
 
 
-def test_an_arm_that_the_pose_excludes_is_refused(tmp_path: Path, made: Made) -> None:
+def test_an_arm_that_the_pose_excludes_is_told(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made, *MOVED, "actual_TCP_pose"), tmp_path / "run.csv")
-    with pytest.raises(InputError, match=r"arm is not ur10e: .* is the flange of `robot: ur5`"):
-        import_files([path], ["ur10e"])
+    (one,) = import_files([path], Stated("ur10e"))
+    assert one.entry["robot"] == "ur10e"
+    assert "robot ur10e: the recorded pose is the flange of ur5" in "\n".join(one.comments)
 
 
 def test_an_arm_that_gravity_contradicts_is_told(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made), tmp_path / "run.csv")
-    comments = ["\n".join(import_files([path], [arm])[0].comments) for arm in ("ur5", "ur10e")]
+    comments = [
+        "\n".join(import_files([path], Stated(arm))[0].comments) for arm in ("ur5", "ur10e")
+    ]
     told = ["explains the efforts far better" in text for text in comments]
     assert told == [False, True]
 
@@ -226,19 +230,71 @@ def test_structures_with_stamps_of_their_own(tmp_path: Path, made: Made) -> None
 
 def test_what_a_file_lacks_is_said(tmp_path: Path, made: Made) -> None:
     table = rtde(made)
-    slow = saved(table.iloc[::125], tmp_path / "slow.csv")
-    with pytest.raises(InputError, match=r"0 stretches of 0.1 s are complete, in 0.005 s .* in ms"):
-        import_files([slow], ["ur5"])
+    slow, comments = imported(saved(table.iloc[::125], tmp_path / "slow.csv"))
+    assert slow["robot"] == "ur5"
+    assert "check: nothing but names tells" in comments
     unknown = {f"actual_{n}": f"{c}" for n, c in (("q", "j"), ("qd", "v"), ("current", "c"))}
     names = {f"{n}_{k}": f"{c}{k}" for n, c in unknown.items() for k in range(6)}
-    with pytest.raises(InputError, match="neither efforts or currents nor a TCP pose"):
-        import_files([saved(table.rename(columns=names), tmp_path / "run.csv")], ["ur5"])
+    path = saved(table.rename(columns=names), tmp_path / "run.csv")
+    assert "check: the joints' order, base to wrist" in imported(path)[1]
     (tmp_path / "states.txt").write_text('{"q": [0.1, 0.2], "time": 1}\n' * 20)
     with pytest.raises(InputError, match="holds JSON"):
-        import_files([tmp_path / "states.txt"], [])
+        import_files([tmp_path / "states.txt"])
     lone = table[["timestamp", "actual_current_0"]].rename(columns={"actual_current_0": "i"})
-    with pytest.raises(InputError, match=r"none is named like positions .*; it holds i \(1\)"):
-        import_files([saved(lone, tmp_path / "lone.csv")], ["ur5"])
+    with pytest.raises(InputError, match=r"none is named like them .*; it holds i \(1\)"):
+        import_files([saved(lone, tmp_path / "lone.csv")])
+
+
+def test_of_two_clocks_the_one_of_the_velocities_counts(tmp_path: Path, made: Made) -> None:
+    """A program polls the controller, stamps by its own clock, and repeats rows."""
+    random, count = np.random.default_rng(1), len(made[0])
+    rows = np.sort(random.choice(count, 2 * count))
+    renamed = {f"actual_{n}_{k}": f"Act_{s}{k}" for n, s in SHORT.items() for k in range(6)}
+    table = rtde(made).rename(columns=renamed | {"timestamp": "Time"}).iloc[rows]
+    received = EPOCH + np.cumsum(random.exponential(0.004, len(table)))
+    table.insert(0, "epoch_time", received)
+    entry, comments = imported(saved(table, tmp_path / "run.csv"))
+    assert entry["columns"] == ["-", "time", *MOVED]
+    assert "Time in s is the clock: under it, velocities are derivatives" in comments
+    assert "check: " not in comments
+
+
+SHORT = {"q": "q", "qd": "qd", "current": "I"}
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_log_without_a_clock_has_the_rate_of_its_velocities(
+    tmp_path: Path, made: Made, named: bool
+) -> None:
+    table = rtde(made).drop(columns="timestamp").iloc[::4]
+    table.to_csv(tmp_path / "run.txt", sep=" ", index=False, header=named)
+    entry, _ = imported(tmp_path / "run.txt")
+    assert entry["columns"] == [*MOVED]
+    assert entry["rate"] == pytest.approx(31.25, rel=0.01)
+    assert "time" not in entry
+    (one,) = import_files([tmp_path / "run.txt"], Stated("ur5", rate=31.25))
+    assert one.entry["rate"] == 31.25
+
+
+def test_a_rate_that_nothing_tells_is_asked_for(tmp_path: Path, made: Made) -> None:
+    table = rtde(made, "actual_q", "actual_current").drop(columns="timestamp")
+    _, comments = imported(saved(table, tmp_path / "run.csv"))
+    assert "check: rate 125: the file has no clock" in comments
+
+
+def test_the_user_names_columns_and_units(tmp_path: Path, made: Made) -> None:
+    table = rtde(made).assign(note=1.0)
+    table.to_csv(tmp_path / "run.csv", header=False, index=False)
+    stated = Stated("ur5", ("time", *MOVED, "-"), units={"actual_current": "A"})
+    (one,) = import_files([tmp_path / "run.csv"], stated)
+    assert one.entry["columns"] == ["time", *MOVED, "-"]
+    assert one.entry["units"] == {"actual_current": "A"} or "units" not in one.entry
+    write_hdf5(tmp_path / "run.h5", made[0], {"a": made[1]["actual_q"], "b": made[1]["actual_qd"]})
+    stated = Stated("ur5", ("actual_q=run/a", "actual_qd=run/b"))
+    (one,) = import_files([tmp_path / "run.h5"], stated)
+    assert one.entry["channels"] == {
+        "time": "run/time", "actual_q": "run/a", "actual_qd": "run/b"
+    }  # fmt: skip
 
 
 def test_desired_motion_of_libfranka_is_not_what_was_measured(tmp_path: Path, made: Made) -> None:
@@ -261,7 +317,7 @@ def test_a_target_that_nothing_follows_is_left_out(tmp_path: Path, made: Made) -
     table = rtde(made, *MOVED, q_d=made[1]["actual_qd"])
     entry, comments = imported(saved(table, tmp_path / "run.csv"))
     assert entry["format"] == "rtde-csv"  # which ignores them
-    assert "q_d_0 … q_d_5: left out, for what moves does not follow it" in comments
+    assert "left out: q_d_0 … q_d_5: what moves does not follow it" in comments
 
 
 def test_columns_without_names_are_left_out(tmp_path: Path, made: Made) -> None:

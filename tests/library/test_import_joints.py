@@ -13,7 +13,7 @@ from tests.library.test_from_urdf import made_up, saved
 from tests.stored_files import write_bag
 from ur5lib.commands.described import describe_urdf
 from ur5lib.errors import InputError
-from ur5lib.importing.contents import contents
+from ur5lib.importing.contents import Stated, contents
 from ur5lib.importing.files import import_files
 from ur5lib.robots.description import load_robot
 from ur5lib.stand.controller import frames
@@ -86,7 +86,7 @@ def test_arrays_of_a_franka(log: dict[str, Array], tmp_path: Path) -> None:
         for name, values in log.items():
             file[f"state/{name}"] = values
         file["state/tau_ext_hat_filtered"] = np.random.default_rng(2).normal(size=log["q"].shape)
-    (found,) = import_files([Path("run.h5")], [])
+    (found,) = import_files([Path("run.h5")])
     assert found.arm == "mine"
     names = {"actual_q": "q", "actual_qd": "dq", "actual_torque": "tau_J", "time": "t"}
     assert found.entry["channels"] == {c: f"state/{name}" for c, name in names.items()}
@@ -98,7 +98,7 @@ def test_columns_without_names(log: dict[str, Array]) -> None:
     order = ("tau_J", "dq", "q")
     rows = np.column_stack([log["t"], *(log[name] for name in order)])
     np.savetxt("run.csv", rows, delimiter=",", fmt="%.8f")
-    (found,) = import_files([Path("run.csv")], [])
+    (found,) = import_files([Path("run.csv")])
     channels = ("actual_torque", "actual_qd", "actual_q")
     assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
 
@@ -107,7 +107,7 @@ def test_degrees_and_torques_of_the_opposite_sign(log: dict[str, Array]) -> None
     columns = {"q": np.degrees(log["q"]), "dq": np.degrees(log["dq"]), "tau": -log["tau_J"]}
     table = {f"{n}_{k}": rows[:, k] for n, rows in columns.items() for k in range(7)}
     pd.DataFrame({"time": log["t"]} | table).to_csv("run.csv", index=False)
-    (found,) = import_files([Path("run.csv")], [])
+    (found,) = import_files([Path("run.csv")])
     units = {"actual_q": "deg", "actual_qd": "deg/s", "actual_torque": "opposite"}
     assert found.entry["units"] == units
 
@@ -117,8 +117,21 @@ def test_an_arm_that_is_not_described_is_asked_for(log: dict[str, Array]) -> Non
     pd.DataFrame({f"q_{k}": log["q"][:, k] for k in range(7)}).assign(
         time=log["t"], **{f"dq_{k}": log["dq"][:, k] for k in range(7)}
     ).to_csv("run.csv", index=False)
-    with pytest.raises(InputError, match=r"holds 7 joints, which no described arm has; .*URDF"):
-        import_files([Path("run.csv")], [])
+    (found,) = import_files([Path("run.csv")])
+    assert found.arm == "my_arm"
+    assert any("`ur5 describe arm.urdf`" in line for line in found.comments)
+
+
+SIDES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")
+
+
+def test_joints_named_by_sides(log: dict[str, Array]) -> None:
+    names = {"ang": "q", "vel": "dq", "torq": "tau_J"}
+    table = {f"{n}_left_{s}": log[c][:, k] for n, c in names.items() for k, s in enumerate(SIDES)}
+    pd.DataFrame({"time": log["t"]} | table).to_csv("run.csv", index=False)
+    (found,) = import_files([Path("run.csv")], Stated("mine"))
+    channels = ("actual_q", "actual_qd", "actual_torque")
+    assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
 
 
 def test_a_bag_of_franka_states(log: dict[str, Array], tmp_path: Path) -> None:
@@ -134,7 +147,7 @@ def test_a_bag_of_franka_states(log: dict[str, Array], tmp_path: Path) -> None:
             header = types["std_msgs/msg/Header"](k, stamp, "")
             message = types[kind](header, q, dq, tau, 0 * tau, q[:6], np.resize(q, 16))
             bag.write(topic, round(1e9 * time), store.serialize_ros1(message, kind))
-    (found,) = import_files([path], [])
+    (found,) = import_files([path])
     assert found.entry["channels"]["actual_torque"] == "/franka_states/tau_J"
     assert found.entry["channels"]["actual_q"] == "/franka_states/q"
 
@@ -143,5 +156,5 @@ def test_a_bag_of_joint_states(log: dict[str, Array], tmp_path: Path) -> None:
     channels = {"actual_q": log["q"], "actual_qd": log["dq"], "effort": log["tau_J"]}
     names = [f"axis_{k}" for k in range(1, 8)]
     write_bag(tmp_path / "run.bag", log["t"], channels, names)
-    (found,) = import_files([tmp_path / "run.bag"], [])
+    (found,) = import_files([tmp_path / "run.bag"])
     assert found.entry["channels"]["actual_torque"] == "/joint_states/effort"

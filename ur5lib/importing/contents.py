@@ -1,38 +1,35 @@
-"""The contents of a file, and the evidence for their meaning."""
+"""The contents of a file, what the user states about it, and the evidence for its meaning."""
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
+from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import (
+    JOINTS_OF_UR,
     NAMELESS,
-    OF_UR,
     Block,
     grouped,
     joints_of,
-    names_command,
-    place_of,
     with_names,
 )
+from ur5lib.importing.clocks import ROWS, Clocks, clocks_of, equally_spaced
+from ur5lib.importing.spellings import NAMES_OF_JOINTS, names_command, place_of
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
-from ur5lib.recordings.arrays import seconds_of
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
-from ur5lib.recordings.entries import FACTORS, expand
+from ur5lib.recordings.entries import SKIPPED, expand
 from ur5lib.recordings.quality import Finding, Log
+from ur5lib.recordings.stop_signs import described
+from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
 
-FORMATS = ENDINGS | dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")
-CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
-STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
-RARELY = 0.1  # share of steps in which a clock of whole seconds changes, at most
-HUGE = 1e9  # in any unit of a channel
+TABLE = "table-csv"
+LIMIT = 1e9  # in any unit of a channel; larger numbers are none
 AGAIN = " again "  # and its number: a column whose name is taken
-NAMES = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
-EPOCH = 1e9  # s; stamps after 2001 count from 1970
 NIST = [  # the columns of NIST's UR5 degradation measurements, which have no header in their files
     "time",
     *("target_q", "actual_q", "target_qd", "actual_qd", "target_current", "actual_current"),
@@ -42,45 +39,80 @@ NIST = [  # the columns of NIST's UR5 degradation measurements, which have no he
 
 
 @dataclass(frozen=True)
+class Stated:
+    """What the user says of files, which nothing overrules.
+
+    robot: the arm; columns: of a table in order, or `channel=name` of arrays; rate: of rows without
+    a clock [Hz]; units: by channel.
+    """
+
+    robot: str = ""
+    columns: Sequence[str] = ()
+    rate: float | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def names(self) -> dict[str, str]:
+        """Return the channels of arrays by their names in the file."""
+        pairs = (column.partition("=") for column in self.columns if "=" in column)
+        return {name: channel for channel, _, name in pairs}
+
+    def joints(self) -> int | None:
+        """Return how many joints the named arm has, None where none is named or described."""
+        known = self.robot and self.robot in robot_names()
+        return len(described(self.robot).joints) if known else None
+
+
+NOTHING_STATED = Stated()
+
+
+@dataclass(frozen=True)
 class Header:
     """The columns of a delimited table, in the file's order.
 
     repeated: those with the name of an earlier column; layout: of a table without a header, the
-    source whose columns it is assumed to have.
+    source whose columns it is assumed to have; entry: the columns as the user gives them.
     """
 
     columns: list[str] = field(default_factory=list)
     repeated: list[str] = field(default_factory=list)
     layout: str = ""
+    entry: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Sentences about a file; ambiguous: parts that the entry therefore leaves out.
+    """Sentences about a file: proven by its numbers, assumed, left out, or to be checked.
 
-    left_out: names of blocks that contradict them.
+    excluded: names of blocks that the entry therefore lacks.
     """
 
     proven: list[str] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
-    ambiguous: list[str] = field(default_factory=list)
-    left_out: list[tuple[str, ...]] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    check: list[str] = field(default_factory=list)
+    excluded: list[tuple[str, ...]] = field(default_factory=list)
 
     def lines(self) -> list[str]:
-        """Return the three lists as comments of a study."""
+        """Return the sentences as comments of a study."""
+        kinds = ("check", "proven", "assumed", "left_out")
         return [
-            f"# {kind}: {sentence}"
-            for kind in ("proven", "assumed", "ambiguous")
-            for sentence in getattr(self, kind)
+            f"# {kind.replace('_', ' ')}: {sentence}"
+            for kind in kinds
+            for sentence in dict.fromkeys(getattr(self, kind))
         ]
+
+    def exclude(self, block: Block, reason: str) -> None:
+        """Leave a block out of the entry."""
+        self.excluded.append(block.names)
+        self.left_out.append(f"{block.title}: {reason}")
 
 
 @dataclass(frozen=True)
 class Contents:
-    """A file's blocks, and its clocks: time stamps (N,) [s] by name.
+    """A file's blocks, and its clocks.
 
-    silent: blocks that are zero throughout; units: of the clocks that are not in seconds;
-    findings: of the reader; joints: of the arm; evidence: for the meaning of the blocks.
+    silent: blocks that are zero throughout; findings: of the reader; joints: of the arm; evidence:
+    for the meaning of the blocks.
     """
 
     path: Path
@@ -88,80 +120,132 @@ class Contents:
     header: Header
     blocks: list[Block]
     silent: list[Block]
-    clocks: dict[str, Array]
-    units: dict[str, str]
+    clocks: Clocks
     findings: list[Finding]
-    joints: int = OF_UR
+    stated: Stated = NOTHING_STATED
+    joints: int = JOINTS_OF_UR
     evidence: Evidence = field(default_factory=Evidence)
 
+    def has_clock(self) -> bool:
+        """Return whether the file has time stamps."""
+        return ROWS not in self.clocks.stamps
 
-def contents(path: Path) -> Contents:
-    """Return a file's contents. Raises InputError for an unreadable file or unknown format."""
-    format = FORMATS.get(path.suffix.lower())
-    if format is None:
-        raise InputError(
-            f"{path}: no reader knows files that end in {path.suffix or 'nothing'}; save it as one "
-            f"of {', '.join(FORMATS)}"
-        )
+    def block(self, names: tuple[str, ...]) -> Block:
+        """Return the block of some names."""
+        return next(block for block in self.blocks if block.names == names)
+
+    def meant(self, meaning: str, clock: str) -> Block | None:
+        """Return the block with a meaning and the time stamps of a clock, None without one."""
+        stamps = self.clocks.stamps
+        for block in self.blocks:
+            same = np.array_equal(stamps[block.clock], stamps[clock])
+            if same and block.meaning() == meaning and block.names not in self.evidence.excluded:
+                return block
+        return None
+
+    def on_clock(self, clock: str, other: str, stamps: Array, unit: str) -> "Contents":
+        """Return the file with the blocks of a clock on another one, with stamps (N,) [s]."""
+        blocks = [replace(b, clock=other) if b.clock == clock else b for b in self.blocks]
+        units = {name: u for name, u in self.clocks.units.items() if name != other}
+        units |= {} if unit == "s" else {other: unit}
+        clocks = Clocks(self.clocks.stamps | {other: stamps}, units)
+        return replace(self, blocks=blocks, clocks=clocks)
+
+
+def contents(path: Path, stated: Stated = NOTHING_STATED) -> Contents:
+    """Return a file's contents. Raises InputError for an unreadable file."""
     findings: list[Finding] = []
-    header = read_header(path) if format == "table-csv" else Header()
+    format, evidence = ENDINGS.get(path.suffix.lower(), TABLE), Evidence()
+    header = read_header(path, stated) if format == TABLE else Header()
     if header.columns:
-        arrays = _table(path, header, findings)
+        arrays = _table(path, header, findings, evidence)
     else:
         arrays = LOADERS[format](path, None, findings)
+    clocks = Clocks({}, {}) if stated.rate else clocks_of(arrays, stated.units.get("time"))
+    if not clocks.stamps:
+        clocks = equally_spaced(arrays, stated.rate)
+    rest = [name for name in arrays if name not in clocks.stamps]
     unnamed = header.columns[:1] == [f"{NAMELESS}1"]
-    # a table without names has blocks of as many columns beside its first
-    fitting = (count for count in (OF_UR, 7, 8) if (len(arrays) - 1) % count == 0)
-    joints = next(fitting, OF_UR) if unnamed else joints_of(path, arrays)
-    clocks, units = _clocks(arrays)
-    if not clocks:
-        shown = [f"{name} {values.shape}" for name, values in arrays.items()]
-        listed = some(shown, 8) or "its arrays (it has none)"
-        raise InputError(
-            f"{path}: none of {listed} increases like a clock; record the time, or write "
-            "the entry by hand (raw/README.md)"
-        )
-    every = [*_blocks(arrays, clocks, joints, unnamed)]
+    # a table without names has blocks of as many columns
+    fitting = (count for count in (JOINTS_OF_UR, 7, 8) if len(rest) % count == 0)
+    told = stated.joints() or (next(fitting, JOINTS_OF_UR) if unnamed else None)
+    joints = told or joints_of(path, arrays)
+    parts = [*_blocks(arrays, clocks, joints, unnamed)]
+    named = stated.names()
+    every = [replace(b, stated=named.get(b.names[0], "")) if named else b for b in parts]
     silent = [block for block in every if not np.nan_to_num(block.rows).any()]
     blocks = [block for block in every if np.nan_to_num(block.rows).any()]
-    return Contents(path, format, header, blocks, silent, clocks, units, findings, joints)
+    described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, evidence
+    return Contents(*described_by)
 
 
-def read_header(path: Path) -> Header:
+def read_header(path: Path, stated: Stated = NOTHING_STATED) -> Header:
     """Return the columns of a table; without a header, they are named `column 1` and so on.
 
     Those that are numbered like a list of the joints' names, as ROS writes it, have these names.
+    Raises InputError where the columns that the user gives are others in number.
     """
     cells, row = first_cells(path)
     if cells[0].startswith("{"):
         raise InputError(f"{path}: holds JSON, no table; save each number in a column, as CSV")
+    if stated.columns and not stated.names():
+        return _stated_header(path, stated, len(cells))
     if all(number_in(cell.replace(",", ".").encode()) is not None for cell in cells):
         nist = expand(NIST)
         if len(cells) == len(nist):
             return Header(nist, layout="NIST's UR5 degradation measurements")
         return Header([f"{NAMELESS}{k + 1}" for k in range(len(cells))])
-    lists = [row[k] for k, name in enumerate(cells[: len(row)]) if NAMES.search(name)]
+    lists = [row[k] for k, name in enumerate(cells[: len(row)]) if NAMES_OF_JOINTS.search(name)]
     cells = with_names(cells, re.findall(r"\w+", " ".join(lists)))
+    cells = _numbered(cells, stated)
     first = {name: k for k, name in reversed([*enumerate(cells)])}
     names = [name if first[name] == k else f"{name}{AGAIN}{k + 1}" for k, name in enumerate(cells)]
     return Header(names, [name for name in names if name not in first and not is_unnamed(name)])
 
 
-def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.ndarray]:
-    """Return a table's columns by name, each once, of commands the first.
+def _stated_header(path: Path, stated: Stated, count: int) -> Header:
+    joints = stated.joints() or JOINTS_OF_UR
+    names = [
+        f"{SKIPPED}{k}" if column == SKIPPED else name
+        for k, column in enumerate(stated.columns)
+        for name in columns_of(column, joints)
+    ]
+    if len(names) != count:
+        raise InputError(
+            f"{path}, line 1: has {count} columns, but --columns names {len(names)}; name each, "
+            f"a channel without suffix for all its columns, `{SKIPPED}` for one to skip"
+        )
+    return Header(names, entry=[*stated.columns])
 
-    Raises InputError where measurements of equal names differ.
-    """
+
+def _numbered(cells: Sequence[str], stated: Stated) -> list[str]:
+    """Return columns with numbers for the names that the described arm's joints have."""
+    names = described(stated.robot).joints if stated.joints() else ()
+    if len({*names}) < len(names):  # sizes of joints, of which several are equal
+        return [*cells]
+    numbers = {name: str(k) for k, name in enumerate(names)}
+    found = {cell: [name for name in names if name in cell] for cell in cells}
+    return [
+        cell.replace(own[-1], numbers[own[-1]]) if (own := sorted(found[cell], key=len)) else cell
+        for cell in cells
+    ]
+
+
+def _table(
+    path: Path, header: Header, findings: list[Finding], evidence: Evidence
+) -> dict[str, np.ndarray]:
+    """Return a table's columns by name, each once, of equal names the first."""
     table = read_numbers(Log(path, "robot", findings), header.columns)
     for name in header.repeated:
         first = name.split(AGAIN)[0]
         stated = name in table and not names_command(place_of(first)[0])
         if stated and not table[name].equals(table[first]):
-            raise InputError(
-                f"{path}, line 1: {first!r} is ambiguous: it names two columns with different "
-                "numbers; give each column its own name"
+            evidence.check.append(
+                f"{first} names two columns with different numbers; the first is read, --columns "
+                "names each"
             )
-    once = [name for name in table if name not in header.repeated and not is_unnamed(name)]
+    skipped = {*header.repeated, *(n for n in table if header.entry and n.startswith(SKIPPED))}
+    once = [name for name in table if name not in skipped and not is_unnamed(name)]
     return {name: table[name].to_numpy() for name in once}
 
 
@@ -170,40 +254,17 @@ def is_unnamed(name: str) -> bool:
     return not name or name.startswith(AGAIN)
 
 
-def _clocks(arrays: dict[str, np.ndarray]) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return the increasing time stamps [s] by name, and the units of those not in seconds.
-
-    Arrays with the name of a clock, or else the first array.
-    """
-    named = [name for name in arrays if CLOCK.search(name)]
-    stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
-    units = {name: unit for name, values in stamps.items() if (unit := _unit(values))}
-    clocks = {name: stamps[name] * FACTORS.get(unit, 1.0) for name, unit in units.items()}
-    return clocks, {name: unit for name, unit in units.items() if unit != "s"}
-
-
-def _unit(stamps: Array) -> str | None:
-    """Return the unit in which stamps (N,) have the steps of a recording; None if none does."""
-    steps = np.diff(stamps[np.isfinite(stamps)]) if stamps.ndim == 1 else np.array([])
-    if len(steps) < 2 or np.mean(steps >= 0) < 0.95 or np.mean(steps > 0) < RARELY:
-        return None
-    step = float(np.median(steps[steps > 0]))
-    unit = next((unit for unit, (low, high) in STEPS.items() if low <= step < high), None)
-    within_seconds = unit == "ns" and np.nanmax(stamps) < 1e9 and np.count_nonzero(steps < 0) > 1
-    return None if within_seconds else unit
-
-
 def _blocks(
-    arrays: dict[str, np.ndarray], clocks: dict[str, Array], joints: int, nameless: bool
+    arrays: dict[str, np.ndarray], clocks: Clocks, joints: int, nameless: bool
 ) -> Iterator[Block]:
     """Yield the arrays of several columns, and the groups of single columns."""
     single = []
     for name, values in arrays.items():
-        clock = _clock_of(name, max(values.shape), clocks)
-        if name in clocks or clock is None:
+        clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
+        if name in clocks.stamps or clock is None:
             continue
         if values.ndim == 2 and 1 not in values.shape:
-            tall = values if values.shape[0] == len(clocks[clock]) else values.T
+            tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
             yield Block((name,), _possible(tall), clock, joints=joints)
         else:
             single.append(name)
@@ -211,7 +272,7 @@ def _blocks(
     each = [tuple(single[k : k + joints]) for k in range(0, last, joints)]
     groups = each if nameless else [*grouped(single, joints)]
     for names in groups:
-        clock = _clock_of(names[0], arrays[names[0]].size, clocks)
+        clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
         columns = [_possible(arrays[name].ravel()) for name in names]
         if clock and len({len(column) for column in columns}) == 1:
             yield Block(names, np.stack(columns, axis=1), clock, joints=joints)
@@ -220,7 +281,7 @@ def _blocks(
 def _possible(values: np.ndarray) -> Array:
     """Return values with NaN for impossible ones."""
     floats = values.astype(float)
-    return np.where(np.abs(floats) < HUGE, floats, np.nan)
+    return np.where(np.abs(floats) < LIMIT, floats, np.nan)
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
@@ -239,3 +300,9 @@ def _shared(one: str, other: str) -> int:
     """Return the number of leading parts that two paths share."""
     pairs = zip(one.split("/"), other.split("/"), strict=False)
     return next((k for k, (a, b) in enumerate(pairs) if a != b), min(one.count("/"), 99))
+
+
+def held(file: Contents) -> str:
+    """Return the blocks of a file with their widths, for a sentence."""
+    shown = [f"{block.title} ({block.rows.shape[1]})" for block in file.blocks]
+    return some(shown, 6) or "nothing beside its clock"

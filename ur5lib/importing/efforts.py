@@ -1,42 +1,43 @@
-"""The channels of a file's efforts, and the frame of a wrench that explains them."""
+"""The channels of a file's efforts: currents, torques or targets, by name, doubted by gravity."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import permutations
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.contents import Evidence
-from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, TINY, BlockMeans, combination, size
+from ur5lib.importing.contents import Contents, Evidence
+from ur5lib.importing.spellings import named_unit
+from ur5lib.recordings.block_means import TINY, BlockMeans, combination, size
 from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.readings import SURE, likeliest, own_order, slope, unit_scores
+from ur5lib.recordings.readings import (
+    CLEAR_LEAD,
+    effort_per_torque,
+    lead_of_own_order,
+    readings,
+    unit_scores,
+    usual_orders,
+)
 from ur5lib.recordings.stop_signs import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array
 
-FRICTION = 0.3  # least share of a measured effort's residual that friction explains
+MIN_SHARE_EXPLAINED_BY_FRICTION = 0.3  # of a measured effort's residual
 MEASURED_TORQUE = "actual_current_as_torque"
 FREE = "neither"  # current nor torque: a torque less gravity, as some drivers write
 UNITS = {"A": "A", "mA": "mA", "Nm": "Nm", FREE: "Nm less gravity"}
-MILLIAMPERES = re.compile(r"(^|[^A-Za-z])mA([^A-Za-z]|$)")
 ROUNDED = 1e-3  # A; URScript gives currents with three decimals
 COUNTED = (100, 100_000)  # multiples of a rounded current's step that it reaches
 CHANNELS = {  # by unit, and whether it is a target
     ("A", False): "actual_current",
     ("A", True): "target_current",
-    ("Nm", False): "actual_current_as_torque",
+    ("Nm", False): MEASURED_TORQUE,
     ("Nm", True): "target_moment",
     (FREE, False): "actual_torque_less_gravity",
 }
 NAMED = {channel: unit for (unit, _), channel in CHANNELS.items() if unit != FREE}
-EXCHANGED = [(*axes, *(3 + k for k in axes)) for axes in permutations(range(3))]  # in order first
-EXCHANGED.append((3, 4, 5, 0, 1, 2))  # moments before forces
-SURE_FRAME = 6.0  # difference of log-likelihoods of independent samples that proves a frame
+NAMED |= {"actual_torque": "Nm"}
+EFFORTS = ("effort", *NAMED)
 
 
 def as_amperes(block: Block, evidence: Evidence) -> Block:
@@ -74,118 +75,178 @@ def _step(sizes: Array) -> float:
 def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
     """Return whether an effort has the opposite sign: with it, friction would drive the joints.
 
-    Only where gravity agrees: it explains the turned effort far better.
+    Only where gravity agrees: it explains the turned effort far better. Joints that sense their
+    torque have no friction.
     """
-    effort = means.currents[name]
-    brakes = []
-    for column in range(6):
+    effort, brakes = means.currents[name], []
+    for column in range(effort.shape[1]):
         friction, speed = means.friction(column), np.abs(means.qd[:, column]).mean()
         terms = np.column_stack([friction, means.qdd, np.ones(len(effort))])
         force, error = combination(terms, effort[:, column], [1.0, float(speed)])
         brakes.append(force / max(error, TINY))
-    if sum(brakes) >= 0:
+    if sum(brakes) >= 0 and not all(arm.senses_torque() for arm in arms):
         return False
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
-    as_read, turned = (likeliest(way, arms)[0].score for way in ways)
-    return turned - as_read > SURE
+    orders = usual_orders(effort.shape[1])
+    as_read, turned = (readings(way, arms, orders)[0].score for way in ways)
+    return turned - as_read > CLEAR_LEAD
 
 
 def name_efforts(
-    blocks: Mapping[str, Block], means: BlockMeans, arm: Robot, evidence: Evidence
+    blocks: Mapping[str, Block], means: BlockMeans | None, arm: Robot | None, file: Contents
 ) -> dict[str, Block]:
-    """Return the efforts by channel, without those whose unit gravity does not determine.
+    """Return the efforts by channel, in SI units, without those that neither name nor unit tells.
 
-    blocks: by their names in `means`, which have the joints in order.
+    blocks: by their names in `means`, which have the joints in order, None without a motion.
     """
-    units = {name: _unit(name, block, means, arm, evidence) for name, block in blocks.items()}
+    evidence = file.evidence
+    units = {name: _unit(name, block, means, arm, file) for name, block in blocks.items()}
     currents = [blocks[name] for name, unit in units.items() if unit in ("A", "mA")]
-    smooth = _smoothest(currents, evidence)
-    for name, unit in units.items():
-        if unit == FREE:
-            evidence.assumed.append(f"{blocks[name].title} has the joints' order of the positions")
-        elif unit is not None:
-            _expect_order(name, blocks[name], means, arm, evidence)
+    smooth = _smoothest(currents, file)
     channels: dict[str, Block] = {}
     for name, block in blocks.items():
         unit = units[name]
         if unit is None:
             continue
-        free = unit == "Nm" and _is_frictionless(name, block, means, arm, evidence)
-        if unit == "Nm" and not free and _is_smoother(block, currents, smooth):
-            evidence.proven.append(
-                f"{block.title} is a target: it is as smooth as only a target is"
-            )
-            free = True
-        meaning = block.meaning() or ""
-        target = block is smooth or free if block.is_nameless() else meaning.startswith("target")
-        target |= free and meaning == MEASURED_TORQUE
-        target = target and unit != FREE
-        channel = CHANNELS[unit.replace("mA", "A"), target]
-        if channel in channels:
-            evidence.ambiguous.append(
-                f"{block.title} may be {channel}, as {channels[channel].title}; left out, name it"
-            )
+        if means and arm and unit != FREE:
+            _doubt_order(name, block, means, arm, file)
+        target = _is_target(name, block, unit, means, arm, file, smooth, currents)
+        channel = CHANNELS[unit.replace("mA", "A"), target and unit != FREE]
+        if channel == MEASURED_TORQUE and arm and (arm.senses_torque() or not arm.is_ur()):
+            channel = "actual_torque"
+        if channel == "target_moment" and arm and not arm.is_ur():
+            evidence.exclude(block, "a torque that the controller of another arm commanded")
+        elif channel in channels:
+            evidence.exclude(block, f"it may be {channel}, as {channels[channel].title}")
         else:
-            channels[channel] = block.scaled(np.full(6, 1e-3)) if unit == "mA" else block
+            milli = np.full(block.rows.shape[1], 1e-3)
+            channels[channel] = block.scaled(milli) if unit == "mA" else block
     return channels
 
 
-def _unit(name: str, block: Block, means: BlockMeans, arm: Robot, evidence: Evidence) -> str | None:
-    """Return the unit, A, mA, Nm or FREE, None where neither gravity nor a name determines it."""
+def _unit(
+    name: str, block: Block, means: BlockMeans | None, arm: Robot | None, file: Contents
+) -> str | None:
+    """Return the unit, A, mA, Nm or FREE: as told, named, or shown; None where nothing tells it."""
+    evidence, meaning = file.evidence, block.meaning() or ""
+    told = file.stated.units.get(meaning)
+    stated = named_unit(block.names[0])
+    named = stated if stated in ("A", "mA", "Nm") else NAMED.get(meaning)
+    if told in ("A", "mA", "Nm"):
+        return told
+    if means is None or arm is None:
+        if named is None:
+            evidence.exclude(block, "nothing tells its unit; name it, as with --columns")
+        else:
+            evidence.assumed.append(f"{block.title} in {named}, by its name")
+        return named
     scores = unit_scores(means, name, arm)
     best, rival = sorted(scores, key=lambda unit: -scores[unit])[:2]
-    joint = int(np.argmax((means.gravity(arm) ** 2).mean(axis=0)))
-    per_torque = slope(means, name, arm, joint)
-    ratio = f"gravity on joint {joint + 1} is {1 / (per_torque or np.inf):.3g} Nm per unit of it"
-    ratio = "gravity does not change" if np.isnan(per_torque) else ratio
-    sure, named = scores[best] - scores[rival] > SURE, NAMED.get(block.meaning() or "")
-    named = "mA" if named == "A" and MILLIAMPERES.search(block.names[0]) else named
-    if sure and best == FREE and block.meaning() in ("effort", "actual_current_as_torque"):
-        evidence.assumed.append(
+    lead, ratio = scores[best] - scores[rival], _gravity_per_unit(means, name, arm)
+    sure = lead > CLEAR_LEAD
+    free = sure and best == FREE and meaning in ("effort", MEASURED_TORQUE)
+    if not free and (stated in scores or named):
+        return _as_named(block, named, best, sure, ratio, lead, file)
+    if free:
+        evidence.check.append(
             f"{block.title} in Nm, less gravity, which does not explain it as it explains every "
             "current and motor torque; the gravity of the arm is added again"
         )
         return FREE
-    if not sure and named and scores[best] - scores[named] < SURE:
-        evidence.assumed.append(f"{block.title} in {named}, by its name")
-        return named
     if best == FREE or not sure:
-        evidence.ambiguous.append(
-            f"{block.title}: its unit is {UNITS[best]} or {UNITS[rival]} ({ratio}); left out: "
-            "record more postures, or import it with a recording of the same columns that has them"
+        evidence.exclude(
+            block,
+            f"its unit is {UNITS[best]} or {UNITS[rival]} ({ratio}); record more postures, or "
+            "name it with --columns and --unit",
         )
         return None
     evidence.proven.append(f"{block.title} in {best}: {ratio}")
     return best
 
 
-def _expect_order(
-    name: str, block: Block, means: BlockMeans, arm: Robot, evidence: Evidence
-) -> None:
-    """Raise InputError where the joints of an effort have another order than the positions'."""
-    margins = [own_order(replace(means, offset=may), name, arm) for may in (False, True)]
-    if max(margins) < -SURE:
-        raise InputError(
-            f"{block.title}: its joints are in another order than those of the positions, or are "
-            "those of another arm: gravity and friction explain it far better so; bring both into "
-            "one order, and give each arm a file"
+def _as_named(
+    block: Block, named: str | None, best: str, sure: bool, ratio: str, lead: float, file: Contents
+) -> str | None:
+    """Return the unit of RTDE's current or of a named one: another is a doubt, but milliamperes."""
+    if sure and best == "mA" and named == "A" and named_unit(block.names[0]) != "A":
+        file.evidence.proven.append(f"{block.title} in mA: {ratio}")
+        file.evidence.check.append(f"{block.title} in mA, though RTDE's currents are in A")
+        return best
+    if sure and best == named:
+        file.evidence.proven.append(f"{block.title} in {named}: {ratio}")
+    elif sure:
+        file.evidence.check.append(
+            f"{block.title} in {named}, by its name; gravity tells {UNITS[best]} (log-likelihood "
+            f"greater by {lead:.3g}): {ratio}"
         )
-    if min(margins) < SURE:
-        evidence.assumed.append(f"{block.title} has the joints' order of the positions")
     else:
-        evidence.proven.append(f"{block.title} has the joints' order of the positions")
+        file.evidence.assumed.append(f"{block.title} in {named}, by its name")
+    return named
 
 
-def _smoothest(currents: list[Block], evidence: Evidence) -> Block | None:
-    """Return which of two currents is the target: the one without noise."""
+def _gravity_per_unit(means: BlockMeans, name: str, arm: Robot) -> str:
+    """Return what gravity shows of the joint that bears most, for a sentence."""
+    joint = int(np.argmax(np.std(means.gravity(arm), axis=0)))
+    slope, _ = effort_per_torque(means, name, arm, joint)
+    if np.isnan(slope):
+        return "gravity does not change"
+    return f"gravity on joint {joint + 1} is {1 / (slope or np.inf):.3g} Nm per unit of it"
+
+
+def _doubt_order(name: str, block: Block, means: BlockMeans, arm: Robot, file: Contents) -> None:
+    """Note where the joints of an effort have another order than the positions'."""
+    leads = [lead_of_own_order(replace(means, offset=may), name, arm) for may in (False, True)]
+    if max(leads) < -CLEAR_LEAD:
+        file.evidence.check.append(
+            f"{block.title}: two of its joints seem exchanged, or it is of another arm: gravity "
+            f"and friction explain it better so (log-likelihood greater by {-max(leads):.3g})"
+        )
+    elif min(leads) < CLEAR_LEAD:
+        file.evidence.assumed.append(f"{block.title} has the joints' order of the positions")
+    else:
+        file.evidence.proven.append(f"{block.title} has the joints' order of the positions")
+
+
+def _smoothest(currents: list[Block], file: Contents) -> Block | None:
+    """Return which of two nameless currents is the target: the one without noise."""
     if len(currents) != 2 or not all(block.is_nameless() for block in currents):
         return None
     first, second = (np.nanmedian(roughness(block.rows)) for block in currents)
     if max(first, second) * SMOOTHER < min(first, second):
         return None
     target = currents[int(second < first)]
-    evidence.proven.append(f"{target.title} is a target: it is as smooth as only a target is")
+    file.evidence.proven.append(f"{target.title} is a target: it is as smooth as only a target is")
     return target
+
+
+def _is_target(
+    name: str,
+    block: Block,
+    unit: str,
+    means: BlockMeans | None,
+    arm: Robot | None,
+    file: Contents,
+    smooth: Block | None,
+    currents: list[Block],
+) -> bool:
+    """Return whether an effort was computed: by its name, without friction, or too smooth."""
+    meaning = block.meaning() or ""
+    if meaning.startswith("target") or block.stated:
+        return meaning.startswith("target")
+    if unit != "Nm" or means is None or arm is None:
+        return block is smooth
+    if meaning in ("actual_torque", "effort") or not arm.is_ur():  # it may sense its torque
+        return False
+    if _is_smoother(block, currents, smooth):
+        file.evidence.proven.append(f"{block.title} is a target: it is as smooth as one")
+        return True
+    gravity, effort = means.gravity(arm), means.currents[name]
+    moving = np.flatnonzero(means.qd.std(axis=0) > MOVES).tolist()
+    shares = [_friction(means, effort[:, k], gravity[:, k], k) for k in moving]
+    if not shares or float(np.median(shares)) >= MIN_SHARE_EXPLAINED_BY_FRICTION:
+        return False
+    file.evidence.proven.append(f"{block.title} is a target: it contains no friction")
+    return True
 
 
 def _is_smoother(block: Block, currents: Sequence[Block], target: Block | None) -> bool:
@@ -200,84 +261,15 @@ def _is_smoother(block: Block, currents: Sequence[Block], target: Block | None) 
     return bool(own < SMOOTHER * measured)
 
 
-def _is_frictionless(
-    name: str, block: Block, means: BlockMeans, arm: Robot, evidence: Evidence
-) -> bool:
-    """Return whether a torque contains no friction: then it was computed, not measured."""
-    gravity, effort = means.gravity(arm), means.currents[name]
-    moving = np.flatnonzero(means.qd.std(axis=0) > MOVES).tolist()
-    shares = [_friction(means, effort[:, k], gravity[:, k], k) for k in moving]
-    if not shares or float(np.median(shares)) >= FRICTION:
-        return False
-    if block.is_nameless() or block.meaning() == MEASURED_TORQUE:
-        evidence.proven.append(f"{block.title} is a target: it contains no friction")
-    return True
-
-
 def _friction(means: BlockMeans, effort: Array, gravity: Array, column: int) -> float:
     """Return the share of an effort, without gravity and inertia, that friction explains."""
     columns = np.column_stack([gravity, means.qdd])
     whole = np.column_stack([columns, means.friction(column)])
-    without, rest = (size(_solved(terms, effort)[1]) for terms in (columns, whole))
+    without, rest = (size(solved(terms, effort)[1]) for terms in (columns, whole))
     return 1 - (rest / without) ** 2
 
 
-class Frame(NamedTuple):
-    """Axes of a wrench (base or flange), and whether it is that of the arm on its surroundings."""
-
-    axes: str
-    by_arm: bool
-
-
-def wrench_frame(
-    means: BlockMeans, effort: str, wrench: Array, arm: Robot
-) -> tuple[Frame | None, float]:
-    """Return the frame of a wrench, None if not proven, and its lead in log-likelihood.
-
-    means: with the joints in order; wrench: force and torque (M, 6) [N, Nm] at the blocks. Efforts
-    increase with the wrench of the arm on its surroundings, and decrease with the wrench of the
-    surroundings on the arm. Rivals are the other frames, and exchanged columns.
-    """
-    gains = {
-        (frame, columns): _gain(means, effort, torque, arm)
-        for columns in EXCHANGED
-        for frame, torque in _torques(means.q, wrench[:, columns], arm).items()
-    }
-    best, second = sorted(gains, key=lambda reading: gains[reading], reverse=True)[:2]
-    lead = gains[best] - gains[second]
-    return (best[0] if lead >= SURE_FRAME and best[1] == EXCHANGED[0] else None), lead
-
-
-def _torques(q: Array, wrench: Array, arm: Robot) -> dict[Frame, Array]:
-    """Return the joint torques (M, 6) [Nm] of a wrench (M, 6) by its frame."""
-    jacobian, rotation = geometric_jacobian(arm, q), link_frames(arm, q)[0][:, 6]
-    halves = np.einsum("nij,nkj->nki", rotation, wrench.reshape(-1, 2, 3))
-    torques: dict[Frame, Array] = {}
-    for name, values in (("base", wrench), ("flange", halves.reshape(-1, 6))):
-        torque = np.einsum("nij,ni->nj", jacobian, values)
-        torques |= {Frame(name, True): torque, Frame(name, False): -torque}
-    return torques
-
-
-def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot) -> float:
-    """Return the log-likelihood that torques (M, 6) [Nm] add to a model of the efforts."""
-    gravity, total = means.gravity(arm), 0.0
-    for joint, measured in enumerate(means.currents[effort].T):
-        terms = [gravity[:, joint], *means.friction(joint).T, *means.qdd.T, np.ones(len(measured))]
-        without = _solved(np.column_stack(terms), measured)[1]
-        solution, left = _solved(np.column_stack([*terms, torque[:, joint]]), measured)
-        if solution[-1] > 0:
-            total += _independent(left) * np.log(size(without) / size(left))
-    return float(total)
-
-
-def _independent(error: Array) -> float:
-    """Return the number of independent samples in correlated errors (M,), by an AR(1)."""
-    rho = float(np.clip(error[1:] @ error[:-1] / size(error) ** 2, 0.0, 1.0))
-    return len(error) * min(BLOCK / INDEPENDENT, (1 - rho) / (1 + rho))
-
-
-def _solved(columns: Any, values: Any) -> tuple[Array, Array]:
+def solved(columns: Array, values: Array) -> tuple[Array, Array]:
     """Return the coefficients of least squares, and the residuals."""
     solution = np.linalg.lstsq(columns, values, rcond=None)[0]
-    return solution, np.asarray(values - columns @ solution)
+    return np.asarray(solution), np.asarray(values - columns @ solution)

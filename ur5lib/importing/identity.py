@@ -1,4 +1,4 @@
-"""The arm of a file and the order of its joints: by names, a pose, or gravity."""
+"""The arm of a file and the order of its joints: as told, by names, by a pose, by gravity."""
 
 import re
 from collections.abc import Sequence
@@ -7,24 +7,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.errors import InputError
-from ur5lib.importing.contents import Contents, Evidence
+from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.importing.serial import arms_of
-from ur5lib.recordings import readings
 from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.readings import IN_ORDER, OR_FREE, SURE, Order, Reading, exchanged
+from ur5lib.recordings.readings import (
+    CLEAR_LEAD,
+    OR_FREE,
+    Order,
+    Reading,
+    effort_per_torque,
+    readings,
+    usual_orders,
+)
 from ur5lib.recordings.rosbag import JOINT_NAMES
 from ur5lib.recordings.stop_signs import described
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import Robot, robot_names
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
-FITS = 0.004  # m; a calibrated arm misses its nominal kinematics by less
-WORSE = 3.0  # times the distance of the best; readings farther away are excluded
+MAX_DISTANCE = 0.004  # m; a calibrated arm misses its nominal kinematics by less
+WORSE_POSE = 3.0  # times the distance of the best; readings farther away are excluded
 POSTURES = 12  # postures that are compared
+SURE_OF_NUMBERS = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 UNNAMED = "unnamed joints"  # the finding for a bag whose messages do not name an arm's joints
+UNDESCRIBED = "my_arm"  # in an entry for an arm that has no description yet
 PARTS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
+MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
+MIN_GRAVITY_CHANGE = 1.0  # Nm, root mean square, of a joint that tells its constant
 
 
 class Placed(NamedTuple):
@@ -35,20 +44,64 @@ class Placed(NamedTuple):
     miss: float
 
 
+class Identity(NamedTuple):
+    """A file's arm, None where it has no description, and the column of each of its joints."""
+
+    arm: str
+    robot: Robot | None
+    order: Order
+
+
+@dataclass(frozen=True)
+class Case:
+    """What identifies an arm: a file's motion, and means over blocks with all its efforts."""
+
+    moving: ImportedMotion
+    means: BlockMeans | None
+
+    @property
+    def file(self) -> Contents:
+        """Return the file."""
+        return self.moving.file
+
+
+def identified(case: Case) -> Identity:
+    """Return the arm and the column of each joint; what is not proven is assumed, or a question."""
+    file = case.file
+    names = [file.stated.robot] if file.stated.robot else arms_of(file)
+    own = tuple(range(file.joints))
+    if not names:
+        file.evidence.check.append(
+            f"robot {UNDESCRIBED}: no described arm has {file.joints} joints; describe yours, "
+            "`ur5 describe arm.urdf`, and name it with --robot"
+        )
+        return Identity(UNDESCRIBED, None, own)
+    every = [described(name) for name in arms_of(file)]
+    placed = _by_pose(case, every, usual_orders(file.joints))
+    likely = readings(case.means, every, usual_orders(file.joints), OR_FREE) if case.means else []
+    order = _order(case, likely, placed, names)
+    arm = _arm(case, [one for one in likely if one.order == order], placed, names)
+    return Identity(arm, described(arm), order)
+
+
+def arms_of(file: Contents) -> list[str]:
+    """Return the described arms with as many joints as a file."""
+    return [name for name in robot_names() if len(described(name).joints) == file.joints]
+
+
 def fitting(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
 ) -> tuple[list[Placed], bool]:
     """Return the readings about as good as the best, and whether the pose is that of the flange.
 
-    q: (N, 6) [rad], columns as in the file; position: (N, 3) [m], in the base frame. Otherwise, the
+    q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame. Otherwise, the
     pose is that of a tool with a constant offset from the flange; none where that fits neither.
     """
     rows = np.unique(np.linspace(0, len(q) - 1, POSTURES).astype(int))
     for tool in (False, True):
         ranked = _misses(q[rows], position[rows], arms, orders, tool)
-        best = ranked[0].miss
-        if best <= FITS:
-            return [each for each in ranked if each.miss <= WORSE * best + 1e-4], not tool
+        if (best := ranked[0].miss) <= MAX_DISTANCE:
+            return [each for each in ranked if each.miss <= WORSE_POSE * best + 1e-4], not tool
     return [], False
 
 
@@ -59,10 +112,10 @@ def _misses(
     poses = []
     for arm in arms:
         postures = q[:, np.array(orders)].swapaxes(0, 1)
-        rotation, origin = link_frames(arm, postures.reshape(-1, 6))
-        away = position - origin[:, 6].reshape(*postures.shape[:2], 3)
+        rotation, origin = link_frames(arm, postures.reshape(-1, q.shape[1]))
+        away = position - origin[:, -1].reshape(*postures.shape[:2], 3)
         if tool:
-            axes = rotation[:, 6].reshape(*postures.shape[:2], 3, 3)
+            axes = rotation[:, -1].reshape(*postures.shape[:2], 3, 3)
             turned = np.einsum("knij,kni->knj", axes, away)
             away = turned - turned.mean(axis=1, keepdims=True)
         miss = np.sqrt((away**2).sum(axis=2).mean(axis=1))
@@ -70,228 +123,186 @@ def _misses(
     return sorted(poses, key=lambda pose: pose.miss)
 
 
-@dataclass(frozen=True)
-class Case:
-    """What identifies an arm: a file's motion, and means over blocks with all its efforts."""
-
-    moving: ImportedMotion
-    means: BlockMeans
-
-    @property
-    def file(self) -> Contents:
-        """Return the file."""
-        return self.moving.file
-
-    @property
-    def evidence(self) -> Evidence:
-        """Return the evidence, to which is added."""
-        return self.moving.file.evidence
-
-
-def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Reading:
-    """Return the arm and the column of each joint.
-
-    names: possible arms, empty for all described ones; trusted: whether the joints' names are right
-    even where gravity contradicts them. Raises InputError with the alternatives and a remedy where
-    they are ambiguous.
-    """
-    arms = _possible(case.file, names)
-    by_name = names_order(case.moving)
-    orders = [IN_ORDER] if by_name else readings.ALL_ORDERS
-    by_pose = _by_pose(case, arms, orders)
-    weighed = case.means.currents and (by_name or not by_pose)
-    likely = readings.likeliest(case.means, arms, OR_FREE) if weighed else []
-    if by_name:
-        _expect_agreement(likely, case, arms, trusted)
-    if by_pose:
-        return _of_pose(case, by_pose)
-    if by_name:
-        order = IN_ORDER
-    elif likely:
-        order = _by_gravity(case, likely)
-    else:
-        raise InputError(
-            f"{case.file.path}: the joints' order is unknown: the file has neither efforts or "
-            "currents nor a TCP pose under a known name, nor names of joints; name its columns "
-            "(`actual_current_0`, `shoulder_pan_position`)"
-        )
-    likely = readings.readings(case.means, arms, [order], OR_FREE)
-    return _sure_arm(case, likely, bool(names))
-
-
-def ambiguous(file: Contents, what: str, best: str, rival: str, remedy: str) -> InputError:
-    """Return the error for a property of a file that two readings explain equally well."""
-    return InputError(
-        f"{file.path}: {what} is ambiguous: {best} and {rival} explain it as well; {remedy}"
-    )
-
-
-def names_order(moving: ImportedMotion) -> bool:
-    """Return whether names determine the joints' order: a driver's, or RTDE's."""
-    if moving.file.format == "rosbag":
-        return not any(finding.finding == UNNAMED for finding in moving.file.findings)
-    first, *others = moving.position.names
-    named = first == "actual_q_0" or any(joint.search(first) for joint in JOINT_NAMES)
-    return named and len(others) == 5
-
-
-def _expect_agreement(
-    likely: Sequence[Reading], case: Case, arms: Sequence[Robot], trusted: bool
-) -> None:
-    """Raise InputError where gravity contradicts the names, unless these are trusted."""
-    gap = 0.0
-    if likely:
-        units = {unit: OR_FREE[unit] for unit in likely[0].units}
-        named = readings.readings(case.means, arms, [IN_ORDER], units)[0]
-        gap = likely[0].score - named.score
-    title = case.moving.position.title
-    if gap < SURE:
-        case.evidence.proven.append(f"the joints' order, by their names in {title}")
-        return
-    other = f"{in_words(likely[0].order)} (far better by gravity)"
-    if not trusted and gap > 3 * SURE:
-        remedy = "check the names and the units against the recorder; --trust-names insists on them"
-        raise ambiguous(case.file, "the joints' order", "that of the names", other, remedy)
-    case.evidence.assumed.append(f"the joints' order, by their names in {title}, not {other}")
-
-
 def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list[Placed]:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
-    file, moving, evidence = case.file, case.moving, case.evidence
-    pose = next((block for block in file.blocks if block.meaning() == "actual_TCP_pose"), None)
-    if pose is None or len(pose.rows) != len(moving.position.rows):
-        return []
-    if not np.allclose(file.clocks[pose.clock], moving.time, atol=1e-3):
+    file, moving = case.file, case.moving
+    pose = file.meant("actual_TCP_pose", moving.position.clock)
+    if pose is None or pose.rows.shape[1] < 3:
         return []
     q, position = moving.in_si()["actual_q"], pose.rows[:, :3]
-    good, bare = fitting(q, position, arms, orders)
+    whole = np.isfinite(q).all(axis=1) & np.isfinite(position).all(axis=1)
+    if not whole.any() or np.ptp(q[whole], axis=0).max() < 0.05:
+        return []
+    good, bare = fitting(q[whole], position[whole], arms, orders)
     if not good:
-        if others := fitting(q, position, _possible(file), orders)[0]:
-            raise InputError(
-                f"{file.path}: the arm is not {' or '.join(arm.name for arm in arms)}: "
-                f"{pose.title} is the flange of `robot: {others[0].arm}`, or a tool on it, within "
-                f"{1000 * others[0].miss:.1f} mm; name that arm"
-            )
-        evidence.left_out.append(pose.names)
-        evidence.assumed.append(
-            f"{pose.title} is no pose of the flange, or of a tool on it, in m and the base frame; "
-            "left out"
-        )
+        file.evidence.exclude(pose, "no pose of the flange, or of a tool on it, in m, base frame")
     elif len({reading.order for reading in good}) == 1:
-        best = good[0]
         place = "the flange" if bare else "a tool fixed to the flange"
-        evidence.proven.append(
-            f"the joints' order, {in_words(best.order)}: it puts {place} of {best.arm} within "
-            f"{1000 * best.miss:.1f} mm of {pose.title}"
+        file.evidence.proven.append(
+            f"the joints' order, {in_words(good[0].order)}: it puts {place} of {good[0].arm} "
+            f"within {1000 * good[0].miss:.1f} mm of {pose.title}"
         )
     return good
 
 
-def _possible(file: Contents, names: Sequence[str] = ()) -> list[Robot]:
-    """Return the arms with as many joints as a file; names: as of `arms_of`."""
-    return [described(name) for name in arms_of(file, names)]
-
-
-def _of_pose(case: Case, good: Sequence[Placed]) -> Reading:
-    """Return the reading that fits a pose; among several, the one that gravity prefers."""
-    arms, orders = ({getattr(reading, key) for reading in good} for key in ("arm", "order"))
-    robots = [described(arm) for arm in sorted(arms)]
-    likely = readings.readings(case.means, robots, [*orders], OR_FREE)
-    allowed = {(reading.arm, reading.order) for reading in good}
-    likely = [reading for reading in likely if (reading.arm, reading.order) in allowed]
-    if rival := _rival(likely):
-        order = _base_to_wrist(case, likely, rival.order)
-        likely = [reading for reading in likely if reading.order == order]
-    if len(arms) == 1:
-        case.evidence.proven.append(f"robot {likely[0].arm}: no other described arm fits the pose")
-        return likely[0]
-    return _sure_arm(case, likely, False)
-
-
-def _by_gravity(case: Case, likely: Sequence[Reading]) -> Order:
-    """Return the order that explains the efforts; base to wrist where they do not decide."""
-    order = likely[0].order
-    base = readings.base_first(case.means, order)
-    if base is False:
-        order = exchanged(order, 0, 5)
-    rival = _rival(likely)
-    if rival is None and base is not None:
-        case.evidence.proven.append(
-            f"the joints' order, {in_words(order)}: in no other does gravity explain the efforts "
-            "as well; joint 1 bears the larger rotor"
+def _order(
+    case: Case, likely: Sequence[Reading], placed: Sequence[Placed], names: Sequence[str]
+) -> Order:
+    """Return the columns of the joints: by names, which numbers may doubt; else by numbers."""
+    evidence, own = case.file.evidence, tuple(range(case.file.joints))
+    title = case.moving.position.title
+    possible = [one for one in likely if one.arm in names]
+    scores = {one.order: one.score for one in reversed(possible)}
+    lead = max(scores.values()) - scores[own] if scores else 0.0
+    best = max(scores, key=lambda order: scores[order]) if scores else own
+    posed = {one.order for one in placed}
+    if names_order(case.moving):
+        doubt = f"{in_words(best)} (log-likelihood greater by {lead:.3g})"
+        if posed and own not in posed:
+            evidence.check.append(
+                f"the joints' order, by their names in {title}: the pose fits another"
+            )
+        elif lead > SURE_OF_NUMBERS and not posed:
+            evidence.check.append(
+                f"the joints' order, by their names in {title}; gravity explains the efforts "
+                f"better with {doubt}"
+            )
+        else:
+            evidence.proven.append(f"the joints' order, by their names in {title}")
+        return own
+    if len(posed) == 1:
+        return posed.pop()
+    if lead > SURE_OF_NUMBERS:
+        evidence.proven.append(
+            f"the joints' order, {in_words(best)}: gravity explains the efforts so, not from base "
+            f"to wrist (log-likelihood greater by {lead:.3g})"
         )
-        return order
-    return _base_to_wrist(case, likely, rival.order if rival else exchanged(order, 0, 5))
-
-
-def _base_to_wrist(case: Case, likely: Sequence[Reading], rival: Order) -> Order:
-    """Return the order from base to wrist, assumed. Raises InputError where others are likelier."""
-    reversed_ends = readings.base_first(case.means, IN_ORDER) is False
-    in_order = max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
-    if likely[0].score - in_order < SURE and not reversed_ends:
-        case.evidence.assumed.append(
-            "the joints' order, base to wrist: what moves shows no other to be likelier"
-        )
-        return IN_ORDER
-    raise ambiguous(
-        case.file,
-        "the joints' order",
-        in_words(likely[0].order),
-        in_words(rival),
-        "record a motion that turns all joints, or a TCP pose, or name the joints",
-    )
-
-
-def _rival(likely: Sequence[Reading]) -> Reading | None:
-    """Return the likeliest reading with another order than the best, if it is about as likely."""
-    rival = next((one for one in likely if one.order != likely[0].order), None)
-    return rival if rival and likely[0].score - rival.score < SURE else None
-
-
-def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Reading:
-    """Return the likeliest reading. Raises InputError where another arm is about as likely."""
-    file, evidence, best = case.file, case.evidence, likely[0]
-    rival = next((reading for reading in likely if reading.arm != best.arm), None)
-    if rival is None and named_by_user:
-        evidence.assumed.append(f"robot {best.arm}, as given{_likelier(case, best)}")
-    elif named := _named(file, likely):
-        evidence.assumed.append(
-            f"robot {named.arm}, by name of file or folder: the efforts fit others about as well"
-        )
-        return named
-    elif rival and best.score - rival.score < SURE:
-        raise ambiguous(
-            file,
-            "the arm",
-            f"`robot: {best.arm}`",
-            f"`robot: {rival.arm}`",
-            f"name it, as with --robot {best.arm}",
+        evidence.check.append(f"the joints' order in {title}, which no name tells")
+        return best
+    rest = [score for order, score in scores.items() if order != own]
+    if scores and scores[own] - max(rest) > CLEAR_LEAD:
+        evidence.proven.append(
+            f"the joints' order, base to wrist: gravity explains the efforts worse in those that "
+            f"logs have besides (log-likelihood less by {scores[own] - max(rest):.3g})"
         )
     else:
-        evidence.proven.append(f"robot {best.arm}: no other described arm fits the efforts as well")
-    return best
+        evidence.check.append(
+            f"the joints' order, base to wrist, in {title}: what moves shows no other to be "
+            "likelier, and no name tells it"
+        )
+    return own
 
 
-def _likelier(case: Case, given: Reading) -> str:
-    """Return that another described arm explains the efforts far better than a given one, if so."""
-    arms = _possible(case.file)
-    best = readings.readings(case.means, arms, [given.order], OR_FREE)[0]
-    if best.score - given.score < SURE:
-        return ""
-    return f", although `robot: {best.arm}` explains the efforts far better: check it, and the tool"
+def names_order(moving: ImportedMotion) -> bool:
+    """Return whether names determine the joints' order: a driver's, RTDE's, or the user."""
+    file, block = moving.file, moving.position
+    if file.format == "rosbag":
+        return not any(finding.finding == UNNAMED for finding in file.findings)
+    first = block.names[0]
+    if file.header.entry or (block.stated and len(block.names) > 1):
+        return True
+    rtde = re.search(r"(actual|act)_?q", first, re.IGNORECASE)
+    return len(block.names) > 1 and bool(rtde or any(j.search(first) for j in JOINT_NAMES))
 
 
-def _named(file: Contents, likely: Sequence[Reading]) -> Reading | None:
-    """Return the only likely arm's reading in the name of the file, or of its folder, if any."""
-    near = [reading for reading in likely if likely[0].score - reading.score < SURE]
+def _arm(
+    case: Case, likely: Sequence[Reading], placed: Sequence[Placed], names: Sequence[str]
+) -> str:
+    """Return the arm: as told, by the name of file or folder, by the pose, or the likeliest."""
+    file, evidence = case.file, case.file.evidence
+    posed = [*dict.fromkeys(one.arm for one in placed)]
+    told = file.stated.robot or _named(file, [*names])
+    if told:
+        how = "as given" if file.stated.robot else "by the name of file or folder"
+        evidence.assumed.append(f"robot {told}, {how}")
+        _doubt(case, told, likely, posed)
+        return told
+    if len(posed) == 1:
+        evidence.proven.append(f"robot {posed[0]}: no other described arm fits the pose")
+        return posed[0]
+    left = [one for one in likely if not posed or one.arm in posed]
+    if not left:
+        evidence.check.append(
+            f"robot {names[0]}: nothing in the file tells it; name it with --robot"
+        )
+        return (posed or [*names])[0]
+    best, rival = left[0], left[1] if len(left) > 1 else None
+    lead = best.score - rival.score if rival else np.inf
+    constants = _constants(case, best)
+    if lead >= CLEAR_LEAD and constants and all(constant.agrees for constant in constants):
+        evidence.proven.append(
+            f"robot {best.arm}: {' and '.join(one.text for one in constants)}; the next, "
+            + (f"{rival.arm}, has a log-likelihood less by {lead:.3g}" if rival else "none")
+        )
+        return best.arm
+    others = (
+        f"; {rival.arm} is {'about as likely' if lead < CLEAR_LEAD else 'next'}" if rival else ""
+    )
+    needs = f" with {' and '.join(one.text for one in constants)}" if constants else ""
+    evidence.check.append(
+        f"robot {best.arm}: the likeliest of the described arms by the efforts{needs}{others}; "
+        "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
+    )
+    return best.arm
+
+
+def _doubt(case: Case, told: str, likely: Sequence[Reading], posed: Sequence[str]) -> None:
+    """Note where a pose or gravity contradicts the arm that is told."""
+    if posed and told not in posed:
+        case.file.evidence.check.append(
+            f"robot {told}: the recorded pose is the flange of {posed[0]}, or a tool on it"
+        )
+    own = next((one.score for one in likely if one.arm == told), None)
+    if own is not None and likely[0].score - own > CLEAR_LEAD:
+        case.file.evidence.check.append(
+            f"robot {told}: {likely[0].arm} explains the efforts far better (log-likelihood "
+            f"greater by {likely[0].score - own:.3g}); check it, the tool and the mounting"
+        )
+
+
+class Constant(NamedTuple):
+    """What a joint's efforts tell of its constant, beside the known one."""
+
+    text: str
+    agrees: bool
+
+
+def _constants(case: Case, reading: Reading) -> list[Constant]:
+    """Return the constants of the joints that bear most, of the first effort with a unit."""
+    arm, means = described(reading.arm), case.means
+    if means is None:
+        return []
+    known = [(n, u) for n, u in zip(means.currents, reading.units, strict=True) if u != "neither"]
+    if not known:
+        return []
+    (effort, unit), *_ = known
+    ordered = means.part(columns=reading.order)
+    bears = np.std(ordered.gravity(arm), axis=0)
+    expected = np.array(arm.maker_torque_constants()) if unit != "Nm" else np.ones(len(bears))
+    found = []
+    for joint in np.argsort(-bears)[:2].tolist():
+        slope, error = effort_per_torque(ordered, effort, arm, joint)
+        if bears[joint] < MIN_GRAVITY_CHANGE or not slope > 0:
+            continue
+        constant = (1e3 if unit == "mA" else 1.0) / slope
+        spread = np.hypot(2 * constant * error / slope, 2 * MAKERS_TOLERANCE * expected[joint])
+        name = "Nm per Nm" if unit == "Nm" else "Nm/A"
+        text = f"joint {joint + 1} has {constant:.3g} {name} (known: {expected[joint]:.3g})"
+        found.append(Constant(text, bool(abs(constant - expected[joint]) < spread)))
+    return found
+
+
+def _named(file: Contents, names: Sequence[str]) -> str | None:
+    """Return the only arm in the name of the file, or of its folder, if any."""
     for name in (file.path.name, file.path.absolute().parent.name):
-        words = {*re.split(r"[^a-z0-9]+", name.lower())}
-        named = [reading for reading in near if reading.arm in words]
-        if len(named) == 1 and len(near) > 1:
+        parts = {*re.split(r"[^a-z0-9]+", name.lower())}
+        named = [arm for arm in names if arm in parts]
+        if len(named) == 1:
             return named[0]
     return None
 
 
 def in_words(order: Order) -> str:
-    """Return the names of the joints in the order of the file's columns."""
-    return ", ".join(PARTS[order.index(column)] for column in range(6))
+    """Return the joints in the order of the file's columns."""
+    own = PARTS if len(order) == len(PARTS) else [f"joint {k + 1}" for k in range(len(order))]
+    return ", ".join(own[order.index(column)] for column in range(len(order)))

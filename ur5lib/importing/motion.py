@@ -1,43 +1,66 @@
-"""The blocks that are positions and velocities: the latter are derivatives of the former."""
+"""The blocks that are positions and velocities, by name; and the clock under which they agree."""
 
 import itertools
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.errors import InputError, some
-from ur5lib.importing.blocks import Block, names_command
-from ur5lib.importing.contents import Contents
+from ur5lib.errors import InputError
+from ur5lib.importing.blocks import Block
+from ur5lib.importing.clocks import ASSUMED_RATE, ROWS, are_postures, irregularity, possible_units
+from ur5lib.importing.contents import Contents, held
+from ur5lib.importing.spellings import named_unit, names_command
 from ur5lib.recordings.checks import MOVES
+from ur5lib.recordings.entries import FACTORS
 from ur5lib.recordings.stop_signs import DEGREES
 from ur5lib.timeseries.arrays import Array
 
-AGREE = 0.9  # least correlation of a slope with its velocity
-RATIO = (0.8, 1.25)  # of a slope to its velocity
-CLOSER = 0.1  # of what another block misses as a derivative; then it is no rival
-LONGEST = 0.1  # s; across longer steps, a slope is no velocity
+MIN_CORRELATION = 0.9  # of a slope with its velocity
+RATIO = (0.8, 1.25)  # of a velocity to its slope
+NO_RIVAL = 0.1  # of what another block misses as a derivative
+LONGEST_STEP = 1.0  # s; across longer steps, a slope is no velocity
 SMOOTHED = 0.05  # s
+FEWEST_SLOPES = 10
+MIN_SHARE_OF_VELOCITIES = 0.8  # of moving columns that are derivatives; two exchanged are fewer
+WORSE_CLOCK = 2.0  # times the misfit of another clock that then takes its place
+MISSED_ALL = 10.0  # of a clock under which no velocity is a derivative
 TARGETS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
 TURN = 4 * np.pi  # rad; no joint turns further
-COUNTS = {6: "six", 7: "seven", 8: "eight"}
-NO_PAIR = (
-    "none is named like positions (`actual_q_0`, `joint_position`), and no block of {} columns is "
-    "the derivative of another; it holds {}; name the columns, or import it together with a "
-    "recording of the same columns in which the arm moves"
+NO_POSITIONS = (
+    "{}: no positions are found: none is named like them (`actual_q_0`, `joint_position`), and no "
+    "block of {} columns is the derivative of another; it holds {}; name them, as with --columns "
+    "{}"
 )
+
+
+class Agreement(NamedTuple):
+    """How well a block is the derivative of another.
+
+    share: of the moving columns that agree; ratio: of velocity to slope, the median; moving: number
+    of moving columns; missed: share of the slopes' squares that the velocities miss.
+    """
+
+    share: float
+    ratio: float
+    moving: int
+    missed: float
 
 
 @dataclass(frozen=True)
 class ImportedMotion:
     """Positions of a file's joints, and their velocities and targets as far as recorded.
 
-    blocks: by channel; units: by channel, those that are not SI.
+    blocks: by channel; units: by channel, those that are not SI; rate: [Hz] of a file without a
+    clock; still: whether its rows are postures.
     """
 
     file: Contents
     blocks: dict[str, Block]
     units: dict[str, str]
+    rate: float | None = None
+    still: bool = False
 
     @property
     def position(self) -> Block:
@@ -47,7 +70,7 @@ class ImportedMotion:
     @property
     def time(self) -> Array:
         """Return the time stamps (N,) [s]."""
-        return self.file.clocks[self.position.clock]
+        return self.file.clocks.stamps[self.position.clock]
 
     def beside(self, meanings: Collection[str]) -> list[Block]:
         """Return other blocks of the joints on the positions' clock, by meaning or nameless."""
@@ -55,7 +78,7 @@ class ImportedMotion:
         return [
             block
             for block in self.file.blocks
-            if block.clock == self.position.clock
+            if np.array_equal(self.file.clocks.stamps[block.clock], self.time)
             and block.rows.shape[1] == self.file.joints
             and id(block) not in own
             and (block.meaning() in meanings or block.is_nameless())
@@ -70,30 +93,30 @@ class ImportedMotion:
         }
 
 
-def agreement(position: Block, velocity: Block, time: Array) -> tuple[float, float, int]:
-    """Return how well a block is the derivative of another.
-
-    Share of the moving columns that agree, median ratio of velocity to slope, and number of moving
-    columns.
-    """
-    ratios = [ratio for ratio in column_ratios(position, velocity, time) if ratio is not None]
-    good = [ratio for ratio in ratios if np.isfinite(ratio)]
+def agreement(position: Array, velocity: Array, time: Array) -> Agreement:
+    """Return how well velocities (N, k) are the derivatives of positions (N, k) at times (N,)."""
+    slope, rate = slopes_and_rates(position, velocity, time)
+    moving = [
+        ratio for pair in zip(slope.T, rate.T, strict=True) if (ratio := _ratio(*pair)) is not None
+    ]
+    good = [ratio for ratio in moving if np.isfinite(ratio)]
     if not good:
-        return 0.0, np.nan, len(ratios)
-    return len(good) / len(ratios), float(np.median(good)), len(ratios)
-
-
-def column_ratios(position: Block, velocity: Block, time: Array) -> list[float | None]:
-    """Return the ratio of velocity to slope by column; None if it rests, NaN if they disagree."""
-    slope, rate = slopes_and_rates(position.rows, velocity.rows, time)
-    return [_ratio(*pair) for pair in zip(slope.T, rate.T, strict=True)]
+        return Agreement(0.0, np.nan, len(moving), np.inf)
+    ratio = float(np.median(good))
+    missed = np.nansum((slope - rate / ratio) ** 2) / np.nansum(slope**2)
+    return Agreement(len(good) / len(moving), ratio, len(moving), float(missed))
 
 
 def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Array, Array]:
-    """Return smoothed slopes of positions (N, k) and velocities at the same times (M, k)."""
+    """Return smoothed slopes of positions (N, k) and velocities at the same times (M, k).
+
+    Rows of a polled log that repeat a stamp count once.
+    """
+    fresh = np.diff(time, prepend=-np.inf) > 0
+    position, velocity, time = position[fresh], velocity[fresh], time[fresh]
     step = np.diff(time)
     width = max(1, round(SMOOTHED / max(float(np.median(step)), 1e-4)))
-    whole = (step > 0) & (step < LONGEST) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
+    whole = (step < LONGEST_STEP) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
     rise = np.diff(position, axis=0)[whole]
     step = step[whole, None]
     rate = (velocity[1:] + velocity[:-1])[whole] / 2 * step
@@ -103,49 +126,204 @@ def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Arr
 
 
 def _ratio(slope: Array, rate: Array) -> float | None:
+    """Return the ratio of a velocity to its slope; None if it rests, NaN if they disagree."""
     finite = np.isfinite(slope) & np.isfinite(rate)
     slope, rate = slope[finite], rate[finite]
-    if len(slope) < 10 or max(np.std(slope), np.std(rate)) < MOVES:
+    if len(slope) < FEWEST_SLOPES or max(np.std(slope), np.std(rate)) < MOVES:
         return None
-    if min(np.std(slope), np.std(rate)) == 0 or np.corrcoef(slope, rate)[0, 1] < AGREE:
+    if min(np.std(slope), np.std(rate)) == 0:
         return np.nan
-    return float(slope @ rate / (slope @ slope))
+    agree = np.corrcoef(slope, rate)[0, 1] >= MIN_CORRELATION
+    return float(slope @ rate / (slope @ slope)) if agree else np.nan
 
 
 def find_motion(file: Contents) -> ImportedMotion:
     """Return the positions, the velocities, and the targets of both.
 
-    By their names, and proven by the derivative; without names, by the derivative alone. Raises
-    InputError where no block or more than one may be the positions.
+    By their names; without names, by the derivative. Raises InputError where no block can be the
+    positions.
     """
-    named = {block.meaning(): block for block in reversed(file.blocks)}
-    if "actual_q" in named:
-        position = named["actual_q"]
-        if others := [b.title for b in file.blocks if b.meaning() == "actual_q"][1:]:
-            file.evidence.assumed.append(
-                f"{position.title} are the positions; left out: {', '.join(others)}, named like "
-                "positions, too"
-            )
-    else:
-        position, named["actual_qd"] = _nameless(file)
-    beside = {name: block for name, block in named.items() if block.clock == position.clock}
-    velocity = beside.get("actual_qd")
-    measured = {"actual_q": position} | ({"actual_qd": velocity} if velocity else {})
-    motion = ImportedMotion(file, measured, _units(file, position, velocity))
-    return _with_targets(motion, {name: beside[name] for name in TARGETS if name in beside})
+    position, velocity = _by_name(file) or _nameless(file)
+    file, rate, still = _timed(file, position, velocity)
+    position = file.block(position.names)
+    velocity = file.block(velocity.names) if velocity else None
+    units = _units(file, position, velocity)
+    measured = {"actual_q": position}
+    if velocity and velocity.names not in file.evidence.excluded:
+        measured["actual_qd"] = velocity
+    targets = {name: block for name in TARGETS if (block := file.meant(name, position.clock))}
+    return _with_targets(ImportedMotion(file, measured, units, rate, still), targets)
+
+
+def _by_name(file: Contents) -> tuple[Block, Block | None] | None:
+    """Return the positions and the velocities that names tell."""
+    wide = [block for block in file.blocks if block.meaning() == "actual_q"]
+    if not wide:
+        return None
+    position, *others = wide
+    if others:
+        titles = ", ".join(block.title for block in others)
+        file.evidence.left_out.append(f"{titles}: named like positions, as {position.title} before")
+    return position, file.meant("actual_qd", position.clock)
+
+
+def _nameless(file: Contents) -> tuple[Block, Block]:
+    """Return the two nameless blocks of which one is the derivative of the other."""
+    pairs = sorted(_pairs(file), key=lambda pair: pair[2])
+    if not pairs:
+        columns = [f"channel{k + 1}" for k in range(len(file.blocks) - 1)]
+        example = ",".join([*(["time"] if file.has_clock() else []), "actual_q", *columns])
+        raise InputError(NO_POSITIONS.format(file.path, file.joints, held(file), example))
+    (position, velocity, missed), *others = pairs
+    if others and missed > NO_RIVAL * others[0][2]:
+        file.evidence.check.append(
+            f"{position.title} as positions, {velocity.title} as velocities; "
+            f"{others[0][0].title} and {others[0][1].title} agree about as well: --columns names "
+            "the right ones"
+        )
+    return position, velocity
+
+
+def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
+    """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
+    every = (block for block in file.blocks if block.rows.shape[1] == file.joints)
+    whole = [block for block in every if not names_command(block.stem())]
+    for position, velocity in itertools.permutations(whole, 2):
+        if position.clock == velocity.clock:
+            stamps = file.clocks.stamps[position.clock]
+            found = agreement(position.rows, velocity.rows, stamps)
+            right = RATIO[0] < found.ratio < RATIO[1]
+            right |= not file.has_clock() and found.ratio > 0
+            if found.moving and found.share == 1.0 and right:
+                yield position, velocity, found.missed
+
+
+def _timed(
+    file: Contents, position: Block, velocity: Block | None
+) -> tuple[Contents, float | None, bool]:
+    """Return the file on its best clock, the rate of its rows, and whether they are postures."""
+    if file.has_clock():
+        return _on_best_clock(file, position, velocity), None, False
+    if file.stated.rate:
+        return file, file.stated.rate, False
+    if velocity is None and are_postures(position.rows / (DEGREES if _in_degrees(position) else 1)):
+        file.evidence.check.append(
+            "still: true: without a clock, and each row far from the next, the rows are taken for "
+            "postures at rest; those of a motion have a rate, as --rate 125"
+        )
+        return file, None, True
+    found = velocity and agreement(position.rows, velocity.rows, file.clocks.stamps[ROWS])
+    if found and found.share > 0.5 and found.ratio > 0:
+        rate = float(f"{found.ratio * ASSUMED_RATE:.4g}")
+        file.evidence.proven.append(
+            f"rate {rate:g}: without a clock, {position.title} changes by {velocity.title} at "  # type: ignore[union-attr]
+            f"{rate:g} rows a second"
+        )
+        stamps = file.clocks.stamps[ROWS] * ASSUMED_RATE / rate
+        return file.on_clock(ROWS, ROWS, stamps, "s"), rate, False
+    file.evidence.check.append(
+        f"rate {ASSUMED_RATE:g}: the file has no clock, and nothing tells its rate; name the right "
+        "one, as with --rate 125"
+    )
+    return file, ASSUMED_RATE, False
+
+
+def _on_best_clock(file: Contents, position: Block, velocity: Block | None) -> Contents:
+    """Return the file on the clock under which velocities are derivatives, else the most regular.
+
+    Of the clocks that are as long as that of the positions, and equally near to them in the file.
+    """
+    own, (every, known) = position.clock, file.clocks
+    rows = len(every[own])
+    near = [n for n in every if len(every[n]) == rows and n.count("/") == own.count("/") == 0]
+    tried = [
+        (_misfit(position, velocity, stamps), name, unit, stamps)
+        for name in near or [own]
+        for unit in possible_units(name, every[name] / FACTORS.get(known.get(name, "s"), 1.0))
+        for stamps in [
+            every[name] * FACTORS.get(unit, 1.0) / FACTORS.get(known.get(name, "s"), 1.0)
+        ]
+        if velocity or unit == known.get(name, "s")
+    ]
+    as_read = next((one for one in tried if one[1:3] == (own, known.get(own, "s"))), None)
+    best = min(tried, key=lambda one: one[0], default=None)
+    if best is None or (as_read and as_read[0] <= WORSE_CLOCK * best[0] + 1e-9):
+        return file
+    _, name, unit, stamps = best
+    why = "under it, velocities are derivatives" if velocity else "its steps are regular"
+    file.evidence.proven.append(f"{name} in {unit} is the clock: {why}")
+    return file.on_clock(own, name, stamps, unit)
+
+
+def _misfit(position: Block, velocity: Block | None, stamps: Array) -> float:
+    """Return how badly a clock fits: what velocities miss of the slopes, or its jitter."""
+    if velocity is None:
+        return irregularity(stamps)
+    found = agreement(position.rows, velocity.rows, stamps)
+    if not found.moving:
+        return irregularity(stamps)
+    if not np.isfinite(found.ratio):
+        return MISSED_ALL
+    return found.missed + abs(np.log(abs(found.ratio / _nearest(found.ratio))))
+
+
+def _nearest(ratio: float) -> float:
+    """Return the ratio of velocity to slope that units allow, nearest to one found."""
+    return min((1.0, DEGREES, 1 / DEGREES), key=lambda own: abs(np.log(abs(ratio) / own)))
+
+
+def _in_degrees(position: Block) -> bool:
+    reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
+    return float(np.median(reached)) > TURN or float(np.max(reached)) > 5 * TURN
+
+
+def _units(file: Contents, position: Block, velocity: Block | None) -> dict[str, str]:
+    """Return the units of positions and velocities that are not SI, as told, named, or shown."""
+    evidence, told = file.evidence, file.stated.units.get("actual_q")
+    named, shown = named_unit(position.names[0]), _in_degrees(position)
+    degrees = (told or named or ("deg" if shown else "rad")) == "deg"
+    if not (told or named) and shown:
+        evidence.proven.append(f"{position.title} in degrees: no joint turns by as many radians")
+    elif shown and not degrees:
+        evidence.check.append(f"{position.title} in rad, as named, turns farther than any joint")
+    units = {"actual_q": "deg"} if degrees else {}
+    if velocity is None:
+        evidence.assumed.append("no velocities: differences of the positions take their place")
+        return units
+    found = agreement(position.rows, velocity.rows, file.clocks.stamps[position.clock])
+    if not found.moving:
+        evidence.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
+        return units | ({"actual_qd": "deg/s"} if degrees else {})
+    near = _nearest(found.ratio) if np.isfinite(found.ratio) else np.nan
+    if found.share < MIN_SHARE_OF_VELOCITIES or not RATIO[0] < found.ratio / near < RATIO[1]:
+        evidence.exclude(velocity, f"not the derivative of {position.title}")
+        evidence.check.append(
+            f"{velocity.title} is not the derivative of {position.title}, column by column: their "
+            "joints are in different orders, or one is another quantity; it is left out"
+        )
+        return units
+    if found.share < 1.0:
+        evidence.check.append(
+            f"{velocity.title}: {1 - found.share:.0%} of its moving columns are not the "
+            f"derivatives of {position.title}"
+        )
+    evidence.proven.append(
+        f"{velocity.title} is the velocity of {position.title} ({found.moving} joints move)"
+    )
+    in_degrees = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}[near]
+    return units | ({"actual_qd": "deg/s"} if in_degrees else {})
 
 
 def _with_targets(measured: ImportedMotion, targets: dict[str, Block]) -> ImportedMotion:
     """Return a motion with its targets in radians or degrees, without those of another size."""
-    evidence, kept, units = measured.file.evidence, dict[str, Block](), dict(measured.units)
+    kept, units = dict[str, Block](), dict(measured.units)
     for name, block in targets.items():
         ratio = _size(measured, name, block)
         unit = DEGREES if "actual_q" in units else 1.0
         if ratio is not None:
             unit = DEGREES if abs(ratio) > np.sqrt(DEGREES) else 1.0
         if ratio is not None and not RATIO[0] < ratio / unit < RATIO[1]:
-            evidence.left_out.append(block.names)
-            evidence.assumed.append(f"{block.title}: left out, for what moves does not follow it")
+            measured.file.evidence.exclude(block, "what moves does not follow it")
             continue
         kept[name] = block
         units |= {name: TARGETS[name]} if unit == DEGREES else {}
@@ -158,73 +336,14 @@ def _size(measured: ImportedMotion, name: str, block: Block) -> float | None:
     NaN where most joints that move do not follow; accelerations may be too small to tell.
     """
     own = measured.in_si().get({"target_q": "actual_q"}.get(name, "actual_qd"))
-    if own is None:
+    if own is None or len(own) != len(block.rows):
         return None
     if name == "target_qdd":
-        ratios = column_ratios(replace(block, rows=own), block, measured.time)
-    else:
-        both = zip((own - np.nanmean(own, axis=0)).T, block.rows.T, strict=True)
-        ratios = [_ratio(*pair) for pair in both]
-    moving = [ratio for ratio in ratios if ratio is not None]
-    found = [ratio for ratio in moving if np.isfinite(ratio)]
-    if 2 * len(found) > len(moving):
-        return float(np.median(found))
-    return None if name == "target_qdd" or not moving else np.nan
-
-
-def _nameless(file: Contents) -> tuple[Block, Block]:
-    ranked = sorted(_pairs(file), key=lambda pair: pair[2])
-    pairs = [pair[:2] for pair in ranked]
-    if len(pairs) != 1 and not (pairs and ranked[0][2] < CLOSER * ranked[1][2]):
-        several = " and ".join(f"{p.title} with {v.title}" for p, v in pairs[:2])
-        shown = [f"{block.title} ({block.rows.shape[1]})" for block in file.blocks]
-        held = some(shown, 6) or "nothing beside its clock"
-        none = NO_PAIR.format(COUNTS[file.joints], held)
-        raise InputError(
-            f"{file.path}: the columns of the positions are ambiguous: "
-            + (f"{several} may be; name the columns" if pairs else none)
-        )
-    return pairs[0]
-
-
-def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
-    """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
-    every = (block for block in file.blocks if block.rows.shape[1] == file.joints)
-    whole = [block for block in every if not names_command(block.stem())]
-    for position, velocity in itertools.permutations(whole, 2):
-        if position.clock == velocity.clock:
-            stamps = file.clocks[position.clock]
-            share, ratio, count = agreement(position, velocity, stamps)
-            if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:
-                slope, rate = slopes_and_rates(position.rows, velocity.rows, stamps)
-                missed = np.nansum((slope - rate) ** 2) / np.nansum(slope**2)
-                yield position, velocity, float(missed)
-
-
-def _units(file: Contents, position: Block, velocity: Block | None) -> dict[str, str]:
-    """Return the units of positions and velocities that are not SI."""
-    evidence = file.evidence
-    reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
-    degrees = float(np.median(reached)) > TURN
-    units = {"actual_q": "deg"} if degrees else {}
-    if degrees:
-        evidence.proven.append(f"{position.title} in degrees: no joint turns by as many radians")
-    if velocity is None:
-        evidence.assumed.append("no velocities: differences of the positions take their place")
-        return units
-    share, ratio, count = agreement(position, velocity, file.clocks[position.clock])
-    if not count:
-        evidence.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
-        return units
-    in_degrees = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}
-    near = min(in_degrees, key=lambda factor: abs(np.log(abs(ratio) / factor)) if ratio else np.inf)
-    if share < 1.0 or not RATIO[0] < ratio / near < RATIO[1]:
-        raise InputError(
-            f"{file.path}: {velocity.title} is not the derivative of {position.title}, column by "
-            "column: their joints are in different orders, or one of them is another quantity; "
-            "bring them into one order, or write the entry by hand (raw/README.md)"
-        )
-    evidence.proven.append(
-        f"{velocity.title} is the velocity of {position.title} ({count} joints move)"
-    )
-    return units | ({"actual_qd": "deg/s"} if in_degrees[near] else {})
+        found = agreement(own, block.rows, measured.time)
+        return found.ratio if found.share > 0.5 else None
+    both = zip((own - np.nanmean(own, axis=0)).T, block.rows.T, strict=True)
+    moving = [ratio for pair in both if (ratio := _ratio(*pair)) is not None]
+    good = [ratio for ratio in moving if np.isfinite(ratio)]
+    if 2 * len(good) > len(moving):
+        return float(np.median(good))
+    return np.nan if moving else None

@@ -1,0 +1,100 @@
+"""The clock of a file: of several, the one under which velocities are derivatives; or a rate."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.importing.spellings import CLOCK, named_unit
+from ur5lib.recordings.arrays import seconds_of
+from ur5lib.recordings.entries import FACTORS
+from ur5lib.timeseries.arrays import Array
+
+ROWS = "row number"  # the clock of a file without one
+ASSUMED_RATE = 125.0  # Hz, of rows until velocities tell another
+STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}  # usual ones
+POSSIBLE_STEPS = (1e-4, 20.0)  # s
+MIN_SHARE_OF_CHANGES = 0.1  # of steps; a clock of whole seconds changes in fewer
+MIN_SHARE_FORWARD = 0.95  # of steps; a clock hardly ever goes back
+EPOCH = 1e9  # s; stamps after 2001 count from 1970
+STILL_ROUGHNESS = 1.2  # size of second to first differences; of motion below 1, of postures above
+FAR = 0.05  # rad, between two postures
+
+
+class Clocks(NamedTuple):
+    """Increasing time stamps (N,) [s] by name, and the units of those that are not in seconds."""
+
+    stamps: dict[str, Array]
+    units: dict[str, str]
+
+
+def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> Clocks:
+    """Return the clocks among arrays: those with the name of one, or else the first array.
+
+    stated: the unit that the user gives.
+    """
+    named = [name for name in arrays if CLOCK.search(name)]
+    stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
+    units = {name: unit for name, values in stamps.items() if (unit := _unit(name, values, stated))}
+    clocks = {name: stamps[name] * FACTORS.get(unit, 1.0) for name, unit in units.items()}
+    return Clocks(clocks, {name: unit for name, unit in units.items() if unit != "s"})
+
+
+def equally_spaced(arrays: Mapping[str, np.ndarray], rate: float | None) -> Clocks:
+    """Return the rows' numbers as a clock at a rate [Hz], of as many rows as most arrays have."""
+    lengths = [max(values.shape) for values in arrays.values() if values.ndim in (1, 2)]
+    rows = max(lengths, key=lengths.count, default=0)
+    return Clocks({ROWS: np.arange(rows) / (rate or ASSUMED_RATE)}, {})
+
+
+def is_clock(stamps: Array) -> bool:
+    """Return whether values (N,) increase like a clock, repeated stamps among them."""
+    steps = np.diff(stamps[np.isfinite(stamps)]) if stamps.ndim == 1 else np.array([])
+    return (
+        len(steps) >= 2
+        and bool(np.mean(steps >= 0) >= MIN_SHARE_FORWARD)
+        and bool(np.mean(steps > 0) >= MIN_SHARE_OF_CHANGES)
+    )
+
+
+def possible_units(name: str, stamps: Array) -> list[str]:
+    """Return the units in which stamps (N,) [s] as read may be: the factors to try on a clock."""
+    stated = named_unit(name)
+    step = float(np.median(np.diff(stamps)[np.diff(stamps) > 0]))
+    low, high = POSSIBLE_STEPS
+    every = [unit for unit in STEPS if low <= step * FACTORS.get(unit, 1.0) <= high]
+    return [stated] if stated in STEPS else every
+
+
+def _unit(name: str, stamps: Array, stated: str | None) -> str | None:
+    """Return the unit of stamps (N,): stated, by name, or by usual steps; None if no clock."""
+    if not is_clock(stamps):
+        return None
+    if (told := stated or named_unit(name)) in STEPS:
+        return told
+    steps = np.diff(stamps[np.isfinite(stamps)])
+    step = float(np.median(steps[steps > 0]))
+    unit = next((unit for unit, (low, high) in STEPS.items() if low <= step < high), None)
+    within_seconds = unit == "ns" and np.nanmax(stamps) < 1e9 and np.count_nonzero(steps < 0) > 1
+    return None if within_seconds else unit
+
+
+def irregularity(stamps: Array) -> float:
+    """Return how far the steps of a clock (N,) lie from the usual one, as a share of it."""
+    steps = np.diff(stamps)
+    steps = steps[steps > 0]
+    usual = float(np.median(steps))
+    return float(np.mean(np.abs(steps - usual)) / usual)
+
+
+def are_postures(q: Array) -> bool:
+    """Return whether rows (N, n) [rad] are postures, each for itself, and no samples of a motion.
+
+    Random or stepped postures leap from one to the next; a motion is smooth.
+    """
+    steps = np.diff(q, axis=0)
+    far = np.abs(steps) > FAR
+    path = np.abs(steps).sum()
+    leaps = float(np.abs(steps)[far].sum()) / path if path else 1.0
+    rough = float(np.std(np.diff(steps, axis=0)) / (np.std(steps) + 1e-12))
+    return leaps > 0.5 and (rough > STILL_ROUGHNESS or leaps > 0.9)

@@ -1,0 +1,143 @@
+"""The spellings of quantities, joints, axes, clocks and units in the names that recorders write."""
+
+import re
+from collections.abc import Mapping
+
+from ur5lib.channels import SUFFIXES
+from ur5lib.recordings.rosbag import JOINT_NAMES
+
+OF_JOINTS = {  # quantities with a column for each joint, by a word of their name; the first counts
+    "qdd": {"qdd", "ddq", "qddot", "qpp", "acceleration", "accelerations", "accel", "acc"},
+    "qd": {"qd", "dq", "qdot", "qp", "velocity", "velocities", "vel", "speed", "speeds", "spd"},
+    "q": {"q", "position", "positions", "pos", "posn", "angle", "angles", "ang", "theta"},
+    "current": {"i", "current", "currents", "curr", "cur", "amp", "amps", "ampere"},
+    "torque": {"m", "torque", "torques", "torq", "trq", "tq", "tau", "moment", "moments"},
+    "effort": {"effort", "efforts", "eff"},
+}
+OF_TOOL = {
+    "actual_TCP_force": {"force", "wrench"},
+    "actual_TCP_speed": {"speed", "velocity"},
+    "actual_TCP_pose": {"pose", "vector", "position", "positions", "pos", "rot", "coord"},
+}
+IN_SPACE = {  # of three columns
+    "force": {"force", "forces", "f"},
+    "torque": {"torque", "torques", "moment", "t", "m", "n"},
+    "position": {"position", "positions", "translation"},
+}
+COMMANDED = {"target", "tgt", "desired", "des", "ref", "reference", "cmd", "command", "commanded"}
+COMMANDED |= {"setpoint", "goal", "soll", "action", "actions"}  # the latter of a policy
+CONTAINERS = {"data", "value", "values", "signals"}  # in which a path ends behind its quantity
+TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
+EXTERNAL = {"ext", "external", "extern", "hat"}  # torques that a controller ascribes to contact
+IMU = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
+TEMPERATURE = {"temperature", "temperatures", "temp", "temps"}
+SIDES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")  # joints of a seven-jointed arm
+SIDE = re.compile(rf"(?<![A-Za-z0-9])({'|'.join(SIDES)})(?![A-Za-z0-9])", re.IGNORECASE)
+CLOCK = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
+NAMES_OF_JOINTS = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
+BRACKETED = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
+APPENDED = re.compile(r"_(mA|A|Nm|deg|rad|degs|rads|deg_s|rad_s|ms|us|ns|s)$")
+NUMBERED = r"(.*?)(?:[jJ]oint|[aA]xis|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
+UNITS = {  # of bracketed and appended units, as a study writes them
+    **{"mA": "mA", "A": "A", "Nm": "Nm", "N m": "Nm", "N·m": "Nm", "N.m": "Nm", "N*m": "Nm"},
+    **dict.fromkeys(("°", "deg", "degree", "degrees", "°/s", "deg/s", "deg_s", "degs"), "deg"),
+    **dict.fromkeys(("rad", "radian", "rad/s", "rad_s", "rads", "rad s-1"), "rad"),
+    **dict.fromkeys(("s", "sec", "seconds"), "s"),
+    **{"ms": "ms", "msec": "ms", "us": "us", "µs": "us", "μs": "us", "ns": "ns", "nsec": "ns"},
+}
+
+
+def words(name: str) -> set[str]:
+    """Return the words of a name in lower case."""
+    split = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
+    return {*re.findall(r"[a-z]+", split.lower())}
+
+
+def named_unit(name: str) -> str | None:
+    """Return the unit that a name states, as a study writes it; `rad` and `deg` of any order."""
+    for pattern in (BRACKETED, APPENDED):
+        if stated := pattern.search(without_joint(name)):
+            return UNITS.get(stated[1].strip())
+    return None
+
+
+def without_joint(name: str) -> str:
+    """Return a name without a number at its end, behind which a unit may stand."""
+    return re.sub(r"[ _.]?\d$", "", name) if re.search(r"[A-Za-z]_[A-Za-z]+_\d$", name) else name
+
+
+def place_of(name: str) -> tuple[str, int]:
+    """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
+    name = APPENDED.sub("", BRACKETED.sub("", name))
+    for place, joint in enumerate(JOINT_NAMES):
+        if joint.search(name):
+            return joint.sub("", name), place
+    if side := SIDE.search(name):
+        return name[: side.start()] + name[side.end() :], SIDES.index(side[1].lower())
+    if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
+        return numbered[1], int(numbered[2])
+    if numbered := re.fullmatch(NUMBERED + r"[ _.](.{1,})", name):  # Joint1_Pos, J1 q, A1.pos
+        return numbered[1] + numbered[3], int(numbered[2])
+    if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
+        return f"{part[1] or ''}_{part[2]}", "xyz".index(part[3])
+    if axis := re.fullmatch(r"(.*?)_?([xyz])", name):
+        return axis[1], "xyz".index(axis[2])
+    return name, -1
+
+
+def names_command(stem: str) -> bool:
+    """Return whether a quantity was commanded: by a word of its name, or as `q_d`, `O_dP_EE_c`."""
+    return bool(words(stem) & COMMANDED) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
+
+
+def quantity(stem: str, width: int, joints: int) -> str | None:
+    """Return the meaning of a name: channel of RTDE, kind of joint or of spatial quantity.
+
+    stem: without joints' numbers and units; width: its columns; joints: of the file's arm.
+    """
+    last = last_part(stem)
+    if last in SUFFIXES and width in (len(SUFFIXES[last]), joints):
+        return last
+    its = words(last) | ({"target"} if names_command(stem) else set())
+    if width == 6 and its & {"wrench", "ft"} and not its & (TOOL | COMMANDED):
+        return "wrench"
+    if width == joints and not its & TOOL:
+        return _of_joints(its)
+    if its & COMMANDED:
+        return None
+    spatial = _first(its, IN_SPACE) if width == 3 and not its & IMU else None
+    if spatial in ("force", "torque"):
+        return spatial
+    if its & TOOL or width == 7:
+        return _first(its, OF_TOOL)
+    return spatial
+
+
+def kind_of_joints(stem: str) -> str | None:
+    """Return the kind of a quantity of joints by its name: q, qd, …, None for another."""
+    its = words(last_part(stem))
+    return None if its & (TOOL | TEMPERATURE) else _first(its, OF_JOINTS)
+
+
+def last_part(path: str) -> str:
+    """Return the last part of a path in a file that tells a quantity."""
+    parts = path.rstrip("/").split("/")
+    return next((part for part in reversed(parts) if part.lower() not in CONTAINERS), parts[-1])
+
+
+def _first(its: set[str], meanings: Mapping[str, set[str]]) -> str | None:
+    """Return the first meaning that has one of the words."""
+    return next((meaning for meaning, known in meanings.items() if its & known), None)
+
+
+def _of_joints(its: set[str]) -> str | None:
+    kind = _first(its, OF_JOINTS)
+    if its & TEMPERATURE:
+        return "joint_temperatures"
+    if kind is None or its & EXTERNAL:
+        return None
+    if kind == "effort":
+        return kind
+    if its & COMMANDED:
+        return "target_moment" if kind == "torque" else f"target_{kind}"
+    return {"qdd": None, "torque": "actual_current_as_torque"}.get(kind, f"actual_{kind}")
