@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ur5lib.channels import CHANNELS as CHANNELS_OF_RTDE
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.spellings import named_unit
@@ -23,13 +24,14 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 MIN_SHARE_EXPLAINED_BY_FRICTION = 0.3  # of a measured effort's residual
+CURRENT = "actual_current"
 MEASURED_TORQUE = "actual_current_as_torque"
 FREE = "neither"  # current nor torque: a torque less gravity, as some drivers write
 UNITS = {"A": "A", "mA": "mA", "Nm": "Nm", FREE: "Nm less gravity"}
 ROUNDED = 1e-3  # A; URScript gives currents with three decimals
 COUNTED = (100, 100_000)  # multiples of a rounded current's step that it reaches
 CHANNELS = {  # by unit, and whether it is a target
-    ("A", False): "actual_current",
+    ("A", False): CURRENT,
     ("A", True): "target_current",
     ("Nm", False): MEASURED_TORQUE,
     ("Nm", True): "target_moment",
@@ -134,6 +136,10 @@ def _unit(
     named = stated if stated in ("A", "mA", "Nm") else NAMED.get(meaning)
     if told in ("A", "mA", "Nm"):
         return told
+    usual_peak = np.nanmedian(np.abs(block.rows).max(axis=1))
+    if named == "A" and usual_peak > CHANNELS_OF_RTDE[CURRENT].bound:
+        evidence.proven.append(f"{block.title} in mA: no arm has as many amperes")
+        return "mA"
     if means is None or arm is None:
         if named is None:
             evidence.exclude(block, "nothing tells its unit; name it, as with --columns")

@@ -1,7 +1,7 @@
 """The arm of a file and the order of its joints: as told, by names, by a pose, by gravity."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -149,40 +149,26 @@ def _order(
     case: Case, likely: Sequence[Reading], placed: Sequence[Placed], names: Sequence[str]
 ) -> Order:
     """Return the columns of the joints: by names, which numbers may doubt; else by numbers."""
-    evidence, own = case.file.evidence, tuple(range(case.file.joints))
-    title = case.moving.position.title
-    possible = [one for one in likely if one.arm in names]
-    scores = {one.order: one.score for one in reversed(possible)}
-    lead = max(scores.values()) - scores[own] if scores else 0.0
-    best = max(scores, key=lambda order: scores[order]) if scores else own
-    posed = {one.order for one in placed}
+    own, posed = tuple(range(case.file.joints)), {one.order for one in placed}
+    scores = {one.order: one.score for one in reversed(likely) if one.arm in names}
+    best = max(scores, key=lambda order: scores[order], default=own)
+    lead = scores[best] - scores[own] if scores else 0.0
     if names_order(case.moving):
-        doubt = f"{in_words(best)} (log-likelihood greater by {lead:.3g})"
-        if posed and own not in posed:
-            evidence.check.append(
-                f"the joints' order, by their names in {title}: the pose fits another"
-            )
-        elif lead > SURE_OF_NUMBERS and not posed:
-            evidence.check.append(
-                f"the joints' order, by their names in {title}; gravity explains the efforts "
-                f"better with {doubt}"
-            )
-        else:
-            evidence.proven.append(f"the joints' order, by their names in {title}")
+        _doubt_names(case, best, lead, posed)
         return own
     if len(posed) == 1:
         return posed.pop()
-    if lead > SURE_OF_NUMBERS:
-        evidence.proven.append(
-            f"the joints' order, {in_words(best)}: gravity explains the efforts so, not from base "
-            f"to wrist (log-likelihood greater by {lead:.3g})"
-        )
-        evidence.check.append(f"the joints' order in {title}, which no name tells")
-        return best
+    evidence, title = case.file.evidence, case.moving.position.title
     rest = [score for order, score in scores.items() if order != own]
+    if lead > SURE_OF_NUMBERS:
+        evidence.check.append(
+            f"the joints' order, {in_words(best)}, in {title}: gravity explains the efforts so, "
+            f"not from base to wrist (log-likelihood greater by {lead:.3g}), and no name tells it"
+        )
+        return best
     if scores and scores[own] - max(rest) > CLEAR_LEAD:
         evidence.proven.append(
-            f"the joints' order, base to wrist: gravity explains the efforts worse in those that "
+            "the joints' order, base to wrist: gravity explains the efforts worse in those that "
             f"logs have besides (log-likelihood less by {scores[own] - max(rest):.3g})"
         )
     else:
@@ -191,6 +177,21 @@ def _order(
             "likelier, and no name tells it"
         )
     return own
+
+
+def _doubt_names(case: Case, best: Order, lead: float, posed: Collection[Order]) -> None:
+    """Note whether a pose or gravity contradicts the order that names tell."""
+    evidence, named = case.file.evidence, f"by their names in {case.moving.position.title}"
+    own = tuple(range(case.file.joints))
+    if posed and own not in posed:
+        evidence.check.append(f"the joints' order, {named}: the pose fits another")
+    elif lead > SURE_OF_NUMBERS and not posed:
+        evidence.check.append(
+            f"the joints' order, {named}; gravity explains the efforts better with "
+            f"{in_words(best)} (log-likelihood greater by {lead:.3g})"
+        )
+    else:
+        evidence.proven.append(f"the joints' order, {named}")
 
 
 def names_order(moving: ImportedMotion) -> bool:

@@ -260,8 +260,6 @@ def _misfit(position: Block, velocity: Block | None, stamps: Array) -> float:
     if velocity is None:
         return irregularity(stamps)
     found = agreement(position.rows, velocity.rows, stamps)
-    if not found.moving:
-        return irregularity(stamps)
     if not np.isfinite(found.ratio):
         return MISSED_ALL
     return found.missed + abs(np.log(abs(found.ratio / _nearest(found.ratio))))
