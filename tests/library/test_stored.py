@@ -30,11 +30,15 @@ from tests.stored_files import (
     write_bag,
     write_channel_files,
     write_hdf5,
+    write_npz,
 )
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.recording import RawRecording
+from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
+from ur5lib.signals.clock import clock_from_stamps
+from ur5lib.signals.device_clock import device_clock
 from ur5lib.tables import channel
 
 KINDS = ("hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap", "rosbag 1")
@@ -136,6 +140,34 @@ def test_a_sensor_may_lie_in_the_robot_s_file(tmp_path: Path, made: Made) -> Non
     assert sensor.start is not None
     assert sensor.start.seconds == pytest.approx(stamps[0])
     np.testing.assert_allclose(sensor.table["time"], stamps - stamps[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("clock", [{}, {"time": "epoch_s"}])
+def test_a_sensor_with_the_robot_s_stamps_is_late_by_less_than_a_sample(
+    tmp_path: Path, made: Made, clock: dict[str, str]
+) -> None:
+    """Whatever its entry says of the clock that the robot's says, too."""
+    stamps, wrench = 1000 * (9.0 + made[0]), np.random.default_rng(4).normal(size=(len(made[0]), 6))
+    write_npz(tmp_path / "run.npz", stamps, made[1] | {"wrench": wrench})
+    entry = entry_of("npz", tmp_path / "run.npz", ["actual_q"])
+    entry |= {"time": "epoch_s", "units": {"time": "ms"}}
+    entry["force_sensor"] = {"channels": {"time": "time", "ft": "wrench"}} | clock
+    record, start = place_sensors(read_recording(entry), [])["force"]
+    np.testing.assert_allclose(record.table["time"], made[0] - made[0][0], atol=1e-9)
+    assert (start.seconds, start.drift_std) == (0.0, 0.0)
+    assert 0 < start.std < np.diff(made[0]).min()
+    nothing = np.zeros((0, 3))
+    stated = clock_from_stamps(start.seconds, start.std, start.drift_std)
+    assert device_clock(np.zeros(0), nothing, stated, (nothing,) * 3, (nothing,) * 2)[0] == stated
+
+
+def test_the_same_stamps_of_another_clock_leave_a_doubt(tmp_path: Path, made: Made) -> None:
+    own = {"wrench": np.ones((len(made[0]), 6)), "stamps": made[0]}
+    write_npz(tmp_path / "run.npz", made[0], made[1] | own)
+    entry = entry_of("npz", tmp_path / "run.npz", ["actual_q"])
+    entry["force_sensor"] = {"channels": {"time": "stamps", "ft": "wrench"}}
+    _, start = place_sensors(read_recording(entry), [])["force"]
+    assert (start.std > 0.05, start.drift_std) == (True, None)
 
 
 # Bags

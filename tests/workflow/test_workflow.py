@@ -1,6 +1,7 @@
 """The workflow itself: what reruns and what does not, and what it does with bad input."""
 
 import contextlib
+import json
 import os
 import re
 import shutil
@@ -17,8 +18,9 @@ from tests import warm_snakemake
 from tests.commands import time_limit
 from tests.conftest import PROJECT, STUDY, Workflow
 from tests.library.test_hostile import BOMBS
+from tests.stored_files import made_up_channels, write_npz
 from ur5lib.study.turn import take_turn
-from ur5lib.tables import read_csv
+from ur5lib.tables import read_csv, read_table
 
 SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
@@ -365,6 +367,29 @@ def test_another_study_inherits_nothing(built_workflow: Workflow, change: Change
     assert "title: Two made-up recordings" in said
     assert "cutoff_hz: 33.0" not in said
     assert "pushed" not in said
+
+
+def test_a_sensor_in_an_archive_is_compared_where_it_is_mounted(workflow: Workflow) -> None:
+    """Turned by half a turn about z, it reads the same push with the opposite sign."""
+    raw = workflow.folder / "raw"
+    time, channels = made_up_channels(raw / "made_up")
+    push = np.outer((time > 3) & (time < 4), [30.0, 0, 0, 0, 0, 0])
+    names = {"time": "time"} | {name: name for name in ("actual_q", "actual_current")}
+    recordings = []
+    for name, sign, turn in (("ahead", 1, 0), ("turned", -1, 180)):
+        write_npz(raw / f"{name}.npz", time, channels | {"wrench": sign * push})
+        sensor = {"channels": {"time": "time", "ft": "wrench"}}
+        sensor |= {"mounting": {"rotation_deg": [0, 0, turn]}}
+        entry = {"name": name, "folder": "raw", "file": f"{name}.npz", "format": "npz"}
+        entry |= {"robot": "ur5", "role": "contact", "channels": names, "force_sensor": sensor}
+        recordings.append(entry)
+    study = {"study": "stored", "title": "A sensor in an archive", "recordings": recordings}
+    (workflow.folder / "config.yaml").write_text(json.dumps(study))
+    wanted = [f"results/stored/recordings/{one['name']}/sensor.parquet" for one in recordings]
+    workflow.build("--", *wanted)
+    ahead, turned = (read_table(workflow.folder / path) for path in wanted)
+    np.testing.assert_allclose(turned, ahead, atol=1e-9)
+    assert ahead.filter(like="compensated_F").abs().max().max() > 20
 
 
 def test_a_study_is_compared_with_another(workflow: Workflow) -> None:

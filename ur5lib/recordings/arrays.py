@@ -1,6 +1,7 @@
 """Reader of files that hold arrays: the study names the array of each channel."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from ur5lib.recordings.array_files import LOADERS, Arrays
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
 from ur5lib.recordings.plausibility import drop_zeroed, first_time
-from ur5lib.recordings.quality import Device, Finding, Log
+from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import counted_from_first, repair_samples
 
@@ -41,8 +42,12 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
     if table.empty:
         raise InputError(f"{path}: no row has a time; record it again, or correct `channels`")
     robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
-    records = {d: _sensor(sensor, arrays, path, d, findings) for d, sensor in sensors.items()}
-    present = {d: r for d, r in records.items() if r}
+    present = {}
+    for device, sensor in sensors.items():
+        log, shares = Log(path, device, findings), sensor.shares_clock(recording)
+        record = _sensor(sensor.on_clock_of(recording) if shares else sensor, arrays, log)
+        if record is not None:
+            present[device] = _on_robot_clock(record) if shares else record
     return RawRecording(robot, recording.cycle, present, findings)
 
 
@@ -146,12 +151,16 @@ def seconds_of(stamps: np.ndarray) -> np.ndarray:
     return stamps.ravel().astype(float)
 
 
-def _sensor(
-    sensor: StoredTable, arrays: Arrays, path: Path, device: Device, findings: list[Finding]
-) -> DeviceRecord | None:
+def _sensor(sensor: StoredTable, arrays: Arrays, log: Log) -> DeviceRecord | None:
     """Return a sensor's record; where it cannot be used, None and a finding."""
-    log = Log(path, device, findings)
-    samples = log.unless_unusable(lambda: repair_samples(_table(sensor, arrays, path), log))
+    samples = log.unless_unusable(lambda: repair_samples(_table(sensor, arrays, log.path), log))
     if samples is None:
         return None
-    return counted_from_first(samples.table, samples.first, sensor, path)
+    return counted_from_first(samples.table, samples.first, sensor, log.path)
+
+
+def _on_robot_clock(sensor: DeviceRecord) -> DeviceRecord:
+    """Return the record of a sensor that shares the robot's stamps: late by less than a sample."""
+    assert sensor.start is not None
+    late = float(np.median(np.diff(sensor.table["time"])) / np.sqrt(12))  # evenly distributed
+    return replace(sensor, start=replace(sensor.start, std=late, drift_std=0.0))

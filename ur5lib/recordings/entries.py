@@ -179,12 +179,16 @@ class SensorMounting(Strict):
     )
 
 
-class ForceSensor(Sensor):
-    """A force sensor with its own clock."""
+class Mounted(Strict):
+    """A force sensor on the flange."""
 
     mounting: SensorMounting | None = Field(
         None, description="how it is mounted; default: as described for the arm"
     )
+
+
+class ForceSensor(Mounted, Sensor):
+    """A force sensor with its own clock."""
 
 
 def _of_channels(channels: dict[str, str | list[str]]) -> dict[str, str | list[str]]:
@@ -208,6 +212,20 @@ class StoredTable(Clocked):
     def names(self) -> Collection[str]:
         """Return the names of the channels."""
         return self.channels
+
+    def shares_clock(self, other: "StoredTable") -> bool:
+        """Return whether the rows have the times of other arrays in the same file."""
+        mine, its = ((one.channels.get("time"), one.rate) for one in (self, other))
+        return mine == its
+
+    def on_clock_of(self, other: "StoredTable") -> Self:
+        """Return the arrays with the time base and the unit of time of others."""
+        unit = {name: unit for name, unit in other.units.items() if name == "time"}
+        return self.model_copy(update={"time": other.time, "units": self.units | unit})
+
+
+class StoredForceSensor(Mounted, StoredTable):
+    """Arrays of a force sensor."""
 
 
 def _each_once(joints: list[int]) -> list[int]:
@@ -303,7 +321,9 @@ class ArrayFiles(StoredTable, Files):
         min_length=1,
         description="joint, from 1, of each column of the joints' arrays; default: in order",
     )
-    force_sensor: StoredTable | None = Field(None, description="arrays of the force sensor, if any")
+    force_sensor: StoredForceSensor | None = Field(
+        None, description="arrays of the force sensor, if any"
+    )
     imu: StoredTable | None = Field(None, description="arrays of the IMU, if any")
 
 

@@ -35,7 +35,8 @@ class Finding:
 class StartOffset:
     """How much later a device's clock started than the robot's, by the start stamps [s].
 
-    drift_std: of a device whose samples the robot's host stamped, None for others.
+    drift_std: of a device whose samples the robot's host stamped, 0 of one that shares the robot's
+    clock, None for others.
     """
 
     seconds: float

@@ -12,7 +12,9 @@ from ur5lib.timeseries.arrays import Array
 # host's software: the only host whose drift is known, the thesis's, is off by 0.0033.
 UNKNOWN_DRIFT = 0.003
 WANDER = 0.004  # s, of a clock about a straight line: no jackknife of one recording contains it
-BY_STAMPS, BY_MOTION, BY_HOST = "start stamps", "angular rate", "host's stamps"  # methods
+# methods
+BY_STAMPS, BY_MOTION, BY_HOST = "start stamps", "angular rate", "host's stamps"
+SHARED = "robot's clock"
 
 
 @dataclass(frozen=True)
@@ -68,12 +70,12 @@ class SettledClock(Clock):
 def clock_from_stamps(offset: float, std: float, drift_std: float | None = None) -> Clock:
     """Return the clock of start stamps `offset` [s] apart.
 
-    drift_std: error of the rate of a device whose samples the robot's host stamped; the drift of
-    others is unknown.
+    drift_std: error of the rate of a device whose samples the robot's host stamped, 0 of one that
+    shares the robot's clock; the drift of others is unknown.
     """
     if drift_std is None:
         return Clock(offset, std, None, None, BY_STAMPS)
-    return Clock(offset, std, 0.0, drift_std, BY_HOST)
+    return Clock(offset, std, 0.0, drift_std, BY_HOST if drift_std else SHARED)
 
 
 @dataclass(frozen=True)

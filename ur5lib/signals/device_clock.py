@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.errors import Remark, remark
-from ur5lib.signals.clock import BY_HOST, BY_MOTION, WANDER, Clock
+from ur5lib.signals.clock import BY_MOTION, BY_STAMPS, WANDER, Clock
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.sampling import differentiate, interpolated
@@ -245,11 +245,11 @@ def device_clock(
     stamps: its clock by start stamps, or by those of the robot's host; robot: time (N,) [s],
     segment (N,) and q (N, 6) [rad], repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the
     robot's samples.
-    Where the robot's host stamped each sample, its stamps are used. Otherwise, a gyroscope is
-    compared with the angular rate of frame 6; other devices measure no motion that could be
-    distinguished from contact, so their start stamps are used.
+    Where the robot's host stamped each sample, or a device shares the robot's clock, its stamps are
+    used. Otherwise, a gyroscope is compared with the angular rate of frame 6; other devices measure
+    no motion that could be distinguished from contact, so their start stamps are used.
     """
-    if gyroscope is None or stamps.method == BY_HOST:
+    if gyroscope is None or stamps.method != BY_STAMPS:
         return stamps, None
     (time, segment, q), (rotation, jacobian) = robot, frames
     # not the controller's velocities, which lag the positions by some ms
