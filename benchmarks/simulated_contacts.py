@@ -25,18 +25,19 @@ import numpy as np
 import pandas as pd
 import torch
 
-from benchmarks.estimators import all_estimators
-from benchmarks.estimators.published import ESTIMATORS as PUBLISHED
 from benchmarks.harness.options import options_of
 from benchmarks.harness.pushes import EACH, PAUSE, PLACES, pushes
-from benchmarks.harness.run import Estimate, Run
-from benchmarks.harness.scores import known_to_all, masked, score_by_sample
 from benchmarks.harness.simulated import simulated_table
-from benchmarks.harness.study import Arm, label_paths, read_run
 from benchmarks.harness.timing import timed
-from benchmarks.leaderboard import QUICK, RESULTS, estimates, learnt
+from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
 from ur5lib.force.detection import CONTACT, is_free
+from ur5lib.leaderboard.board import RESULTS, estimates, learnt
+from ur5lib.leaderboard.estimators import all_estimators
+from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.leaderboard.scores import known_to_all, masked, score_by_sample
+from ur5lib.leaderboard.study import Arm, label_paths, read_run
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot

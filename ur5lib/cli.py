@@ -367,6 +367,27 @@ def replay(
 
 
 @app.command()
+def leaderboard(
+    results: Annotated[
+        list[Path], typer.Argument(help="results of studies that are built: results/<study>")
+    ],
+    estimator: Annotated[
+        str | None,
+        typer.Option(
+            help="one more, as module:Class of a file in this folder or of a package "
+            "(docs/benchmark.md)"
+        ),
+    ] = None,
+) -> None:
+    """Compare published estimators of the contact force with ours, and yours, on your studies."""
+    from ur5lib.leaderboard.board import TABLE
+    from ur5lib.leaderboard.board import leaderboard as compared
+
+    typer.echo(compared(results, estimator))
+    typer.echo(f"all figures: {TABLE}")
+
+
+@app.command()
 def singularities(
     robot: ArmName,
     within: Annotated[

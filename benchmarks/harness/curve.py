@@ -8,8 +8,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.special import ndtr, stdtrit
 
-from benchmarks.harness.page import markdown, number
 from ur5lib.identification.current_regression import MOVING
+from ur5lib.leaderboard.tables import markdown, number
 from ur5lib.timeseries.arrays import Array
 
 OURS, ALONE, LEAST_SQUARES = MODELS = ("ours", "without other arms", "least squares")

@@ -1,23 +1,20 @@
 """docs/benchmark.md: its tables and its sentences, all from the table of scores."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import jinja2
 import pandas as pd
 
-from benchmarks.estimators.ours import OURS
-from benchmarks.harness import tuning
-from benchmarks.harness.study import Arm
 from ur5lib.force import contact_figures, contact_link, detection
+from ur5lib.leaderboard import tuning
+from ur5lib.leaderboard.estimators.ours import OURS
+from ur5lib.leaderboard.study import Arm
+from ur5lib.leaderboard.tables import interval, markdown, tables
 
 TEMPLATE = "page.md.jinja"
-SENSED = ["estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]",
-          "slope x, y, z", "in band in contact", "interval score in contact [N]",
-          "free MAE x, y, z [N]"]  # fmt: skip
-FREE = ["estimator", "causal", "latency", "median [N]", "95 % below [N]", "zero in band"]
 COMPARED = ["recording", "figure", f"{OURS} [N]", "better beyond chance", "lower within chance",
             "worse beyond chance"]  # fmt: skip
 FIGURES = {  # what the sentences are about: component and figure, and how it is called
@@ -120,42 +117,6 @@ def rule() -> dict[str, str]:
     }
 
 
-def tables(table: pd.DataFrame) -> str:
-    """Return a heading and a table for each recording, the smallest error first."""
-    parts = []
-    for recording, own in table.groupby("recording", sort=False):
-        sensed = "rmse" in own and own["rmse"].notna().any()
-        shown = sensed_table(own) if sensed else free_table(own)
-        title = f"{recording}, {own['robot'].iloc[0]}"
-        if sensed:
-            title += f", {own['contacts'].max():.0f} contacts"
-        parts.append(f"### {title}\n\n{shown}\n")
-    return "\n".join(parts)
-
-
-def sensed_table(own: pd.DataFrame) -> str:
-    """Return the table of a recording with a force sensor."""
-    vector = own[(own["component"] == "norm") & (own["during"] == "contact")]
-    rows = []
-    for _, row in vector.sort_values("rmse", kind="stable").iterrows():
-        axes = own[(own["estimator"] == row["estimator"]) & (own["component"] != "norm")]
-        contact, free = (axes[axes["during"] == during] for during in ("contact", "free"))
-        difference = "" if row["estimator"] == OURS else interval(row, "rmse_more", sign="+")
-        cells = [*common(row), interval(row, "rmse"), difference]
-        cells += [numbers(contact["mae"]), numbers(contact["slope"], 2), share(row["coverage95"])]
-        rows.append([*cells, interval(row, "score"), numbers(free["mae"])])
-    return markdown(SENSED, rows)
-
-
-def free_table(own: pd.DataFrame) -> str:
-    """Return the table of a recording that nothing touches."""
-    rows = [
-        [*common(row), number(row["median"]), number(row["largest95"]), share(row["coverage95"])]
-        for _, row in own.sort_values("largest95", kind="stable").iterrows()
-    ]
-    return markdown(FREE, rows)
-
-
 def methods(table: pd.DataFrame) -> str:
     """Return the sources and the constants that the rule chose, by arm."""
     first = table.drop_duplicates(["robot", "estimator"]).fillna({"constants": ""})
@@ -234,38 +195,3 @@ def compared_table(table: pd.DataFrame) -> str:
         better, worse = ", ".join(own.better) or "none", f"{own.worse} of {own.others}"
         rows.append([own.recording, own.figure, own.ours, better, lower, worse])
     return markdown(COMPARED, rows)
-
-
-def common(row: pd.Series) -> list[str]:
-    """Return the cells that both tables begin with."""
-    latency = row["latency_s"]
-    known = "" if pd.isna(latency) else f"{1000 * latency:.0f} ms"
-    return [row["estimator"], row["causal"], known]
-
-
-def interval(row: pd.Series, figure: str, sign: str = "") -> str:
-    """Return a figure with its 95 % interval, where it has one."""
-    value = number(row.get(figure), sign=sign)
-    low, high = (row.get(f"{figure}_{end}") for end in ("low", "high"))
-    return value if low is None or pd.isna(low) else f"{value} ({number(low)} to {number(high)})"
-
-
-def number(value: float | None, digits: int = 1, sign: str = "") -> str:
-    """Return a number, empty where there is none."""
-    return "" if value is None or pd.isna(value) else f"{value:{sign}.{digits}f}".replace("-", "−")
-
-
-def numbers(values: Iterable[float], digits: int = 1) -> str:
-    """Return some numbers in one cell."""
-    return ", ".join(number(value, digits) for value in values)
-
-
-def share(value: float) -> str:
-    """Return a share in percent, empty where there is none."""
-    return "" if pd.isna(value) else f"{value:.0%}"
-
-
-def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in Markdown."""
-    lines = [columns, ["---"] * len(columns), *rows]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)

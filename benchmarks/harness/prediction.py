@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pandas as pd
 
-from benchmarks.harness.page import markdown, number
+from ur5lib.leaderboard.tables import markdown, number
 
 OURS, LEAST_SQUARES, CONSTANT, FLOOR = "ours", "least squares", "constant", "repeats"
 FIGAROH = {"ols": "FIGAROH", "wls": "FIGAROH, weighted"}

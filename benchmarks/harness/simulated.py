@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks.estimators.ours import OURS
-from benchmarks.harness.page import interval, markdown, number, share
 from ur5lib.force.contact_figures import DRAWS, TAILS
+from ur5lib.leaderboard.estimators.ours import OURS
+from ur5lib.leaderboard.tables import interval, markdown, number, share
 from ur5lib.timeseries.arrays import Array
 
 LINK_6 = ("flange", "tool")  # places at which estimators may be right

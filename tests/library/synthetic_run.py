@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from benchmarks.harness.run import Run
 from ur5lib.force.external_torque import joint_states
 from ur5lib.force.force_input import Gears
+from ur5lib.leaderboard.run import Run
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.008, 2500  # s, samples

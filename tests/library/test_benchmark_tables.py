@@ -14,7 +14,6 @@ import yaml
 
 from benchmarks import simulated_contacts
 from benchmarks.current_prediction import Known, Own, pair_rows
-from benchmarks.estimators.ours import OURS
 from benchmarks.harness import curve
 from benchmarks.harness.prediction import FLOOR, prediction_findings, prediction_table
 from benchmarks.harness.pushes import PLACES
@@ -22,6 +21,7 @@ from benchmarks.harness.sections import detection_tables, link_table
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
 from benchmarks.simulated_contacts import force_at
 from ur5lib.identification.samples import Record
+from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.robots.description import Robot
 from ur5lib.tables import write_csv
 

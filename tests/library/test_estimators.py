@@ -9,26 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.estimators import all_estimators, long_short_term_memory
-from benchmarks.estimators.adaptive_extended_kalman_filter import AdaptiveExtendedKalman
-from benchmarks.estimators.adaptive_kalman_filter import AdaptiveKalman
-from benchmarks.estimators.disturbance_kalman_filter import DisturbanceKalman
-from benchmarks.estimators.extended_state_observer import ExtendedState
-from benchmarks.estimators.least_squares import LowPassed
-from benchmarks.estimators.long_short_term_memory import PAST, STEP, motion, train
-from benchmarks.estimators.momentum_observer import FirstOrder
-from benchmarks.estimators.ours import OURS
-from benchmarks.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
-from benchmarks.estimators.position_error import PositionError, fitted_loops
-from benchmarks.estimators.recursive_least_squares import ForgettingLeastSquares, forgotten
-from benchmarks.estimators.sliding_mode_observer import SlidingMode
-from benchmarks.harness import page, tuning
-from benchmarks.harness.estimator import Learned
-from benchmarks.harness.learned_residual import samples, standardised
-from benchmarks.harness.momentum import LinearObserver
-from benchmarks.harness.outside import check
-from benchmarks.harness.run import Estimate, Run
-from benchmarks.harness.scores import free_rows, sensed_rows
+from benchmarks.harness import page
 from tests.conftest import PROJECT
 from tests.library.synthetic_run import COUNT, PERIOD, STIFFNESS, synthetic_run
 from ur5lib.errors import InputError
@@ -37,6 +18,26 @@ from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import STATES
 from ur5lib.force.gate import Noise
 from ur5lib.force.residual_model import ResidualModel
+from ur5lib.leaderboard import tuning
+from ur5lib.leaderboard.estimator import Learned
+from ur5lib.leaderboard.estimators import all_estimators, long_short_term_memory
+from ur5lib.leaderboard.estimators.adaptive_extended_kalman_filter import AdaptiveExtendedKalman
+from ur5lib.leaderboard.estimators.adaptive_kalman_filter import AdaptiveKalman
+from ur5lib.leaderboard.estimators.disturbance_kalman_filter import DisturbanceKalman
+from ur5lib.leaderboard.estimators.extended_state_observer import ExtendedState
+from ur5lib.leaderboard.estimators.least_squares import LowPassed
+from ur5lib.leaderboard.estimators.long_short_term_memory import PAST, STEP, motion, train
+from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
+from ur5lib.leaderboard.estimators.ours import OURS
+from ur5lib.leaderboard.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
+from ur5lib.leaderboard.estimators.position_error import PositionError, fitted_loops
+from ur5lib.leaderboard.estimators.recursive_least_squares import ForgettingLeastSquares, forgotten
+from ur5lib.leaderboard.estimators.sliding_mode_observer import SlidingMode
+from ur5lib.leaderboard.learned_residual import samples, standardised
+from ur5lib.leaderboard.momentum import LinearObserver
+from ur5lib.leaderboard.outside import check
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.leaderboard.scores import free_rows, sensed_rows
 from ur5lib.timeseries.arrays import Array
 
 CAUSAL = {

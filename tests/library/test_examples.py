@@ -14,7 +14,6 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.harness.outside import outside
 from tests.conftest import PROJECT
 from tests.examples import Example, check_command, examples, kind_of, words_of, yaml_faults
 from tests.library.synthetic_run import synthetic_run
@@ -22,6 +21,7 @@ from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from ur5lib.cli import app
 from ur5lib.lab.extensions import GROUP, KINDS
+from ur5lib.leaderboard.outside import outside
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recorder.move_program import plan, read_program
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.commands import Command
+from ur5lib.datasets.catalogue import catalogue
 from ur5lib.lab.new import copy_study, new_lab, next_command
 from ur5lib.report.reference import read_reference
 from ur5lib.strict import read_yaml
@@ -22,6 +23,16 @@ def test_a_new_lab_has_all_that_snakemake_needs(here: Path, run_ur5: Command) ->
     assert (here / "my lab" / "raw").is_dir()
     assert (here / "my lab" / "profiles" / "default" / "config.yaml").is_file()
     assert read_study(here / "my lab" / "config.yaml").study == "demo"
+
+
+def test_published_studies_and_their_schema_are_at_hand(here: Path) -> None:
+    new_lab(Path())
+    published = {dataset.study for dataset in catalogue().values()} - {None}
+    assert published <= {str(path) for path in Path("workflow/studies").glob("*.yaml")}
+    for study in [*published, "config.yaml"]:
+        head = Path(study).read_text().splitlines()[0]
+        assert Path(head.partition("$schema=")[2]).is_absolute()
+        assert Path(head.partition("$schema=")[2]).is_file()
 
 
 def test_files_that_are_there_stay(here: Path) -> None:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.harness.estimator import Learned
-from benchmarks.harness.outside import check, outside
-from benchmarks.harness.run import Estimate, Run
-from benchmarks.harness.tuning import fitted, untuned
 from tests.library.synthetic_run import COUNT, synthetic_run
+from ur5lib.leaderboard.estimator import Learned
+from ur5lib.leaderboard.outside import ProtocolError, check, outside
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.leaderboard.tuning import fitted, untuned
 from ur5lib.timeseries.arrays import Array
 
 ATTRIBUTES = {"name": "mine", "source": "my thesis", "causal": False}
@@ -69,13 +69,13 @@ def test_it_gets_what_the_rivals_get_and_cannot_change_it(monkeypatch: pytest.Mo
         ("mine", "is not of the form package.module:Class"),
         (":Mine", "is not of the form package.module:Class"),
         ("no_such_module:Mine", "cannot be imported .ModuleNotFoundError"),
-        ("benchmarks.harness.run:Ruin", "did you mean `Run`"),
-        ("benchmarks.harness.run:Run", "cannot be made without arguments"),
+        ("ur5lib.leaderboard.run:Ruin", "did you mean `Run`"),
+        ("ur5lib.leaderboard.run:Run", "cannot be made without arguments"),
         ("tests.library.test_outside:ATTRIBUTES", "needs `name`, a str"),
     ],
 )
 def test_what_is_no_estimator_is_refused(place: str, fault: str) -> None:
-    with pytest.raises(SystemExit, match=fault) as refused:
+    with pytest.raises(ProtocolError, match=fault) as refused:
         outside(place, [])
     assert "\n" not in str(refused.value)
 
@@ -85,7 +85,7 @@ def test_a_module_that_is_broken_is_refused_in_one_line(
 ) -> None:
     (tmp_path / "broken_estimator.py").write_text("def learn(:\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(SystemExit, match="SyntaxError") as refused:
+    with pytest.raises(ProtocolError, match="SyntaxError") as refused:
         outside("broken_estimator:Mine", [])
     assert "\n" not in str(refused.value)
 
@@ -105,7 +105,7 @@ def test_a_class_without_the_protocol_is_refused(
     changed: dict[str, Any], fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     here(monkeypatch, stated(lambda run: run.smoothed), **changed)
-    with pytest.raises(SystemExit, match=fault):
+    with pytest.raises(ProtocolError, match=fault):
         outside(HERE, ["least squares"])
 
 
@@ -145,7 +145,7 @@ def test_estimates_that_break_the_protocol_are_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     here(monkeypatch, learn, **changed)
-    with pytest.raises(SystemExit, match=fault) as refused:
+    with pytest.raises(ProtocolError, match=fault) as refused:
         outside(HERE, []).learn(runs())
     assert "\n" not in str(refused.value)
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.commands import printed
-from tests.conftest import PROJECT
+from tests.conftest import PROJECT, shared_folder
 from tests.workflow.test_simulated import POINTS, STUDY
 
 TREES = {"ur5lib": "ur5lib", "workflow": "ur5lib/workflow/workflow"}
@@ -148,6 +148,14 @@ def files_of(folder: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in files if path.is_file()}
 
 
+def test_a_published_study_needs_its_recordings_alone(installed: Installed) -> None:
+    lab = installed.lab("veröffentlicht")
+    recordings = shared_folder("ur3-cb", "they are recordings of a real UR3")
+    (lab / "raw" / "ur3-cb").symlink_to(recordings)
+    planned = installed.snakemake(lab, "--configfile", "workflow/studies/ur3-cb.yaml", "--dry-run")
+    assert "repair_frames" in planned
+
+
 @pytest.mark.slow  # installs all that the package depends on, and builds the demonstration
 def test_from_the_wheel_to_the_first_report_by_pipx(
     wheel: Path, tmp_path: Path, common_folder: Path
@@ -163,8 +171,10 @@ def test_from_the_wheel_to_the_first_report_by_pipx(
     before = files_of(library)
     here = Installed(tmp_path, tmp_path)
     lab = here.lab("mylab")
-    assert "report: results/demo/report.html" in here.run("snakemake", folder=lab)
-    assert (lab / "results" / "demo" / "report.pdf").stat().st_size > 10_000
+    demo = "results/demo"
+    assert f"report: {demo}/report.html" in here.run("snakemake", folder=lab)
+    assert (lab / demo / "report.pdf").stat().st_size > 10_000
+    assert "| momentum observer | yes |" in here.run("ur5", "leaderboard", demo, folder=lab)
     assert files_of(library) == before
     lab.rename(common_folder / "lab")  # where tests/artefacts/test_demo.py looks at it
 

@@ -6,14 +6,14 @@ from shlex import quote
 from ur5lib.errors import InputError
 from ur5lib.lab.places import WORKFLOW
 from ur5lib.strict import read_yaml
-from ur5lib.tables import made, write_bytes, write_text
+from ur5lib.tables import made, write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
-SCHEMA = "# yaml-language-server: $schema=workflow/study.schema.json\n"  # in a clone
+SCHEMA = "$schema="  # in the first line of a study, with the path beside it in a clone
 
 
 def new_lab(folder: Path) -> str:
-    """Make a folder with Snakefile, config.yaml, README.md, raw/ and profiles/; say what is next.
+    """Make a folder with Snakefile, studies, README.md, raw/ and profiles/; say what is next.
 
     Files that are there already stay as they are. Raises InputError where the folder has a
     Snakefile, or cannot be written.
@@ -40,18 +40,31 @@ def copy_study(name: str) -> Path:
     reference = read_yaml(WORKFLOW / name).get("reference")
     for file in filter(None, [name, reference]):
         if not Path(file).exists():
-            write_bytes((WORKFLOW / file).read_bytes(), file)
+            write_text(_study(WORKFLOW / file), file)
     return Path(name)
 
 
 def _files() -> dict[str, str]:
     """Return the content of each file of a new folder by its name."""
-    config = (WORKFLOW / "config.yaml").read_text(encoding="utf-8")
+    schema, config = _study(WORKFLOW / "config.yaml").split("\n", 1)
     example = (TEMPLATES / "config.yaml").read_text(encoding="utf-8")
-    schema = SCHEMA.replace("workflow", f"{WORKFLOW}/workflow", 1)
-    profiles = WORKFLOW.glob("profiles/*/config.yaml")
     copied = {path.name: path for path in (TEMPLATES / "Snakefile", TEMPLATES / "README.md")}
-    copied |= {str(path.relative_to(WORKFLOW)): path for path in profiles}
-    return {name: path.read_text(encoding="utf-8") for name, path in copied.items()} | {
-        "config.yaml": schema + example + config.removeprefix(SCHEMA)
-    }
+    copied |= {_place(path): path for path in WORKFLOW.glob("profiles/*/config.yaml")}
+    return (
+        {name: path.read_text(encoding="utf-8") for name, path in copied.items()}
+        | {_place(path): _study(path) for path in WORKFLOW.glob("workflow/studies/*.yaml")}
+        | {"config.yaml": f"{schema}\n{example}{config}"}
+    )
+
+
+def _place(path: Path) -> str:
+    """Return where a file of the workflow is put in a folder."""
+    return str(path.relative_to(WORKFLOW))
+
+
+def _study(path: Path) -> str:
+    """Return a study of the workflow, whose first line names the schema by its whole path."""
+    text = path.read_text(encoding="utf-8")
+    first, rest = text.split("\n", 1)
+    known, _, schema = first.partition(SCHEMA)
+    return f"{known}{SCHEMA}{(path.parent / schema).resolve()}\n{rest}" if schema else text

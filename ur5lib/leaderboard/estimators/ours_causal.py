@@ -16,16 +16,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import softmax
 
-from benchmarks.estimators.momentum_observer import FirstOrder
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.force import learned_noise
-from benchmarks.harness.run import Estimate, Run
-from benchmarks.harness.tuning import least_false
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import Wrench, contact_wrench
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.gate import Noise, log_density
 from ur5lib.force.residual_model import ResidualModel
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
+from ur5lib.leaderboard.force import learned_noise
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.leaderboard.tuning import least_false
 from ur5lib.timeseries.arrays import Array
 
 OURS_CAUSAL = "F̂ᵐᵃᵖ, causal"

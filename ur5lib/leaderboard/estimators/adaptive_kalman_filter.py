@@ -17,11 +17,11 @@ from itertools import product
 
 import numpy as np
 
-from benchmarks.estimators.disturbance_kalman_filter import DisturbanceKalman
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import added_momentum
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import tuned
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.disturbance_kalman_filter import DisturbanceKalman
+from ur5lib.leaderboard.momentum import added_momentum
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 
 SHORT, LONG = 2, 25  # samples, least and greatest length of the window

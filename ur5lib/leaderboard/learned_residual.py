@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.estimators.momentum_observer import FirstOrder, learn_causal
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.force import TorqueEstimate
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import untuned
 from ur5lib.errors import InputError
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder, learn_causal
+from ur5lib.leaderboard.force import TorqueEstimate
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import untuned
 from ur5lib.timeseries.arrays import Array
 
 

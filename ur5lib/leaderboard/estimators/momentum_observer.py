@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import LinearObserver
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import tuned, untuned
 from ur5lib.force.observer import observe
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.momentum import LinearObserver
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import tuned, untuned
 from ur5lib.timeseries.arrays import Array
 
 GAINS = (10.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 40.0, 60.0)  # 1/s

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import LinearObserver
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import tuned
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.momentum import LinearObserver
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import tuned
 
 BANDWIDTHS = (20.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0, 80.0, 120.0)  # rad/s
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from benchmarks.harness.run import Estimate, Run
+from ur5lib.leaderboard.run import Estimate, Run
 
 Method = Callable[[Run], Estimate | None]
 """Returns the wrench of a run, None where the run lacks what the method needs."""

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness.run import Estimate, Run
 from ur5lib.force.contact_figures import TAILS, figures_by_contact, resampled_means
 from ur5lib.force.detection import CONTACT, contacts, in_contact
+from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import coverage, interval_score
 

@@ -1,6 +1,6 @@
 """This project's gated estimates, as the study holds them (docs/methods.md)."""
 
-from benchmarks.harness.estimator import Estimator, ready
+from ur5lib.leaderboard.estimator import Estimator, ready
 from ur5lib.pipeline.estimators import ESTIMATES, GATED
 
 OURS = ESTIMATES["Fmap"]

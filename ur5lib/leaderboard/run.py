@@ -57,8 +57,8 @@ class Run:
 
     def part(self, rows: slice) -> Self:
         """Return some samples, without sensor and ready estimates."""
-        names = ("segment", "states", "q", "qd", "model", "friction", "jacobian", "torque")
-        names = (*names, "smoothed", "momentum", "rate", "position_error")
+        names = ["segment", "states", "q", "qd", "model", "friction", "jacobian", "torque"]
+        names += ["smoothed", "momentum", "rate", "position_error"]
         sampled = {name: getattr(self, name) for name in names}
         taken = {name: own[rows] for name, own in sampled.items() if own is not None}
         return replace(self, **taken, gears=self.gears.at(rows), ready={}, sensor=None)

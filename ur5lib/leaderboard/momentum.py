@@ -16,7 +16,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from scipy.signal import lfilter
 
-from benchmarks.harness.run import Run
+from ur5lib.leaderboard.run import Run
 from ur5lib.timeseries.arrays import Array
 
 

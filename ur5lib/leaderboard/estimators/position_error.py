@@ -21,12 +21,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.estimators.least_squares import LowPassed
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import MOST, untuned
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import finite_rows
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.least_squares import LowPassed
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import MOST, untuned
 from ur5lib.timeseries.arrays import Array
 
 

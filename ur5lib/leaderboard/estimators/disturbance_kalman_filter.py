@@ -17,10 +17,10 @@ from itertools import product
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import LinearObserver, added_momentum
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import tuned, untuned
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.momentum import LinearObserver, added_momentum
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import tuned, untuned
 from ur5lib.timeseries import kalman
 from ur5lib.timeseries.arrays import Array
 

@@ -9,14 +9,15 @@ import sys
 from collections.abc import Collection, Sequence
 from copy import deepcopy
 from dataclasses import replace
-from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
-from benchmarks.harness.estimator import Estimator, Learned, Method
-from benchmarks.harness.run import Estimate, Run
-from benchmarks.harness.tuning import MOST, latency
+from ur5lib.errors import InputError, perhaps
+from ur5lib.leaderboard.estimator import Estimator, Learned, Method
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.leaderboard.tuning import MOST, latency
 from ur5lib.timeseries.arrays import Array
 
 PAGE = "docs/benchmark.md shows an example"
@@ -25,9 +26,10 @@ SAME = 0.01  # N, up to which two estimates of one sample are the same
 
 
 def outside(place: str, taken: Collection[str]) -> Estimator:
-    """Return the estimator at `package.module:Class`, or exit with a sentence on what it lacks.
+    """Return the estimator at `package.module:Class`, in the working folder or installed.
 
     place: names a class that is made without arguments, or an object; taken: names of the rivals.
+    Raises ProtocolError with what it lacks; so does its `learn`.
     """
     own = made(place)
     for field, kind in FIELDS.items():
@@ -43,9 +45,13 @@ def outside(place: str, taken: Collection[str]) -> Estimator:
     return Estimator(own.name, own.source, own.causal, lambda runs: learn(own, place, runs))
 
 
+class ProtocolError(InputError):
+    """An estimator breaks the protocol or the rule of the benchmark."""
+
+
 def refuse(place: str, fault: str) -> NoReturn:
-    """Exit with a sentence."""
-    sys.exit(f"{place} {fault}")
+    """Raise ProtocolError."""
+    raise ProtocolError(f"{place} {fault}")
 
 
 def made(place: str) -> Any:
@@ -53,14 +59,15 @@ def made(place: str) -> Any:
     module, _, name = place.partition(":")
     if not module or not name:
         refuse(place, f"is not of the form package.module:Class; {PAGE}")
+    if str(Path.cwd()) not in sys.path:
+        sys.path.append(str(Path.cwd()))
     try:
         found = importlib.import_module(module)
     except Exception as error:  # whatever the module does
         why = f"{type(error).__name__}: {error}".splitlines()[0]
-        refuse(place, f"cannot be imported ({why}); PYTHONPATH has to name its folder")
+        refuse(place, f"cannot be imported ({why}); it has to lie here, or to be installed")
     if not hasattr(found, name):
-        near = get_close_matches(name, dir(found), 1)
-        refuse(place, f"is not there{f'; did you mean `{near[0]}`?' if near else ''}")
+        refuse(place, f"is not there{perhaps(name, dir(found))}; correct the name")
     own = getattr(found, name)
     try:
         return own() if isinstance(own, type) else own
@@ -71,7 +78,7 @@ def made(place: str) -> Any:
 def learn(own: Any, place: str, runs: Sequence[Run]) -> Learned:
     """Return what it learns, and its latency as measured here, None if it is not causal.
 
-    Exits with a sentence if its estimates on the same runs break the protocol or the rule.
+    Raises ProtocolError if its estimates on the same runs break the protocol or the rule.
     """
     learned = own.learn([shown(run) for run in runs])
     if not isinstance(learned, Learned):
@@ -101,7 +108,7 @@ def shown(run: Run) -> Run:
 
 
 def check(found: Any, run: Run, place: str) -> None:
-    """Exit unless it is an estimate of the force at each sample whose inputs are known, or None."""
+    """Raise unless it is an estimate at each sample whose inputs are known, or None."""
     if found is None:
         return
     if not isinstance(found, Estimate):
@@ -125,7 +132,7 @@ def check(found: Any, run: Run, place: str) -> None:
 
 
 def check_causal(method: Method, run: Run, place: str) -> None:
-    """Exit if the first half of a run has another force where the second half is not known yet."""
+    """Raise if the first half of a run has another force where the second half is not known yet."""
     half = len(run.q) // 2
     alone, whole = method(run.part(slice(half))), method(run)
     assert alone is not None

@@ -28,12 +28,12 @@ import torch
 from torch import nn
 from torch.nn.functional import mse_loss
 
-from benchmarks.estimators.least_squares import TIME_CONSTANTS, LowPassed
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.learned_residual import Predict, Samples, cross_fitted
-from benchmarks.harness.run import Estimate, Run
-from benchmarks.harness.tuning import tuned
 from ur5lib.errors import InputError
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.least_squares import TIME_CONSTANTS, LowPassed
+from ur5lib.leaderboard.learned_residual import Predict, Samples, cross_fitted
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import starts
 

@@ -21,12 +21,12 @@ from itertools import product
 import numpy as np
 from scipy.signal import lfilter
 
-from benchmarks.estimators.momentum_observer import FirstOrder
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.force import learned_noise
-from benchmarks.harness.run import Estimate, Run
-from benchmarks.harness.tuning import least_false
 from ur5lib.force.residual_model import ResidualModel
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
+from ur5lib.leaderboard.force import learned_noise
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.leaderboard.tuning import least_false
 from ur5lib.timeseries.arrays import Array
 
 GAINS = (30.0, 40.0, 60.0, 100.0)  # of the filter [1/s]

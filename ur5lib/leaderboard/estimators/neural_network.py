@@ -12,7 +12,7 @@ network learns the whole torque; here, what friction and model leave of it.
 import torch
 from torch import nn
 
-from benchmarks.harness.learned_residual import Predict, Samples, on_top
+from ur5lib.leaderboard.learned_residual import Predict, Samples, on_top
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.1  # s between samples

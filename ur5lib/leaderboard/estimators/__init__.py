@@ -3,7 +3,7 @@
 import importlib
 import pkgutil
 
-from benchmarks.harness.estimator import Estimator
+from ur5lib.leaderboard.estimator import Estimator
 
 
 def all_estimators() -> list[Estimator]:

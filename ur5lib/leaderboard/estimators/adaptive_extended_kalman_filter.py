@@ -20,10 +20,10 @@ from itertools import product
 
 import numpy as np
 
-from benchmarks.estimators.adaptive_kalman_filter import sample_noise
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import tuned
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.adaptive_kalman_filter import sample_noise
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 
 WANDERINGS = (1.0, 3.0, 10.0)  # of d in a second, in units of the torque's noise

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.run import Estimate, Run
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.run import Estimate, Run
 
 
 def learn(_: Sequence[Run]) -> Learned:

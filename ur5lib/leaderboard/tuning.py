@@ -12,10 +12,10 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
-from benchmarks.harness.estimator import Learned, Method
-from benchmarks.harness.force import TorqueEstimate, force, learned_noise
-from benchmarks.harness.run import Run
 from ur5lib.errors import InputError
+from ur5lib.leaderboard.estimator import Learned, Method
+from ur5lib.leaderboard.force import TorqueEstimate, force, learned_noise
+from ur5lib.leaderboard.run import Run
 from ur5lib.timeseries.arrays import Array
 
 MOST = 0.05  # s, latency that a causal estimate may have

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from benchmarks.harness.estimator import Estimator, Learned, ready
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import tuned, untuned
+from ur5lib.leaderboard.estimator import Estimator, Learned, ready
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import tuned, untuned
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
 

@@ -1,14 +1,13 @@
 """The recordings of a built study as runs: to fit on, with a force sensor, and free of contact."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
-from benchmarks.harness.run import Estimate, Run
+from ur5lib.errors import InputError
 from ur5lib.force.force_input import Gears
 from ur5lib.force.observer import momentum_rate
 from ur5lib.identification.currents import (
@@ -18,6 +17,7 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.samples import path_of
+from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
@@ -28,8 +28,11 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
+from ur5lib.strict import read_yaml
 from ur5lib.tables import read_record
 from ur5lib.timeseries.trajectories import group_by_path
+
+JOINTS = 6  # of the arms that estimators are written for
 
 
 @dataclass(frozen=True)
@@ -48,13 +51,31 @@ class Arm:
 
 
 def read_arms(folder: Path) -> list[Arm]:
-    """Return the arms of a built study."""
-    plan = yaml.safe_load((folder / "configuration.yaml").read_text())
-    names = dict.fromkeys(entry["robot"] for entry in plan["recordings"])
-    return [read_arm(folder, plan, name) for name in names]
+    """Return the arms of a built study that estimators can learn from and be scored on.
+
+    Raises InputError where it is not built, or has no such arm.
+    """
+    file = folder / "configuration.yaml"
+    if not file.is_file():
+        raise InputError(f"{folder} is not built; run snakemake on its study, or name another")
+    entries = read_yaml(file)["recordings"]
+    arms = [read_arm(folder, entries, name) for name in dict.fromkeys(map(arm_of, entries))]
+    found = [arm for arm in arms if arm.fit and (arm.sensed or arm.free)]
+    if not found:
+        raise InputError(
+            f"{folder}: no arm of six joints has recordings with currents of the role `fit`, and "
+            "others of the role `validate`, or `contact` with a force sensor; add them"
+        )
+    return found
 
 
-def read_arm(folder: Path, plan: Mapping[str, Any], name: str) -> Arm:
+def arm_of(entry: Mapping[str, Any]) -> str:
+    """Return the name of the arm of a recording's entry."""
+    robot = entry["robot"]
+    return str(robot if isinstance(robot, str) else robot.get("name") or robot["arm"])
+
+
+def read_arm(folder: Path, entries: Sequence[Mapping[str, Any]], name: str) -> Arm:
     """Return the runs of an arm, the paths of all of them labelled together."""
     parameters = folder / "parameters" / name
     robot, friction = (
@@ -63,8 +84,9 @@ def read_arm(folder: Path, plan: Mapping[str, Any], name: str) -> Arm:
     )
     found = [
         (entry["role"], run)
-        for entry in plan["recordings"]
-        if entry["robot"] == name
+        for entry in entries
+        if arm_of(entry) == name
+        and len(robot.joints) == JOINTS
         and (run := read_run(folder / "recordings" / entry["name"], robot, friction)) is not None
     ]
     roles, runs = [role for role, _ in found], label_paths([run for _, run in found])

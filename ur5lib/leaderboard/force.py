@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from benchmarks.harness.run import Estimate, Run
 from ur5lib.force.contact_wrench import least_squares_wrench
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 

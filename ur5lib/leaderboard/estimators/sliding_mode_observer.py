@@ -17,10 +17,10 @@ from itertools import product
 
 import numpy as np
 
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import MomentumObserver
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import tuned
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.momentum import MomentumObserver
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 
 SWITCHING = (0.1, 0.3, 1.0, 3.0, 10.0)  # 1/s

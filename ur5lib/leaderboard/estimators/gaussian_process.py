@@ -12,7 +12,7 @@ C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT
 import torch
 from scipy.optimize import minimize
 
-from benchmarks.harness.learned_residual import Predict, Samples, on_top
+from ur5lib.leaderboard.learned_residual import Predict, Samples, on_top
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent

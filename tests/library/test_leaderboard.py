@@ -1,0 +1,51 @@
+"""`ur5 leaderboard` on what is no study that estimators can be compared on.
+
+tests/workflow/test_lab.py and tests/artefacts/test_demo.py compare them on a built one.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from tests.commands import Command
+from ur5lib.leaderboard.study import arm_of
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.robots.description import Robot, robot_yaml
+from ur5lib.tables import write_json
+
+
+@pytest.fixture
+def study(tmp_path: Path, ur5: Robot) -> Path:
+    """A study of an arm without any recording that tells a force."""
+    parameters = tmp_path / "mine" / "parameters" / "left"
+    parameters.mkdir(parents=True)
+    (parameters / "arm.yaml").write_text(robot_yaml(ur5))
+    write_json(Friction(), str(parameters / "friction.json"))
+    (tmp_path / "mine" / "configuration.yaml").write_text("recordings: []\n")
+    return tmp_path / "mine"
+
+
+def test_a_study_that_is_not_built_is_told(tmp_path: Path, run_ur5: Command) -> None:
+    answer = run_ur5("leaderboard", tmp_path)
+    assert answer.status == 1
+    assert (
+        answer.err == f"ur5: {tmp_path} is not built; run snakemake on its study, or name another\n"
+    )
+
+
+def test_a_study_without_contacts_is_told(study: Path, run_ur5: Command) -> None:
+    answer = run_ur5("leaderboard", study)
+    assert answer.status == 1
+    assert "has recordings with currents of the role `fit`, and others of" in answer.err
+
+
+def test_an_estimator_that_is_none_is_told(study: Path, run_ur5: Command) -> None:
+    answer = run_ur5("leaderboard", study, "--estimator", "math:pie")
+    assert answer.status == 1
+    assert answer.err == "ur5: math:pie is not there (did you mean `pi`?); correct the name\n"
+
+
+def test_an_arm_of_a_recording_may_be_a_mapping() -> None:
+    assert arm_of({"robot": "ur5"}) == "ur5"
+    assert arm_of({"robot": {"arm": "ur5"}}) == "ur5"
+    assert arm_of({"robot": {"arm": "ur5", "name": "left"}}) == "left"

@@ -1,0 +1,102 @@
+"""All estimators of the contact force on the same recordings, in one table.
+
+Every estimator of ur5lib/leaderboard/estimators learns its constants and its noise from the
+contact-free recordings of the role `fit`, predicted by fits without their own path. It is then
+scored against the force sensor, or, without one, by the force that it shows on recordings of the
+role `validate`.
+"""
+
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import torch
+
+from ur5lib.errors import InputError
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators import all_estimators
+from ur5lib.leaderboard.estimators.ours import OURS
+from ur5lib.leaderboard.outside import ProtocolError, outside
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.scores import Estimates, free_rows, sensed_rows
+from ur5lib.leaderboard.study import Arm, read_arms
+from ur5lib.leaderboard.tables import tables
+from ur5lib.tables import write_csv
+
+RESULTS = Path("results")
+TABLE = RESULTS / "leaderboard.csv"
+
+
+class Entry(NamedTuple):
+    """An estimator with what it learnt from one arm's recordings."""
+
+    estimator: Estimator
+    learned: Learned
+
+
+def leaderboard(folders: Iterable[Path], place: str | None = None) -> str:
+    """Return the tables of studies, in Markdown, and write them as one to TABLE.
+
+    folders: results/<study>; place: of a further estimator, as in `outside`. Raises InputError
+    where a study is not built, or that estimator breaks the protocol.
+    """
+    chosen = contenders(place)
+    table = scored([arm for folder in folders for arm in read_arms(folder)], chosen)
+    write_csv(table, TABLE)
+    return tables(table)
+
+
+def contenders(place: str | None = None) -> list[Estimator]:
+    """Return all estimators, first the one from outside, if any."""
+    known = all_estimators()
+    return [*([outside(place, [own.name for own in known])] if place else []), *known]
+
+
+def scored(arms: Sequence[Arm], chosen: Sequence[Estimator]) -> pd.DataFrame:
+    """Return the scores of estimators on the recordings of arms."""
+    torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
+    return pd.DataFrame([row for arm in arms for row in arm_rows(arm, chosen)])
+
+
+def arm_rows(arm: Arm, chosen: Sequence[Estimator]) -> Iterator[dict[str, Any]]:
+    """Yield the rows of an arm's recordings, each with what the estimator learnt."""
+    entries = {entry.estimator.name: entry for entry in learnt(arm, chosen)}
+    for run in arm.sensed:
+        for row in sensed_rows(run, estimates(entries, run), OURS):
+            yield described(arm, entries[row["estimator"]]) | row
+    for run in arm.free:
+        for row in free_rows(run, estimates(entries, run)):
+            yield described(arm, entries[row["estimator"]]) | row
+
+
+def learnt(arm: Arm, chosen: Sequence[Estimator]) -> Iterator[Entry]:
+    """Yield the estimators that this arm's recordings suffice for; print why another does not."""
+    for own in chosen:
+        print(f"{arm.study}, {arm.robot}: {own.name}", file=sys.stderr, flush=True)
+        try:
+            yield Entry(own, own.learn(arm.fit))
+        except ProtocolError:
+            raise
+        except InputError as error:
+            print(f"  left out: {error}", file=sys.stderr)
+
+
+def estimates(entries: dict[str, Entry], run: Run) -> Estimates:
+    """Return the estimates of a run by name, without those that it lacks the inputs of."""
+    found = {name: entry.learned.method(run) for name, entry in entries.items()}
+    return {name: own for name, own in found.items() if own is not None}
+
+
+def described(arm: Arm, entry: Entry) -> dict[str, Any]:
+    """Return the columns that say what a row is about."""
+    constants = entry.learned.constants.items()
+    return {
+        "study": arm.study,
+        "robot": arm.robot,
+        "source": entry.estimator.source,
+        "causal": "yes" if entry.estimator.causal else "no",
+        "latency_s": entry.learned.latency,
+        "constants": ", ".join(f"{k} {v:g}" for k, v in constants if isinstance(v, float)),
+    }
