@@ -27,7 +27,7 @@ class FinishedStudy:
     """
 
     def __init__(self, folder: str | Path) -> None:
-        """folder: results/<study>. Raises InputError where it holds no results."""
+        """Take a folder `results/<study>`. Raises InputError where it holds no results."""
         self.folder = Path(folder)
         if not any((self.folder / part).is_dir() for part in ("recordings", "tables")):
             raise InputError(
@@ -59,7 +59,7 @@ class FinishedStudy:
         return load_robot(self._existing("parameters", robot, "arm.yaml"))
 
     def parameters(self, kind: type[Parameters], robot: str, name: str) -> Parameters:
-        """Return what was fitted to an arm, e.g. `Friction` of parameters/<arm>/friction.json."""
+        """Return what was fitted to an arm, e.g. `Friction` of `parameters/<arm>/friction.json`."""
         return read_record(kind, self._existing("parameters", robot, f"{name}.json"))
 
     def quality(self, recording: str) -> Quality:
@@ -77,38 +77,51 @@ class FinishedStudy:
         )
 
     def table(self, name: str) -> pd.DataFrame:
-        """Return a table of results, as in tables/<name>.csv: one value a row, SI units."""
+        """Return a table of results, as in `tables/<name>.csv`: one value a row, SI units.
+
+        E.g. `torque_constants` and `friction` by arm and joint, `force_mae` by recording.
+        """
         return read_csv(self.folder / "tables" / f"{self._known(name, self.tables, 'table')}.csv")
 
     def signals(self, recording: str) -> pd.DataFrame:
-        """Return the signals of all devices on the robot's clock, with RTDE's names."""
+        """Return the signals of all devices on the robot's clock, `actual_q_0` ..., in SI units."""
         return self.frame(recording, "signals")
 
     def motion(self, recording: str) -> pd.DataFrame:
-        """Return smoothed joint positions, velocities, accelerations, and their `_std`."""
+        """Return the smoothed motion: `q_0` ..., `qd_0` ..., `qdd_0` ... [rad, rad/s, rad/s²].
+
+        `_std` in a name marks a standard deviation.
+        """
         return self.frame(recording, "motion")
 
     def torques(self, recording: str) -> pd.DataFrame:
-        """Return the torques of every link model, at the targets and at the measured motion."""
+        """Return the torques [Nm] of every link model at the targets, `tau_target_<model>_0` ...,
+        and at the measured motion, `tau_measured_<model>_0` ....
+        """
         return self.frame(recording, "torques")
 
     def currents(self, recording: str) -> pd.DataFrame:
-        """Return predicted currents with their 95 % band, and the external torque."""
+        """Return predicted currents with half of their 95 % band, `predicted_current_0` ...,
+        `current_band_0` ... [A], and the external torque, `tau_ext_0` ... [Nm].
+        """
         return self.frame(recording, "currents")
 
     def forces(self, recording: str) -> pd.DataFrame:
-        """Return the estimated contact wrenches and their `_std`.
+        """Return the estimated contact wrenches, `Fmap_Fx` ... `Fmap_nz` [N, Nm], and their `_std`.
 
-        The environment on the arm, base axes, at the origin of frame 6.
+        The environment on the arm, base axes, at the origin of frame 6. `log_odds_Fmap`: that there
+        is a contact. Other estimators have columns of their names.
         """
         return self.frame(recording, "forces")
 
     def sensor(self, recording: str) -> pd.DataFrame:
-        """Return the force sensor's wrench: as printed, corrected and compensated."""
+        """Return the force sensor's wrench [N, Nm] as read, less its mean at the start, and less
+        bias and tool weight: `printed_Fx` ..., `corrected_Fx` ..., `compensated_Fx` ....
+        """
         return self.frame(recording, "sensor")
 
     def frame(self, recording: str, name: str) -> pd.DataFrame:
-        """Return recordings/<recording>/<name>.parquet."""
+        """Return the table `recordings/<recording>/<name>.parquet`."""
         folder = self.folder / "recordings" / self._known(recording, self.recordings, "recording")
         names = [path.stem for path in folder.glob("*.parquet")]
         path = folder / f"{self._known(name, names, 'file')}.parquet"

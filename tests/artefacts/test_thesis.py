@@ -214,7 +214,7 @@ def test_table_5_7_follows_from_another_order_of_steps(printed: pd.DataFrame) ->
 
 @pytest.fixture(scope="module")
 def constants(study: FinishedStudy) -> pd.DataFrame:
-    return study.table("torque_constants")
+    return study.table("published_constants")
 
 
 def test_the_printed_offset_of_joint_2_is_regression_to_the_mean(

@@ -84,6 +84,11 @@ def statements() -> Iterator[str]:
     yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"
     yield f"prior width {percent(payload.JOINTS)})"
     yield (f"| {percent(payload.GEARS)}, {percent(payload.JOINTS)}, {percent(payload.LEFT)} |")
+    # residuals
+    five, three, one = (f"{residual_model.few_paths(paths):.2g}" for paths in (5, 3, 1))
+    yield f"the number of paths: {five} for five, {three} for three."
+    yield f"multiply its bands by {one},"
+    yield f"**One or two paths** count as {COUNTED[samples.LEAST_PATHS]};"
     # contacts
     yield (
         f"| {PRIOR.force:g} N, {100 * PRIOR.lever:g} cm; {listed(PRIOR.sizes)} N; "

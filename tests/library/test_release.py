@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 
 import yaml
 
@@ -18,6 +19,12 @@ def test_the_version_is_that_of_the_newest_changes() -> None:
     assert newest
     assert newest[1] == ur5lib.__version__
     assert "version" not in CITATION
+
+
+def test_the_package_names_authors_and_keywords_of_the_citation() -> None:
+    project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
+    for key in ("authors", "keywords", "license"):
+        assert project[key] == CITATION[key]
 
 
 def test_archive_and_paper_name_title_authors_and_licence_of_the_citation() -> None:

@@ -95,7 +95,7 @@ def test_an_arm_without_printed_friction_has_no_such_constants(
 ) -> None:
     other = ur5.model_copy(update={"friction": None})
     assert published_constants(current_torque(other, *recorded)).lines == {}
-    assert table("torque_constants", constants={"a": {}}).empty
+    assert table("published_constants", constants={"a": {}}).empty
     assert all(drawn.data.empty for drawn in printed_friction(None, ur5.current_to_torque))
 
 
@@ -106,3 +106,18 @@ def test_the_reference_prints_the_constants_of_the_arm(ur5: Robot) -> None:
     assert ur5.current_to_torque
     assert printed.values["k"] == ur5.current_to_torque.torque_constant
     assert printed.values["b"] == ur5.current_to_torque.offset
+
+
+def test_fitted_constants_have_a_table_of_their_own(ur5: Robot) -> None:
+    """Those of the table of friction, a row for each joint."""
+    rows = [("torque_constant", 10.7), ("coulomb", 6.0)]
+    given = {"std_error": 0.1, "interval": [10.5, 10.9]}
+    fitted = {"parameters": [given | {"joint": 2, "name": name, "value": v} for name, v in rows]}
+    own, all_rows = (
+        table(name, friction={"ur5": fitted}, arm={"ur5": ur5})
+        for name in ("torque_constants", "friction")
+    )
+    assert own[["robot", "joint", "torque_constant"]].to_numpy().tolist() == [["ur5", 2, 10.7]]
+    among = all_rows[all_rows["parameter"] == "torque_constant"]
+    columns = ["std_error", "low", "high"]
+    assert own[columns].to_numpy().tolist() == among[columns].to_numpy().tolist()

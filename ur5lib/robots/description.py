@@ -314,7 +314,7 @@ class Robot(Strict):
         return [motor.acceleration_max or USUAL_ACCELERATION for motor in motors]
 
     def with_rotors(self) -> Self:
-        """Return the arm with the model "<chosen>+rotors", if its joints' rotors are known."""
+        """Return the arm with the model `<chosen>+rotors`, if its joints' rotors are known."""
         name = f"{self.chosen_model}+rotors"
         rotors = [self.motor(joint).reflected_rotor() for joint in self.joint_numbers]
         if name in self.models or None in rotors:

@@ -20,19 +20,30 @@ def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
     """Yield torque constants, offsets and friction, beside the thesis's; of a torque constant, also
     the prior one, and the fitted one where that contradicts it.
     """
+    yield from _parameters(friction, arm)
+
+
+def torque_constants(friction: Friction, arm: Robot) -> Iterator[Row]:
+    """Yield the torque constants of these alone, a row for each joint."""
+    for row in _parameters(friction, arm):
+        if row["parameter"] == "torque_constant":
+            yield row | {"torque_constant": row["value"]}
+
+
+def _parameters(fitted: Friction, arm: Robot) -> Iterator[Row]:
     published: dict[str, Sequence[float]] = {}
     if arm.current_to_torque is not None:
         published["torque_constant"] = arm.current_to_torque.torque_constant
         published["offset"] = arm.current_to_torque.offset
     if arm.friction is not None:
         published |= {"coulomb": arm.friction.coulomb, "viscous": arm.friction.viscous}
-    for row in friction.parameters:
-        (low, high), joint, known = row.interval, row.joint - 1, friction.known_constants
+    for row in fitted.parameters:
+        (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
         thesis = published[row.name][joint] if row.name in published else None
         found = asdict(row) | {"parameter": row.name, "thesis": thesis, "low": low, "high": high}
         if row.name == "torque_constant" and known is not None:
             found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
-            found |= {"contradicted": friction.fit.joints[joint].contradicted}
+            found |= {"contradicted": fitted.fit.joints[joint].contradicted}
         yield found
 
 
@@ -76,7 +87,7 @@ def payload(currents: Prediction) -> Iterator[Row]:
         yield row
 
 
-def torque_constants(constants: PublishedConstants, published: Published) -> Iterator[Row]:
+def published_constants(constants: PublishedConstants, published: Published) -> Iterator[Row]:
     """Yield torque constants and offsets of moving joints by the thesis's regression and by its
     reverse, and the printed ones; none without published constants.
     """

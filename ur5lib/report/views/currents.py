@@ -128,7 +128,7 @@ def loaded(results: Results) -> pd.DataFrame:
 
 def rebuilt(results: Results, recording: str) -> pd.DataFrame:
     """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
-    rows = _by_sign(results.rows("torque_constants", recording=recording, regression=AS_PRINTED))
+    rows = _by_sign(results.rows("published_constants", recording=recording, regression=AS_PRINTED))
     fitted = _fitted(results, recording)[["value", "std_error"]].add_prefix("fitted_")
     return rows.join(fitted, on=["joint", "parameter"])
 
@@ -156,7 +156,7 @@ def _fitted(results: Results, recording: str) -> pd.DataFrame:
 
 def doubted_joint(results: Results, recording: str) -> int:
     """Return the joint whose printed offset is furthest from this study's fit."""
-    rows = results.rows("torque_constants", recording=recording, regression=AS_PRINTED)
+    rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
     here = _fitted(results, recording).xs("offset", level="parameter")["value"]
     away = (rows.set_index("joint")["printed_offset"] - here).abs()
     return int(away.idxmax())
@@ -166,7 +166,7 @@ def on_every_run(results: Results, recording: str) -> pd.DataFrame:
     """Return b and k of the doubted joint by both regressions on every recording in which it
     moves, in the order of its mean torque.
     """
-    rows = results.rows("torque_constants", joint=doubted_joint(results, recording))
+    rows = results.rows("published_constants", joint=doubted_joint(results, recording))
     return _by_sign(rows).sort_values(
         ["mean_torque", "recording", "sign", "regression"], ascending=[True, True, True, False]
     )
@@ -174,7 +174,7 @@ def on_every_run(results: Results, recording: str) -> pd.DataFrame:
 
 def follows_the_mean(results: Results, recording: str) -> Iterator[Sentence]:
     """Report that offsets follow the mean torque from run to run, beside the printed offset."""
-    rows = results.rows("torque_constants", regression=AS_PRINTED)
+    rows = results.rows("published_constants", regression=AS_PRINTED)
     joint = doubted_joint(results, recording)
     doubted = rows[rows["joint"] == joint]
     fitted = _fitted(results, recording).loc[(joint, "offset")]
@@ -188,7 +188,7 @@ def follows_the_mean(results: Results, recording: str) -> Iterator[Sentence]:
 
 def linear(results: Results, recording: str) -> Iterator[Sentence]:
     """Report how current and torque are correlated, without and with the printed friction."""
-    rows = results.rows("torque_constants", recording=recording, regression=AS_PRINTED)
+    rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
     without, friction = rows["correlation_without_friction"], rows["correlation"]
     yield say("constants.linear", recording=recording, without=without, friction=friction)
 
