@@ -37,8 +37,8 @@ class FinishedStudy:
 
     @property
     def recordings(self) -> list[str]:
-        """Return the names of the recordings."""
-        return sorted(path.name for path in (self.folder / "recordings").iterdir())
+        """Return the names of the recordings, without those of postures at rest."""
+        return sorted(path.name for path in (self.folder / "recordings").glob("*"))
 
     @property
     def tables(self) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -18,6 +19,8 @@ from ur5lib.report.compose import compose
 from ur5lib.report.document import contents
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_csv
 
@@ -59,6 +62,19 @@ recordings:
         - {kind: push, start_s: 11, seconds: 2, force: [60, 0, 30]}
 settings:
   friction: {population: none}
+"""
+AT_REST = """\
+study: postures
+title: Postures at rest
+robot: ur16e
+recordings:
+  - name: postures
+    format: table-csv
+    folder: raw
+    file: log.csv
+    columns: [actual_q, actual_current]
+    still: true
+    role: fit
 """
 MANY = 200
 
@@ -120,6 +136,32 @@ def test_contacts_beside_a_sensor_are_shown_without_a_fit(tmp_path: Path) -> Non
     figure = folder / "figures" / "pressed" / "forces_estimated.csv"
     drawn = {*read_csv(figure)}
     assert {"force sensor, Fy [N]", "uncalibrated static estimate, Fy [N]"} <= drawn
+
+
+def test_postures_without_time_are_a_report_on_constants(tmp_path: Path) -> None:
+    """No friction and no force is stated; what comes in beside them is computed as ever."""
+    workflow = Workflow(copy_project(tmp_path / "project"))
+    arm = load_robot(robot_path("ur16e"))
+    random = np.random.default_rng(4)
+    q = random.uniform(-2.5, 2.5, (200, 6))
+    torque = gravity_torque(arm, arm.chosen_model, q) + random.uniform(-6, 6, q.shape)
+    constants = np.array(arm.maker_torque_constants())
+    log = workflow.folder / "raw" / "log.csv"
+    np.savetxt(log, np.column_stack([q, torque / constants]), delimiter=",", fmt="%.6f")
+    (workflow.folder / "config.yaml").write_text(AT_REST)
+    workflow.build()
+    folder, text = checked(workflow)
+    rows = read_csv(folder / "tables" / "friction.csv").query("parameter == 'torque_constant'")
+    own = rows.set_index("joint")
+    assert [*own.index[own["determined"] == "yes"]] == [2, 3, 4]
+    assert (np.abs(own["value"] - constants) < 4 * own["std_error"]).all()
+    assert '<td class="left">did not move</td>' in text
+    assert "determine the torque constants of joints 2 to 4" in text
+    for table in ("force_mae", "current_rmse", "contacts"):
+        assert read_csv(folder / "tables" / f"{table}.csv").empty
+    (recording,) = read_csv(folder / "tables" / "recordings.csv").itertuples()
+    assert (recording.recording, recording.frames) == ("postures", 200)
+    assert workflow.plan() == {}
 
 
 def results_of(workflow: Workflow) -> Results:

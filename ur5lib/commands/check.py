@@ -15,6 +15,7 @@ from rich.table import Table
 from ur5lib.errors import InputError
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.clocks import own_clocks
+from ur5lib.pipeline.postures import checked_postures
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.checks import too_short, touched
 from ur5lib.recordings.intake import Intake, read_and_repair
@@ -126,6 +127,8 @@ def is_there(recording: Recording) -> bool:
 def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str, OwnClock]]:
     """Return a recording's quality and own clocks; of an unusable one, only the error."""
     arm = recording.arm.description().mounted(recording.known_gravity())
+    if recording.at_rest:
+        return look_through_postures(recording, arm), {}
     try:
         intake = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
     except InputError as error:
@@ -143,6 +146,18 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
         doubts += touched(sensor, load.mass)
     findings = [*stops, *intake.quality.findings, *doubts]
     return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
+
+
+def look_through_postures(recording: Recording, arm: Robot) -> Quality:
+    """Return the quality of a recording of postures at rest; arm: under its gravity."""
+    tool = recording.known_tool()
+    load, tcp = recording.known_payload(), tool.tcp if tool else None
+    try:
+        postures, quality = checked_postures(recording, arm, load, tcp)
+    except InputError as error:
+        return unusable(error)
+    found = postures.contradictions
+    return replace(quality, findings=[*found.stop_signs, *quality.findings, *found.findings])
 
 
 def unfiltered(study: Study, period: float) -> list[Finding]:

@@ -5,7 +5,7 @@ in 1/k, b/k and the friction coefficients over k, which are fitted to samples in
 friction can be any torque up to breakaway: a fitted share of the friction before the stop remains.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,12 +79,27 @@ def fit_currents(
     smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
     A joint whose current does not follow its torque keeps the known torque constant.
     """
-    fit = _fit_with(records, smooth, prior, family, seed)
+    return _with_known_where_lost(
+        prior, lambda known: _fit_with(records, smooth, known, family, seed)
+    )
+
+
+def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
+    """Fit the torque constants to the prior's postures at rest; friction remains as expected."""
+    return _with_known_where_lost(prior, lambda known: expected_fit(known, seed))
+
+
+def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) -> CurrentFit:
+    """Return a fit in which joints whose current does not follow their torque keep the prior's k.
+
+    fitted: returns the fit under a prior.
+    """
+    fit = fitted(prior)
     lost = np.flatnonzero(too_large(fit, prior)).tolist()
     if not lost:
         return fit
     alone, known = torque_constants(fit), 1 / prior.inverse_constant.mean
-    fit = _fit_with(records, smooth, replace(prior, pinned=tuple(lost)), family, seed)
+    fit = fitted(replace(prior, pinned=tuple(lost)))
     joints = list(fit.joints)
     for joint in lost:
         found = {"alone": float(alone[joint]), "known": float(known[joint])}
@@ -94,32 +109,44 @@ def fit_currents(
 
 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
-    """Return what a prior with a population expects of each joint, without any recording."""
-    terms = [BASE] * len(prior.torque_max)
-    whole = prior.over(terms)
+    """Return what a prior with a population expects of each joint, without any motion."""
+    if prior.at_rest is None:
+        return CurrentFit(tuple(map(_without_motion, *_of_prior(prior, seed))), 0)
+    estimates, units = estimate_together((), [BASE] * len(prior.torque_max), prior, seed)
+    doubts = [np.cov(estimate.replicates.T) for estimate in estimates]
+    return CurrentFit(tuple(map(_without_motion, estimates, doubts)), units)
+
+
+def _of_prior(prior: Prior, seed: int) -> tuple[list[Estimate], list[Array]]:
+    """Return a prior as an estimate of each joint, and its covariance (P, P)."""
+    whole = prior.over([BASE] * len(prior.torque_max))
     covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
     drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, DRAWS)
-    size, joints = len(whole.mean) // len(terms), []
+    size = len(whole.mean) // len(prior.torque_max)
     shares = np.stack([np.ones(size), *np.zeros((3, size))])  # all is from the prior
-    for start in range(0, len(whole.mean), size):
-        own = slice(start, start + size)
-        mean, replicates = whole.mean[own], drawn[:, own]
-        coulomb = float(mean[2])
-        joints.append(
-            JointFit(
-                terms=BASE,
-                estimate=Estimate(mean, shares, replicates, spread(physical(replicates))),
-                presliding=PRESLIDING[0],
-                reversal_errors=(),
-                held=HELD * coulomb,
-                band_moving=band_of_recordings(*NONE, MOVING, coulomb),
-                band_rest=band_of_recordings(*NONE, RESTING, coulomb),
-                unseen=np.zeros(size),
-                remarks=(),
-                doubt=covariance[own, own],
-            )
-        )
-    return CurrentFit(tuple(joints), 0)
+    parts = [slice(start, start + size) for start in range(0, len(whole.mean), size)]
+    estimates = [
+        Estimate(whole.mean[own], shares, drawn[:, own], spread(physical(drawn[:, own])))
+        for own in parts
+    ]
+    return estimates, [covariance[own, own] for own in parts]
+
+
+def _without_motion(estimate: Estimate, doubt: Array) -> JointFit:
+    """Return the fit of a joint whose friction is as expected; doubt: (P, P), covariance."""
+    coulomb = float(estimate.coefficients[2])
+    return JointFit(
+        terms=BASE,
+        estimate=estimate,
+        presliding=PRESLIDING[0],
+        reversal_errors=(),
+        held=HELD * coulomb,
+        band_moving=band_of_recordings(*NONE, MOVING, coulomb),
+        band_rest=band_of_recordings(*NONE, RESTING, coulomb),
+        unseen=np.zeros(len(estimate.coefficients)),
+        remarks=(),
+        doubt=doubt,
+    )
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:

@@ -12,16 +12,20 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import (
     DRAWS,
     Normal,
+    Regression,
     block_sums,
     draw_blocks,
     draw_units,
     posterior_mean,
+    regress,
     standard_error,
 )
 from ur5lib.identification.samples import Samples
 from ur5lib.identification.selection import regress_samples
 from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array, Labels
+
+VAGUE = 1e-6  # of a precision, which leaves a value to the data
 
 
 @dataclass(frozen=True)
@@ -49,21 +53,15 @@ def estimate_together(
 ) -> tuple[list[Estimate], int]:
     """Estimate all joints; return the estimates and the number of units of the bootstrap.
 
-    Units are paths, or stretches if paths are few.
+    Units are paths, or stretches if paths are few; without motion, stretches of postures.
     """
-    # normal equations of each block: one Newton step from Huber's estimate
-    count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
-    pairs = enumerate(zip(samples, terms, strict=True))
-    sums = [_normal_equations(*own, prior.of_joint(joint), count) for joint, own in pairs]
+    parts = [part for part in (_in_motion(samples, terms, prior), _at_rest(terms, prior)) if part]
+    sums = [np.concatenate(joint) for joint in zip(*(part.sums for part in parts), strict=True)]
+    record, day = (_labels([getattr(part, name) for part in parts]) for name in ("record", "day"))
     whole, generator = prior.over(terms), np.random.default_rng(seed)
-    unit = np.full(count, -1)  # of each block, -1 for one without samples
-    record, day = np.zeros((2, count), dtype=np.int64)  # likewise, zero for one without samples
-    for joint in samples:
-        unit[joint.block] = joint.unit
-        record[joint.block], day[joint.block] = joint.record, joint.day
-    units = len(np.unique(unit[unit >= 0]))
+    units = next((part.units() for part in parts if part.units()), 0)
     # the estimate from all blocks, and where it comes from
-    solution, precision = _solve(sums, np.ones((1, count)), whole)
+    solution, precision = _solve(sums, np.ones((1, len(record))), whole)
     prior_share = np.diag(np.linalg.solve(precision, whole.precision))
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     # replicates: the prior's mean is drawn, too
@@ -71,8 +69,10 @@ def estimate_together(
     root = np.linalg.cholesky(np.linalg.inv(known.precision))
     means = known.mean + generator.standard_normal((DRAWS, len(known.mean))) @ root.T  # (B, P)
     drawn_prior = Normal(means, whole.precision)
-    by_unit, _ = _solve(sums, draw_units(unit, generator), drawn_prior)  # (B, P)
-    by_block, _ = _solve(sums, draw_blocks(unit, generator), drawn_prior)  # (B, P)
+    by_unit, by_block = (  # (B, P) each
+        _solve(sums, np.hstack([draw(part.unit, generator) for part in parts]), drawn_prior)[0]
+        for draw in (draw_units, draw_blocks)
+    )
     # each joint's part, with standard errors in physical units
     estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
     for own, equations in zip(map(slice, [0, *ends[:-1]], ends), sums, strict=True):
@@ -126,19 +126,89 @@ def physical(coefficients: Array) -> Array:
     )
 
 
+@dataclass(frozen=True)
+class Evidence:
+    """What samples tell of the joints' coefficients, block by block.
+
+    sums: `block_sums` of each joint; unit: of each block, -1 for one without samples; record, day:
+    its labels, zero for one without samples.
+    """
+
+    sums: list[Array]
+    unit: Labels
+    record: Labels
+    day: Labels
+
+    def units(self) -> int:
+        """Return the number of units."""
+        return len(np.unique(self.unit[self.unit >= 0]))
+
+
+def _in_motion(
+    samples: Sequence[Samples], terms: Sequence[tuple[Term, ...]], prior: Prior
+) -> Evidence | None:
+    """Return what samples in motion tell; None without any joint's."""
+    if not samples:
+        return None
+    count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
+    pairs = enumerate(zip(samples, terms, strict=True))
+    sums = [_normal_equations(*own, prior.of_joint(joint), count) for joint, own in pairs]
+    unit = np.full(count, -1)
+    record, day = np.zeros((2, count), dtype=np.int64)
+    for own in samples:
+        unit[own.block] = own.unit
+        record[own.block], day[own.block] = own.record, own.day
+    return Evidence(sums, unit, record, day)
+
+
+def _at_rest(terms: Sequence[tuple[Term, ...]], prior: Prior) -> Evidence | None:
+    """Return what postures at rest tell of torque constants, each a block; None without any.
+
+    A recording of them counts as a day of its own.
+    """
+    postures = prior.at_rest
+    if postures is None:
+        return None
+    block, sums = np.arange(len(postures.record)), []
+    for joint, own in enumerate(terms):
+        alone, design = prior.of_joint(joint), postures.torque[:, joint, None]
+        current, noise = postures.current[:, joint], alone.noise_at_rest()
+        # regardless of the prior, or what contradicts it would count as noise
+        vague = Normal(alone.inverse_constant.mean, VAGUE * alone.inverse_constant.precision)
+        fit = regress(design, current, block, vague, float(noise[0]))
+        of_constant = _newton_step(fit, design, current, block, len(block))
+        size = 2 + sum(len(term.names()) for term in own)
+        whole = np.zeros((len(block), size, size + 1))
+        whole[:, 0, [0, -1]] = of_constant[:, 0]
+        sums.append(whole)
+    return Evidence(sums, postures.stretches(), postures.record, postures.record)
+
+
+def _labels(parts: Sequence[Labels]) -> Labels:
+    """Return the labels of all parts, none of which is that of another part."""
+    firsts = np.cumsum([0, *(own.max() + 1 for own in parts[:-1])])
+    return np.concatenate([first + own for first, own in zip(firsts, parts, strict=True)])
+
+
 def _normal_equations(samples: Samples, terms: Sequence[Term], prior: Prior, count: int) -> Array:
+    """Return `block_sums` of the samples of a joint in motion."""
+    fit, moving = regress_samples(samples, terms, prior), samples.where(samples.moving)
+    return _newton_step(fit, moving.design(terms), moving.current, moving.block, count)
+
+
+def _newton_step(
+    fit: Regression, design: Array, current: Array, block: Labels, count: int
+) -> Array:
     """Return `block_sums` of one Newton step from Huber's estimate.
 
     Samples beyond Huber's limit have a constant gradient and no curvature. Both are divided by the
     noise of the estimate.
     """
-    fit, moving = regress_samples(samples, terms, prior), samples.where(samples.moving)
-    design = moving.design(terms)
     inlier = (fit.weight == 1.0).astype(float)
     predicted = design @ fit.coefficients
-    pull = inlier * predicted + fit.weight * (moving.current - predicted)
+    pull = inlier * predicted + fit.weight * (current - predicted)
     scale = inlier.mean() / fit.noise if len(inlier) else 1.0
-    return block_sums(design, scale * inlier, scale * pull, moving.block, count)
+    return block_sums(design, scale * inlier, scale * pull, block, count)
 
 
 def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ur5lib.errors import RefusalError
+from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.population import Typical
 from ur5lib.identification.regression import Normal
 from ur5lib.robots.friction import Term
@@ -15,6 +16,8 @@ from ur5lib.timeseries.arrays import Array
 # current: the middle of 0.001 to 0.02 in single recordings of a UR5 and a UR10e. With 0.01, a
 # constant that is known 2.5 times too small was no longer contradicted by 24 s of motion.
 NOISE = 0.005
+# The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
+FRICTION_AT_REST = 0.05 / np.sqrt(3)
 PINNED = 1e-3  # of its standard deviation: what is left of it where a constant is pinned
 
 
@@ -23,13 +26,15 @@ class Prior:
     """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm].
 
     pinned: joints from 0 whose 1/k keeps the prior's mean, regardless of the data; typical:
-    friction and offset by the population of measured arms, none where each arm is judged alone.
+    friction and offset by the population of measured arms, none where each arm is judged alone;
+    at_rest: postures of the arm, whose gravity tells 1/k beside its motions.
     """
 
     inverse_constant: Normal
     torque_max: Array
     pinned: tuple[int, ...] = ()
     typical: Mapping[str, Typical] = field(default_factory=dict)
+    at_rest: AtRest | None = None
 
     def std(self) -> Array:
         """Return the standard deviation (n,) of each joint's 1/k [A/Nm]."""
@@ -40,6 +45,11 @@ class Prior:
     def noise(self) -> Array:
         """Return the usual variance (n,) [A²] of an independent sample of the current."""
         variance: Array = (NOISE * self.torque_max * self.inverse_constant.mean) ** 2
+        return variance
+
+    def noise_at_rest(self) -> Array:
+        """Return the usual variance (n,) [A²] of the current that holds a posture."""
+        variance: Array = (FRICTION_AT_REST * self.torque_max * self.inverse_constant.mean) ** 2
         return variance
 
     def of_joint(self, joint: int) -> "Prior":

@@ -140,6 +140,8 @@ def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
 
 def _draw(count: int, generator: np.random.Generator) -> Array:
     """Return how often each of `count` items occurs in DRAWS draws with replacement."""
+    if not count:
+        return np.zeros((DRAWS, 0))
     return generator.multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(float)
 
 

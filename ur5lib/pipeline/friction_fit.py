@@ -7,8 +7,8 @@ import numpy as np
 
 from ur5lib.errors import RefusalError, remark
 from ur5lib.identification.current_regression import (
-    expected_fit,
     fit_currents,
+    fit_postures,
     fit_without_each_path,
     too_small,
 )
@@ -39,8 +39,9 @@ def fitted_friction(
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
     terms: of friction, from which the fit chooses; model: of the records' torques. Without records,
-    the fit is what the population expects. Raises ContradictionError when the torque constants are
-    not those of the arm, RefusalError when there are neither records nor a population.
+    the fit is what the population expects, with torque constants by postures at rest if the prior
+    has any. Raises ContradictionError when the torque constants are not those of the arm,
+    RefusalError when there are neither records, nor postures, nor a population.
     """
     if not records:
         return _expected_friction(prior, model)
@@ -65,12 +66,19 @@ def fitted_friction(
 
 
 def _expected_friction(prior: Prior, model: str) -> Friction:
-    """Return what is known without any recording."""
-    if not prior.typical:
+    """Return what is known without motion: without a population, torque constants alone."""
+    if not prior.typical and prior.at_rest is None:
         raise RefusalError("no fit recording")
-    fit = expected_fit(prior)
+    fit = fit_postures(prior)
+    require_known_constants(fit, prior)
+    found, known = parameters(fit), known_constants(prior)
+    if prior.typical:
+        return Friction(fit=fit, parameters=found, known_constants=known, model=model)
     return Friction(
-        fit=fit, parameters=parameters(fit), known_constants=known_constants(prior), model=model
+        parameters=[row for row in found if row.name == "torque_constant"],
+        known_constants=known,
+        model=model,
+        refused=remark("no fit in motion"),
     )
 
 

@@ -28,7 +28,8 @@ class BlockMeans:
 
     q, qd, qdd: (M, 6) [rad, rad/s, rad/s²]; torque: `target_moment` (M, 6) [Nm], None if it was not
     recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded;
-    offset: whether each may have an offset, so that only their changes are evidence.
+    offset: whether each may have an offset, so that only their changes are evidence; independent:
+    errors per block that count as independent.
     """
 
     q: Array
@@ -37,6 +38,7 @@ class BlockMeans:
     torque: Array | None
     currents: dict[str, Array]
     offset: bool = False
+    independent: float = BLOCK / INDEPENDENT
 
     def part(self, rows: Labels | slice = WHOLE, columns: Sequence[int] | slice = WHOLE) -> Self:
         """Return the means of some blocks, and of the joints in an order of their columns.
@@ -57,7 +59,7 @@ class BlockMeans:
 
     def log_likelihood(self, variance: Array) -> Array:
         """Return the log-likelihoods of errors of these mean squares, as far as independent."""
-        return -len(self.q) * BLOCK / INDEPENDENT / 2 * np.log(variance)
+        return -len(self.q) * self.independent / 2 * np.log(variance)
 
     def friction(self, joint: int) -> Array:
         """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""

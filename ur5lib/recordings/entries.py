@@ -108,17 +108,24 @@ class Clocked(InUnits):
         """Return the time between two rows [s], None where each row has its own time."""
         return None if self.rate is None else 1 / self.rate
 
+    def instead_of_time(self) -> str:
+        """Return the key that takes the place of `time`; empty where each row has its own."""
+        return "" if self.rate is None else "rate"
+
     def names(self) -> Collection[str]:
         """Return the names of the columns or channels, none where the format gives them."""
         return ()
 
     @model_validator(mode="after")
     def _has_one_clock(self) -> Self:
-        stamped = "time" in self.names()
-        if self.rate is not None and (stamped or self.time != "relative_s"):
-            raise of_entry("has both `time` and `rate`; remove one")
-        if self.names() and not stamped and self.rate is None:
-            raise of_entry("names no `time`; name it, or state the `rate` of the rows [Hz]")
+        stamped, instead = "time" in self.names(), self.instead_of_time()
+        if instead and (stamped or self.time != "relative_s"):
+            raise of_entry(f"has both `time` and `{instead}`; remove one")
+        if self.names() and not stamped and not instead:
+            raise of_entry(
+                "names no `time`; name it, or state the `rate` of the rows [Hz], or `still: true` "
+                "if they are postures at rest"
+            )
         return self
 
     def known_units(self) -> dict[str, str | list[float]]:
@@ -264,6 +271,11 @@ class Files(Strict):
         """Return the robot's file, or the folder where the format has several."""
         return Path(self.folder, getattr(self, "file", ""))
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether its rows are postures at rest, without time."""
+        return getattr(self, "still", False)
+
     def sensors(self) -> dict[Device, Any]:
         """Return the entries of the sensors."""
         parts = {device: getattr(self, key, None) for key, device in SENSORS.items()}
@@ -307,13 +319,43 @@ class RtdeFiles(InUnits, RecordedFiles):
     format: Literal["rtde-csv"] = Field(description="format of the files")
 
 
-class TableFiles(DeviceTable, WithSensors):
+class RobotRows(Clocked):
+    """Rows of a robot, which may be postures at rest."""
+
+    still: bool = Field(
+        False,
+        description="postures at rest, without `time`: their currents tell torque constants by "
+        "gravity; no friction and no force",
+    )
+
+    @property
+    def cycle(self) -> float | None:
+        """Return the time between two rows [s]; postures are counted."""
+        return 1.0 if self.still else super().cycle
+
+    def instead_of_time(self) -> str:
+        """Return the key that takes the place of `time`; empty where each row has its own."""
+        return "still" if self.still else super().instead_of_time()
+
+    @model_validator(mode="after")
+    def _rests_without_time(self) -> Self:
+        if self.still:
+            needing = ("rate", "from_s", "to_s", "force_sensor", "imu")
+            timed = [key for key in needing if getattr(self, key, None) is not None]
+            if timed:
+                raise of_entry(f"is `still`, without time, but has `{timed[0]}`; remove one")
+            if getattr(self, "role", "") == "contact":
+                raise of_entry("is `still`, but has the role contact; give it the role fit")
+        return self
+
+
+class TableFiles(RobotRows, DeviceTable, WithSensors):
     """A delimited table with declared columns."""
 
     format: Literal["table-csv"] = Field(description="format of the files")
 
 
-class ArrayFiles(StoredTable, Files):
+class ArrayFiles(RobotRows, StoredTable, Files):
     """Arrays of the robot, and of sensors in the same file."""
 
     joints: Annotated[list[int], AfterValidator(_each_once)] | None = Field(

@@ -14,7 +14,7 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.quality import Device, Finding, Quality, add_finding
-from ur5lib.recordings.recording import DeviceRecord
+from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
@@ -51,9 +51,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     Raises InputError when it cannot be used.
     """
     raw = read_recording(recording)
-    _expect_joints(raw.robot, arm)
-    frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
-    frames = with_currents(frames, arm, findings)
+    frames, findings = known_frames(raw, arm)
     if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
         findings.append(Finding("robot", "no velocities", "note", len(frames)))
     findings += raw.findings
@@ -62,7 +60,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
     del raw  # whose channels are freed while they are repaired
-    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, _unbounded(arm))
+    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, unbounded(arm))
     findings += repairs + remarks
     robot = with_wrist_sensor(robot, arm, "force" in placed, findings)
     sensed = placed["force"][0].table if "force" in placed else robot
@@ -92,6 +90,16 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
 
 
+def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Finding]]:
+    """Return the robot's rows with the channels that are known, currents among them, and findings.
+
+    Raises InputError where they have not the positions of the arm's joints.
+    """
+    _expect_joints(raw.robot, arm)
+    frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
+    return with_currents(frames, arm, findings), findings
+
+
 def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
     """Raise InputError where a recording has not the positions of an arm's joints."""
     positions = [name for name in robot.table if name.startswith("actual_q_")]
@@ -108,7 +116,7 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
         )
 
 
-def _unbounded(arm: Robot) -> list[str]:
+def unbounded(arm: Robot) -> list[str]:
     """Return the position channels of the joints that turn without limit, and the currents where
     torques take their place, which have a bound of their own.
     """

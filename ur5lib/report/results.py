@@ -25,6 +25,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
 
+AT_REST = "at rest"
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 OPTIONAL = {  # tables that only studies of simulated recordings or of published values have
@@ -118,8 +119,9 @@ class Results:
         return [name for name in self.roles() if name not in used]
 
     def roles(self) -> dict[str, str]:
-        """Return the role of each recording."""
-        return {recording["name"]: recording["role"] for recording in self.study["recordings"]}
+        """Return the role of each recording, AT_REST of postures, which have no other use."""
+        entries = self.study["recordings"]
+        return {one["name"]: AT_REST if one.get("still") else one["role"] for one in entries}
 
     def with_role(self, role: str, among: Iterable[str] | None = None) -> list[str]:
         """Return the names of the recordings with a role, of all or among some."""

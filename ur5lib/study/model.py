@@ -376,6 +376,7 @@ def schema_text() -> str:
 
 
 def arms_without_fit(study: Study) -> list[str]:
-    """Return the arms without a recording of role `fit`: they get no friction and no forces."""
-    fitted = {recording.arm.known_as for recording in study.recordings if recording.role == "fit"}
-    return sorted({recording.arm.known_as for recording in study.recordings} - fitted)
+    """Return the arms without a recording in motion of role `fit`, which determines friction."""
+    recordings = study.recordings
+    fitted = {one.arm.known_as for one in recordings if one.role == "fit" and not one.at_rest}
+    return sorted({recording.arm.known_as for recording in recordings} - fitted)

@@ -65,11 +65,11 @@ def list_left_out():
         table.unlink(missing_ok=True)
 
 
-if len(RECORDINGS) > MOST_ALONE or BY_PATTERN:
+if len(RECORDINGS) > MOST_ALONE or BY_PATTERN & RECORDINGS.keys():
     steps = [step for step in workflow.rules if "code" in step.params.keys()]
     each = [step for step in steps if writes_in("recordings/{recording", step)]
     arms = [step for step in steps if writes_in("parameters/{robot", step)]
-    one_of_each_kind = {(one.arm.known_as, one.role): one.name for one in STUDY.recordings}
+    one_of_each_kind = {(one.arm.known_as, one.role): name for name, one in RECORDINGS.items()}
     BATCHES = Batches(
         RESULTS,
         {step.name: declared(step) for step in each},

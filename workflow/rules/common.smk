@@ -40,7 +40,9 @@ except OSError as error:
     )
 
 STUDY_TEXT = study_text(STUDY)
-RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
+ENTRIES = {recording.name: recording for recording in STUDY.recordings}
+AT_REST = [name for name, entry in ENTRIES.items() if entry.at_rest]  # postures, without time
+RECORDINGS = {name: entry for name, entry in ENTRIES.items() if name not in AT_REST}
 PLACES = {name: place for place, name in enumerate(RECORDINGS)}
 PRINTED = sorted(PUBLISHED.recordings() & RECORDINGS.keys())
 EXPLAINED = sorted(PUBLISHED.explained() & RECORDINGS.keys())
@@ -157,6 +159,18 @@ def contact_free(wildcards):
     return names_of(arm_of(wildcards), "fit", "validate")
 
 
+def postures(name, recordings):
+    """Return the paths of a file of each of some recordings of postures at rest."""
+    return [f"{RESULTS}/postures/{recording}/{name}" for recording in recordings]
+
+
+def postures_of(wildcards):
+    """Return what an arm's `fit` recordings at rest hold."""
+    robot = arm_of(wildcards)
+    own = [name for name in AT_REST if ENTRIES[name].arm.known_as == robot]
+    return postures("postures.json", [name for name in own if ENTRIES[name].role == "fit"])
+
+
 def results_of(names, file):
     """Return a function of the paths of a file of each recording that another function names."""
     return lambda wildcards: results(file, names(wildcards))
@@ -211,7 +225,7 @@ def is_tried(wildcards):
 
 
 def recording_of(wildcards):
-    return RECORDINGS[wildcards.recording]
+    return ENTRIES[wildcards.recording]
 
 
 def what_was_recorded(wildcards):
@@ -228,7 +242,7 @@ def gravity_of(wildcards):
 
 def gravities(names):
     """Return gravity in the base frames of several recordings."""
-    found = [RECORDINGS[name].known_gravity() for name in names]
+    found = [ENTRIES[name].known_gravity() for name in names]
     return [gravity and list(gravity) for gravity in found]
 
 
@@ -259,8 +273,8 @@ def sensor_mounting_of(wildcards):
 @cache
 def raw_files(name):
     """Return the files that a recording names, or all files where readers look for others."""
-    folder = Path(RECORDINGS[name].folder)
-    named = [folder / file for file in RECORDINGS[name].file_names()]
+    folder = Path(ENTRIES[name].folder)
+    named = [folder / file for file in ENTRIES[name].file_names()]
     if name in SIMULATED:
         return [str(path) for path in named]
     files = named or [*folder.glob("*"), *folder.glob("csv_files/*")]
@@ -465,6 +479,7 @@ def recordings_of(step):
         "draw_older_model": OLDER_MODEL,
         "draw_current_torque": PRINTED_CURRENTS,
         "draw_published_forces": PRINTED,
+        "tabulate_postures": AT_REST,
         "write_run": [],  # on demand alone
     }
     return only.get(step, RECORDINGS)

@@ -161,12 +161,34 @@ rule tabulate_recording:
         run_step(rule, input, output, params, log)
 
 
+rule tabulate_postures:
+    input:
+        raw=lambda wildcards: raw_files(wildcards.recording),
+        arm=arm_file,
+    output:
+        postures=f"{RESULTS}/postures/{{recording}}/postures.json",
+        rows=f"{RESULTS}/postures/{{recording}}/rows.json",
+    log:
+        **traces("tabulate_postures", "{recording}"),
+    group:
+        in_cluster("read")
+    params:
+        code=code("tabulate_postures", COLUMNS, TEMPLATES / "findings.yaml"),
+        name="{recording}",
+        recording=what_was_recorded,
+        gravity=gravity_of,
+        payload=payload_of,
+        tcp=tcp_of,
+    run:
+        run_step(rule, input, output, params, log)
+
+
 # Thousands of inputs are given as functions: of a list, Snakemake weighs each path when it parses.
 rule make_tables:
     input:
         **REFERENCE,
         **PARTS,
-        rows=lambda wildcards: results("rows.json"),
+        rows=lambda wildcards: results("rows.json") + postures("rows.json", AT_REST),
         accelerations=lambda wildcards: results("accelerations.json"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
@@ -358,7 +380,7 @@ rule write_run:
 rule describe_run:
     input:
         report=rules.write_report.output[:4],
-        raw=lambda wildcards: [path for name in RECORDINGS for path in raw_files(name)],
+        raw=lambda wildcards: [path for name in ENTRIES for path in raw_files(name)],
         extensions=[str(path) for path in source_files({own.file() for own in KINDS.values()})],
         files=rules.make_tables.output.files,
         tables=rules.write_report.input.tables,

@@ -20,7 +20,7 @@ def draw_friction(input: Any, output: Any, params: Any) -> None:
     friction = read_record(Friction, input.friction)
     model = load_robot(input.arm).fullest_model()
     parts, constant, known = list[MovingSamples](), np.ones(6), np.ones(6)
-    if friction.known_constants is not None:
+    if friction.fit.joints and friction.known_constants is not None:
         fit, smooth = friction.fit, Smoother(params.order, params.cutoff_hz)
         constant, known = torque_constants(fit), friction.known_constants.value
         files = zip(params.recordings, input.signals, input.motion, input.torques, strict=True)

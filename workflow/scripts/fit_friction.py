@@ -1,15 +1,19 @@
 """The map from motion to motor current: torque constants and friction, from `fit` recordings."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import reason
+from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
+from ur5lib.pipeline.postures import held_torque
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.postures import Postures
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
@@ -30,11 +34,17 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
             records.append(replace(record, day=day))
             ratios.append(controllers_ratio(signals, motion))
     found = [read_record(Contradictions, path) for path in input.contradictions]
+    contradictions = dict(zip(params.recordings, found, strict=True))
+    at_rest = {Path(path).parent.name: read_record(Postures, path) for path in input.postures}
+    contradictions |= {name: one.contradictions for name, one in at_rest.items()}
+    held = [(held_torque(one, robot, model), one.current) for one in at_rest.values()]
     population = input.population or population_files(params.population)
     try:
-        require_no_stop_sign(dict(zip(params.recordings, found, strict=True)))
+        require_no_stop_sign(contradictions)
         prior = prior_of(robot, ratios, population_of(population, params.study))
+        prior = replace(prior, at_rest=AtRest.of(held))
         friction = fitted_friction(records, prior, smooth, params.terms, model)
+        friction = replace(friction, at_rest=[*at_rest])
     except ContradictionError as sign:
         friction = Friction(stopped=sign.remark)
     except ValueError as error:

@@ -32,17 +32,19 @@ class KnownConstants:
 class Friction:
     """friction.json: the map from motion to motor current of an arm.
 
-    from_: the recordings of the fit, none where it is what other arms have; paths: number of their
-    trajectories; left_out: fits that predict what they have not seen; explained: (6,), share of
-    the currents' variance that these explain, None of a single path; least_squares: (6, 4), the
-    baseline's coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested
-    on another; model: link model of the torques; stopped: how the recordings contradict the arm;
+    from_: the recordings in motion of the fit, none where friction is what other arms have;
+    at_rest: those of postures, which tell torque constants alone; paths: number of trajectories;
+    left_out: fits that predict what they have not seen; explained: (6,), share of the currents'
+    variance that these explain, None of a single path; least_squares: (6, 4), the baseline's
+    coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on
+    another; model: link model of the torques; stopped: how the recordings contradict the arm;
     refused: why else there is no fit.
     """
 
     __pydantic_config__ = BY_KEY
 
     from_: list[str] = field(default_factory=list)
+    at_rest: list[str] = field(default_factory=list)
     paths: int = 0
     fit: CurrentFit = NO_FIT
     left_out: list[LeftOut] = field(default_factory=list)

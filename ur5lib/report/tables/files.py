@@ -17,13 +17,17 @@ SAME = "same file"  # the finding that a device's file is a copy of another reco
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
-def recordings(quality: Quality, signals: Signals) -> Iterator[Row]:
-    """Yield a recording's size, duration, time steps, devices and moving joints."""
+def recordings(quality: Quality, signals: Signals | None) -> Iterator[Row]:
+    """Yield a recording's size, duration, time steps, devices and moving joints.
+
+    Postures at rest have no signals.
+    """
+    moving = moving_joints(signals) if signals else []
     yield vars(quality) | {
         "rows_read": quality.rows,
         "jitter_s": quality.jitter_s["99 %"],
         "devices": " ".join(quality.devices),
-        "moving_joints": " ".join(map(str, moving_joints(signals))),
+        "moving_joints": " ".join(map(str, moving)),
     }
 
 

@@ -43,7 +43,8 @@ def _parameters(fitted: Friction, arm: Robot) -> Iterator[Row]:
         found = asdict(row) | {"parameter": row.name, "thesis": thesis, "low": low, "high": high}
         if row.name == "torque_constant" and known is not None:
             found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
-            found |= {"contradicted": fitted.fit.joints[joint].contradicted}
+            joints = fitted.fit.joints
+            found |= {"contradicted": joints[joint].contradicted if joints else None}
         yield found
 
 

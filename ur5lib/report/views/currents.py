@@ -9,7 +9,7 @@ from ur5lib.identification.currents import UNDETERMINED
 from ur5lib.report.baseline import HELD, AgainstBaseline, bars
 from ur5lib.report.document import Number, Verdict
 from ur5lib.report.formats import Sentence
-from ur5lib.report.results import Results
+from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import names, say
 from ur5lib.report.tables.friction import AS_PRINTED
 from ur5lib.report.tables.models import STOP
@@ -32,12 +32,12 @@ def constants(results: Results) -> pd.DataFrame:
     """Return torque constants, offsets and friction, with the main source of each.
 
     moved: whether recordings can determine a parameter: offset and friction need motion. Those of
-    an arm without fit recordings are typical ones, and count as moved.
+    an arm without fit recordings are typical ones, and count as moved, unless postures were fitted.
     """
     rows = results.tables["friction"]
     arms = results.arms()
     moving: dict[str, set[int]] = {}  # on the fit recordings of an arm
-    for name in results.with_role("fit"):
+    for name in results.with_role("fit") + results.with_role(AT_REST):
         moving.setdefault(arms[name], set()).update(results.moving(name))
     pairs = zip(rows["robot"], rows["joint"], strict=True)
     moved = [robot not in moving or joint in moving[robot] for robot, joint in pairs]

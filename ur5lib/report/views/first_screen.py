@@ -9,7 +9,7 @@ from scipy.special import bdtr, bdtrc
 from ur5lib.identification.samples import FEW
 from ur5lib.report.document import MOST_SHOWN, Verdict
 from ur5lib.report.formats import Sentence
-from ur5lib.report.results import Results
+from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tables.models import STOP
 from ur5lib.report.views import (
@@ -126,7 +126,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
         yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=FEW)
     for role in ("fit", "validate"):
         if not results.with_role(role):
-            yield say(f"steps.{role}")
+            yield say(f"steps.{role}", held=results.with_role(AT_REST))
     if results.tables["force_mae"].empty and not contacts.touched(results):
         yield say("steps.pushes")
     for robot, rows in results.tables["next_recordings"].groupby("robot", sort=False):

@@ -1,0 +1,47 @@
+"""Postures at rest: what the currents that hold them tell of torque constants.
+
+i = (τ + f - b) / k, with a static friction f that lies anywhere within ± Coulomb friction, by how
+the arm came to rest: it adds a variance. Its mean is no friction in motion, and differs between
+recordings; therefore torques and currents count from their means.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array, Labels
+
+STRETCH = 5  # postures in a row that may have been reached in like ways
+FEW = 5  # stretches; with fewer, single postures are resampled
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """Postures of an arm, each with a static friction of its own.
+
+    torque: (M, n) [Nm], of the rigid-body model; current: (M, n) [A]; both less their means over
+    the recording; record: (M,) labels.
+    """
+
+    torque: Array
+    current: Array
+    record: Labels
+
+    @classmethod
+    def of(cls, recordings: Sequence[tuple[Array, Array]]) -> "AtRest | None":
+        """Return the postures of recordings with these torques and currents; None without any."""
+        if not recordings:
+            return None
+        torque, current = (
+            np.concatenate([values - values.mean(axis=0) for values in each])
+            for each in zip(*recordings, strict=True)
+        )
+        sizes = [len(own) for own, _ in recordings]
+        return cls(torque, current, np.repeat(np.arange(len(sizes)), sizes))
+
+    def stretches(self) -> Labels:
+        """Return labels (M,) of a bootstrap's units: stretches, or postures if these are few."""
+        posture = np.arange(len(self.record))
+        stretch = posture // STRETCH
+        return stretch if stretch[-1] + 1 >= FEW else posture

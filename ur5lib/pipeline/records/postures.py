@@ -1,0 +1,22 @@
+"""Postures at rest."""
+
+from dataclasses import dataclass
+
+from ur5lib.recordings.quality import Contradictions
+from ur5lib.robots.description import Payload
+from ur5lib.timeseries.arrays import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Postures:
+    """postures.json: the postures of a recording without time.
+
+    q: (M, n) [rad]; current: (M, n) [A]; gravity: [m/s²], base frame; payload: on the flange;
+    contradictions: of the recording and the study.
+    """
+
+    q: Array
+    current: Array
+    gravity: list[float]
+    payload: Payload | None
+    contradictions: Contradictions

@@ -1,0 +1,148 @@
+"""Checks of postures at rest: gravity is all that tells arm, order, units and signs."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from ur5lib.errors import Remark, remark
+from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.current_checks import foreign_currents
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.recordings.readings import in_order, readings
+from ur5lib.recordings.stop_signs import (
+    FEWEST,
+    described,
+    exchanged_joints,
+    foreign_arm,
+    foreign_torque,
+)
+from ur5lib.recordings.stop_signs import SURE as UNLIKE
+from ur5lib.robots.description import Payload, Robot, robot_names
+from ur5lib.timeseries.arrays import Array
+
+SURE = 5.0  # standard errors by which gravity shows in a current
+# of the motor's largest torque, the standard deviation of gravity beside which friction is small
+HEAVY = 0.1
+# relative error, and ratio to the known one, of a torque constant that contradicts it
+PRECISE, RATIO = 0.1, 1.75
+UNEXPLAINED = 0.3  # share of such a current's variance that may be left; friction leaves 0.1
+
+
+def posture_stop_signs(
+    means: BlockMeans, arm: Robot, configured: Payload | None, declared: Payload | None
+) -> list[Finding]:
+    """Return the stop sign of a recording of postures, if there is one.
+
+    arm: under the recording's gravity; configured: the payload that the controller was given;
+    declared: the one that the study gives.
+    """
+    found = _contradictions(means, arm, configured, declared)
+    return [*islice(found, 1)]  # others follow from the first
+
+
+def _contradictions(
+    means: BlockMeans, arm: Robot, configured: Payload | None, declared: Payload | None
+) -> Iterator[Finding]:
+    """Yield what contradicts the arm and what it carries, the strongest evidence first."""
+    if len(means.q) < FEWEST:
+        return
+    loaded = arm.carrying(declared)
+    yield from foreign_torque(means, arm, [configured, declared])
+    turned = _correlation(means, loaded) < -np.sqrt(
+        UNEXPLAINED
+    )  # of less, friction may be the cause
+    for joint in np.flatnonzero(turned).tolist():
+        yield contradiction("turned current at rest", joint=joint + 1)
+    yield from foreign_currents(means, loaded)
+    yield from exchanged_joints(means, loaded)
+    yield from _unexplained(means, loaded)
+    others = (described(name).mounted(arm.gravity) for name in robot_names())
+    yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
+    small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
+    if small:
+        yield contradiction("contradicting constants", each=small)
+
+
+def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:
+    """Return the note on what a recording of postures tells, and what it leaves unchecked.
+
+    payload: on the arm's flange.
+    """
+    correlation = _correlation(means, arm.carrying(payload))
+    known = np.flatnonzero(np.isfinite(correlation))
+    shares = [remark("share", joint=j + 1, value=correlation[j] ** 2) for j in known.tolist()]
+    others = (np.flatnonzero(np.isnan(correlation)) + 1).tolist()
+    alike = _arms_alike(means, arm, payload)
+    values = {
+        "shares": shares,
+        "joints": [remark("unchecked joints", joints=others)] if others else [],
+        "arms": [remark("arms alike", arms=alike)] if alike else [],
+    }
+    code = "postures" if shares else "postures without gravity"
+    few = "few postures" if len(means.q) < FEWEST else ""
+    return [Finding("robot", "postures", "note", len(means.q), values, few or code)]
+
+
+def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
+    """Return a warning of torque constants far above the known ones; arm: with what it carries."""
+    each = [one for smaller, one in _unlike_constants(means, arm) if not smaller]
+    found = Finding("robot", "torque constants", "warning", len(each), {"each": each})
+    return [found] if each else []
+
+
+def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
+    """Return the other described arms whose gravity explains the currents hardly worse."""
+    others = [described(name).mounted(arm.gravity) for name in robot_names() if name != arm.name]
+    arms = [one.carrying(payload) for one in [arm, *others] if len(one.joints) == len(arm.joints)]
+    alone = replace(means, currents={CURRENT: means.currents[CURRENT]})
+    scores = {one.arm: one.score for one in readings(alone, arms, [in_order(arm)])}
+    own = scores.pop(arm.name)
+    return [name for name, score in scores.items() if own - UNLIKE < score != own]
+
+
+def _correlation(means: BlockMeans, arm: Robot) -> Array:
+    """Return the correlation (n,) of each current with gravity, NaN where chance would do."""
+    pairs = zip(means.gravity(arm).T, means.currents[CURRENT].T, strict=True)
+    found = np.array([_correlated(*pair) for pair in pairs])
+    error = np.sqrt((1 - found**2) / max(1, len(means.q) - 2))
+    return np.where(np.abs(found) > SURE * error, found, np.nan)
+
+
+def _correlated(torque: Array, current: Array) -> float:
+    """Return the correlation of a current with a torque (M,); zero where one is constant."""
+    sizes = torque.std() * current.std()
+    if sizes < 1e-9:
+        return 0.0
+    return float(np.mean((torque - torque.mean()) * (current - current.mean())) / sizes)
+
+
+def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find a current that gravity does not explain, although the joint bears much of it."""
+    heavy = means.gravity(arm).std(axis=0) / np.array(arm.torque_limits())
+    joint = int(np.argmax(heavy))
+    share = np.nan_to_num(_correlation(means, arm)[joint]) ** 2
+    if heavy[joint] > HEAVY and share < 1 - UNEXPLAINED:
+        yield contradiction("gravity unexplained", joint=joint + 1, share=float(share))
+
+
+def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Remark]]:
+    """Yield joints whose torque constant by gravity is far from the known one, and whether it is
+    smaller, which no lost torque explains: a unit, the arm or its load is wrong.
+
+    arm: with what it carries.
+    """
+    if len(means.q) < FEWEST:
+        return
+    torque, current = means.gravity(arm), means.currents[CURRENT]
+    correlation, known = _correlation(means, arm), np.array(arm.family_torque_constants())
+    for joint in np.flatnonzero(np.isfinite(correlation * known)).tolist():
+        share = correlation[joint] ** 2
+        error = np.sqrt((1 - share) / share / (len(torque) - 2))
+        slope = correlation[joint] * current[:, joint].std() / torque[:, joint].std()
+        ratio = 1 / slope / known[joint]
+        if error < PRECISE and not 1 / RATIO < ratio < RATIO:
+            values = {"fitted": float(1 / slope), "known": float(known[joint])}
+            yield ratio < 1, remark("other constant", joint=joint + 1, **values)
