@@ -144,9 +144,11 @@ def test_postures_without_time_are_a_report_on_constants(tmp_path: Path) -> None
     arm = load_robot(robot_path("ur16e"))
     random = np.random.default_rng(4)
     q = random.uniform(-2.5, 2.5, (200, 6))
-    torque = gravity_torque(arm, arm.chosen_model, q) + random.uniform(-6, 6, q.shape)
+    friction = 0.05 * np.array(arm.torque_limits()) * random.uniform(-1, 1, q.shape)
+    torque = gravity_torque(arm, arm.chosen_model, q) + friction
     constants = np.array(arm.maker_torque_constants())
     log = workflow.folder / "raw" / "log.csv"
+    log.parent.mkdir(exist_ok=True)
     np.savetxt(log, np.column_stack([q, torque / constants]), delimiter=",", fmt="%.6f")
     (workflow.folder / "config.yaml").write_text(AT_REST)
     workflow.build()
