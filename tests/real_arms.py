@@ -26,7 +26,6 @@ from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.carried import carried
-from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
@@ -38,7 +37,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.residual_fit import residual_models, with_trials
 from ur5lib.pipeline.sensor_comparison import sensor_wrenches
-from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
+from ur5lib.pipeline.sensor_reading import by_own_clock, moved_tool
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.intake import Intake
@@ -131,11 +130,11 @@ class RealRecording:
         signals = self.signals
         assert self.sensor_clock is not None
         start = self.intake.quality.starts["force"]
-        placed = by_stamps(self.intake.sensors["force"], start, signals.time, "force")
         moved = moved_tool(self.robot, self.kinematics, self.motion)
         clock_std = self.sensor_clock.std_after(signals.time[-1] - signals.time[0])
         window = self.settings.sensor.bias_window_s
-        reading = sensor_reading(self.robot, signals, moved, window, clock_std, placed)
+        device = self.intake.sensors["force"]
+        reading = by_own_clock(self.robot, signals, moved, window, clock_std, device, start)
         wrenches = sensor_wrenches(self.robot, signals, reading, self.kinematics.rotation)
         return wrenches.wrench["compensated"], reading.offset
 

@@ -301,6 +301,13 @@ def test_an_offset_is_doubted_from_a_share_on(
     assert offset_doubt(offset) == told
 
 
+def test_samples_between_those_of_a_slow_sensor_are_none_of_its_own() -> None:
+    """Twenty at the robot's times for each: two thousand are a hundred."""
+    known = fit_offset(np.tile(BIAS, (2000, 1)), GRAVITY @ upright(2000), PERIOD)
+    assert offset_doubt(known, 20.0) is None
+    assert offset_doubt(known, 20.3) == remark("few free samples", count=99)
+
+
 def test_the_first_seconds_are_the_bias() -> None:
     """From the first reading on, to the last within the window."""
     clock = np.arange(100) / 8  # s, exact in binary

@@ -118,9 +118,12 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     return offset
 
 
-def offset_doubt(offset: SensorOffset) -> Remark | None:
-    """Return why the bias is doubtful and may be a push; None if most samples agree with it."""
-    agreeing, rival, free = offset.agreeing, offset.rival, int(offset.free.sum())
+def offset_doubt(offset: SensorOffset, each: float = 1.0) -> Remark | None:
+    """Return why the bias is doubtful and may be a push; None if most samples agree with it.
+
+    each: samples (N,) of the offset for each of the sensor's own, more than one of a slow sensor.
+    """
+    agreeing, rival, free = offset.agreeing, offset.rival, round(offset.free.sum() / each)
     if rival > RIVAL * agreeing:
         return remark("two biases", share=agreeing, other=rival)
     if agreeing < MAJORITY:

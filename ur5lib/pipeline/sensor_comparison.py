@@ -32,7 +32,8 @@ class SensorReading:
 
     untouched: the part of bias, weight and inertia of its tool (N, 6); offset: bias and tool;
     placed: the reading as in the thesis, by start stamps alone where it has a clock of its own;
-    start_bias: (6,), its mean at the start; own_clock: whether it has one.
+    start_bias: (6,), its mean at the start; own_clock: whether it has one; each: samples (N,) for
+    each of the sensor's own.
     """
 
     values: Array
@@ -41,6 +42,7 @@ class SensorReading:
     placed: Array
     start_bias: Array
     own_clock: bool
+    each: float = 1.0
 
 
 def sensor_wrenches(
@@ -111,7 +113,7 @@ def beside_sensor(
     return replace(
         found,
         offset=OffsetAccount(**account),
-        offset_doubt=offset_doubt(own),
+        offset_doubt=offset_doubt(own, reading.each),
         mounting_doubt=mounting_doubt(own, opposite),
         felt=felt(force, sensor.time),
         errors={

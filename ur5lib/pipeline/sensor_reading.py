@@ -1,12 +1,17 @@
 """A force sensor's reading, and what its bias, its tool's weight and inertia are of it."""
 
+from dataclasses import replace
+
 import numpy as np
+import pandas as pd
 
 from ur5lib.force.sensor import bias, fit_offset
+from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_comparison import SensorReading
+from ur5lib.recordings.quality import StartOffset
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.end_effector import ToolMotion, expected, tool_motion
 from ur5lib.timeseries.arrays import Array
@@ -50,6 +55,25 @@ def sensor_reading(
         start_bias=bias(placed, signals.time, bias_window),
         own_clock=by_stamps is not None,
     )
+
+
+def by_own_clock(
+    robot: Robot,
+    signals: Signals,
+    moved: ToolMotion,
+    bias_window: float,
+    clock_std: float,
+    device: pd.DataFrame,
+    start: StartOffset,
+) -> SensorReading:
+    """Return the reading of a sensor with a clock of its own; arguments as of `sensor_reading`.
+
+    device: its samples on its own clock; start: of its stamp.
+    """
+    placed = by_stamps(device, start, signals.time, "force")
+    reading = sensor_reading(robot, signals, moved, bias_window, clock_std, placed)
+    step = float(np.diff(device["time"]).mean())
+    return replace(reading, each=max(1.0, step / signals.period))
 
 
 def in_frame_6(reading: Array, robot: Robot) -> Array:

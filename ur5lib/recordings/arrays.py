@@ -1,7 +1,6 @@
 """Reader of files that hold arrays: the study names the array of each channel."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from ur5lib.recordings.entries import ArrayFiles, StoredTable
 from ur5lib.recordings.plausibility import drop_zeroed, first_time
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
-from ur5lib.recordings.sensors import counted_from_first, repair_samples
+from ur5lib.recordings.sensors import counted_from_first, on_robot_clock, repair_samples
 
 
 def read_arrays(recording: ArrayFiles) -> RawRecording:
@@ -47,7 +46,7 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
         log, shares = Log(path, device, findings), sensor.shares_clock(recording)
         record = _sensor(sensor.on_clock_of(recording) if shares else sensor, arrays, log)
         if record is not None:
-            present[device] = _on_robot_clock(record) if shares else record
+            present[device] = on_robot_clock(record) if shares else record
     return RawRecording(robot, recording.cycle, present, findings)
 
 
@@ -157,10 +156,3 @@ def _sensor(sensor: StoredTable, arrays: Arrays, log: Log) -> DeviceRecord | Non
     if samples is None:
         return None
     return counted_from_first(samples.table, samples.first, sensor, log.path)
-
-
-def _on_robot_clock(sensor: DeviceRecord) -> DeviceRecord:
-    """Return the record of a sensor that shares the robot's stamps: late by less than a sample."""
-    assert sensor.start is not None
-    late = float(np.median(np.diff(sensor.table["time"])) / np.sqrt(12))  # evenly distributed
-    return replace(sensor, start=replace(sensor.start, std=late, drift_std=0.0))

@@ -2,7 +2,8 @@
 
 import re
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,9 +14,10 @@ from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.quality import Device, Finding, Quality, add_finding
+from ur5lib.recordings.held_samples import fresh_samples
+from ur5lib.recordings.quality import Device, Finding, Log, Quality, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
-from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
+from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, repair_samples
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
@@ -52,6 +54,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     """
     raw = read_recording(recording)
     frames, findings = known_frames(raw, arm)
+    raw, frames = with_slow_sensor(raw, frames, findings)
     if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
         findings.append(Finding("robot", "no velocities", "note", len(frames)))
     findings += raw.findings
@@ -68,12 +71,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         add_finding(findings, "force", "no moments", "note", len(sensed))
     limits = arm.position_limits(), arm.velocity_limits()
     findings += check_robot(robot, timing.period, *limits)
-    for device, (record, _) in placed.items():
-        findings += (
-            check_force_sensor(record.table)
-            if device == "force"
-            else check_imu(record.table, arm.mounting.imu_full_scale)
-        )
+    findings += [one for device, (own, _) in placed.items() for one in _doubts(device, own, arm)]
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -98,6 +96,13 @@ def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Find
     _expect_joints(raw.robot, arm)
     frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
     return with_currents(frames, arm, findings), findings
+
+
+def _doubts(device: Device, record: DeviceRecord, arm: Robot) -> list[Finding]:
+    """Return what contradicts that a sensor's file is of this sensor."""
+    if device == "force":
+        return check_force_sensor(record.table)
+    return check_imu(record.table, arm.mounting.imu_full_scale)
 
 
 def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
@@ -147,6 +152,24 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
     for kind, names in (("unused channels", unused), ("unknown channels", unknown)):
         add_finding(notes, "robot", kind, "note", len(names), names=some(names))
     return table.drop(columns=[*others, *unread]), notes
+
+
+def with_slow_sensor(
+    raw: RawRecording, frames: pd.DataFrame, findings: list[Finding]
+) -> tuple[RawRecording, pd.DataFrame]:
+    """Return a recording and its robot's frames with the force sensor as a device of its own, where
+    it is slower than the rows of the robot's file.
+    """
+    columns = [name for name in FORCE_CHANNELS if name in frames]
+    samples = frames[["time", *columns]].dropna() if columns else frames[:0]
+    if fresh_samples(samples[columns].to_numpy(float)) is None:
+        return raw, frames
+    log = Log(Path(raw.robot.source), "force", findings)
+    found = log.unless_unusable(lambda: repair_samples(samples, log))
+    sensors = dict(raw.sensors)
+    if found is not None:
+        sensors["force"] = on_robot_clock(replace(raw.robot, table=found.table))
+    return replace(raw, sensors=sensors), frames.drop(columns=columns)
 
 
 def with_wrist_sensor(

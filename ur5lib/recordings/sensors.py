@@ -1,7 +1,7 @@
 """Reader of force sensor and IMU files, each on its own clock."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import drop_untimed, read_rows
 from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
+from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
@@ -91,6 +92,13 @@ def counted_from_first(
     return DeviceRecord(table.assign(time=table["time"] - first), start, str(path))
 
 
+def on_robot_clock(sensor: DeviceRecord) -> DeviceRecord:
+    """Return the record of a sensor that shares the robot's stamps: late by less than a sample."""
+    assert sensor.start is not None
+    late = float(np.median(np.diff(sensor.table["time"])) / np.sqrt(12))  # evenly distributed
+    return replace(sensor, start=replace(sensor.start, std=late, drift_std=0.0))
+
+
 def _absence(path: Path) -> str | None:
     if not path.exists():
         return "no file"
@@ -119,12 +127,23 @@ def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
     lacking = (~complete).sum(), "missing samples"
     add_finding(log.findings, log.device, "missing cells", "warning", *lacking)
     whole = _in_order(table[complete].reset_index(drop=True), log.device, log.findings)
+    whole = _without_held(whole, log)
     if len(whole) < 2:
         raise InputError(
             f"{log.path}: has fewer than two samples with possible values; record it again"
         )
     _report_timing(whole["time"].to_numpy(), log.device, log.findings)
     return SensorSamples(whole, first_time(table["time"].to_numpy()))
+
+
+def _without_held(table: pd.DataFrame, log: Log) -> pd.DataFrame:
+    """Return the samples of a table, without rows in which a slow sensor's are repeated."""
+    fresh = fresh_samples(table.drop(columns="time").to_numpy())
+    if fresh is None:
+        return table
+    rate = float((fresh.sum() - 1) / np.ptp(table["time"][fresh]))
+    log.add("held samples", "warning", (~fresh).sum(), "", rate_hz=rate, period_s=1 / rate)
+    return table[fresh].reset_index(drop=True)
 
 
 def _nothing(table: pd.DataFrame, device: Device) -> str | None:

@@ -43,8 +43,7 @@ def read_sensor(
 ) -> SensorReading:
     """Return the reading of the arm's own sensor, or of one with a clock of its own."""
     # slow to import, and most recordings have no sensor
-    from ur5lib.pipeline.clocks import by_stamps
-    from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
+    from ur5lib.pipeline.sensor_reading import by_own_clock, moved_tool, sensor_reading
 
     moved = moved_tool(robot, kinematics, Motion.read(input.motion))
     start = read_record(Quality, input.quality).starts.get("force")
@@ -52,6 +51,5 @@ def read_sensor(
         whole = signals.ft_raw_wrench is not None  # else, the controller takes its tool off
         tool = read_record(Carried, input.load).payload if whole else None
         return sensor_reading(robot, signals, moved, window, tool=tool)
-    placed = by_stamps(read_table(input.force), start, signals.time, "force")
     clock_std = read_record(dict[str, SettledClock], input.clocks)["force"].end_std
-    return sensor_reading(robot, signals, moved, window, clock_std, placed)
+    return by_own_clock(robot, signals, moved, window, clock_std, read_table(input.force), start)

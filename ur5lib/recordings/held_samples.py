@@ -1,0 +1,31 @@
+"""Samples of a slow sensor in the rows of a faster recorder, which repeats them until the next."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array, Mask
+
+FEWEST = 10  # values, by which a sensor shows how long its recorder holds each
+LEAST = 2.0  # rows for which most values are held; real sensors seldom repeat all components
+EVEN = 2.0  # a sensor's rate is even: few values last half as long as most, as chance would have it
+
+
+def fresh_samples(values: Array) -> Mask | None:
+    """Return which rows (N,) are new samples of a sensor whose recorder holds them.
+
+    values: (N, M), in order, without NaN. A value that lasts is one that the sensor sent again.
+    None where the rows are the sensor's own: no rate is even by which values are held.
+    """
+    changes = np.flatnonzero((np.diff(values, axis=0) != 0).any(axis=1)) + 1
+    lasting = np.diff(changes)
+    if len(lasting) < FEWEST:
+        return None
+    soon, usual = np.quantile(lasting, [0.1, 0.5])
+    if usual < LEAST or usual >= EVEN * soon:
+        return None
+    fresh = np.zeros(len(values), dtype=bool)
+    for first, end in pairwise([0, *changes, len(values)]):
+        fresh[first : end - int(usual) // 2 : int(usual)] = True
+        fresh[first] = True
+    return fresh
