@@ -201,6 +201,7 @@ class Fold:
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
             | {"arm": str(self.study.arm)}
             | {"contradictions": [own.file("contradictions.json") for own in self.fitted]}
+            | {"postures": []}
             | {"population": population_files(settings.friction.population)},
             {"friction": self.shared("friction.json")},
             lowpass
