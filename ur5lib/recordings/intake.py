@@ -15,10 +15,11 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.held_samples import fresh_samples
-from ur5lib.recordings.quality import Device, Finding, Log, Quality, add_finding
+from ur5lib.recordings.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, repair_samples
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.recordings.zeroings import on_one_zero
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.tables import channel, checksum, has_unit, named
@@ -66,6 +67,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, unbounded(arm))
     findings += repairs + remarks
     robot = with_wrist_sensor(robot, arm, "force" in placed, findings)
+    robot = _on_one_zero(robot, placed, arm, findings)
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
         add_finding(findings, "force", "no moments", "note", len(sensed))
@@ -96,6 +98,26 @@ def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Find
     _expect_joints(raw.robot, arm)
     frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
     return with_currents(frames, arm, findings), findings
+
+
+def _on_one_zero(
+    robot: pd.DataFrame,
+    placed: dict[Device, tuple[DeviceRecord, StartOffset]],
+    arm: Robot,
+    findings: list[Finding],
+) -> pd.DataFrame:
+    """Put a force sensor that was zeroed in between on one zero, in its place or the robot's table.
+
+    Returns the robot's table.
+    """
+    if "force" not in placed:
+        robot, found = on_one_zero(robot, robot, arm)
+    else:
+        record, start = placed["force"]
+        table, found = on_one_zero(record.table, robot, arm, start)
+        placed["force"] = replace(record, table=table), start
+    findings += found
+    return robot
 
 
 def _doubts(device: Device, record: DeviceRecord, arm: Robot) -> list[Finding]:

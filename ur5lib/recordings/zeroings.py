@@ -1,0 +1,159 @@
+"""A force sensor that was zeroed during a recording: all its samples are put on its last zero.
+
+A zeroing shifts the reading to zero from one sample to the next, and nothing else happens. The end
+of a contact takes longer, lets the arm ring, or shows in the motor currents.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import columns
+from ur5lib.errors import remark
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.recordings.quality import Finding, StartOffset
+from ur5lib.recordings.starts import UNSURE
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque, link_frames
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
+
+BESIDE = 20  # samples on each side of a step, which lie on two parallel lines
+SLOWEST = 0.02  # s, between samples; to a slower sensor, the end of a contact is one step, too
+LEAST = 2.0  # N, of a step
+# of a step, how far the samples beside it may lie from their lines, and its end from zero; of the
+# steps of more than 1 N in the real recordings, where no sensor was zeroed, none ends so near zero,
+# and none has samples so near their lines
+NEAR = 0.3
+REACTION, COMPARED = 0.02, 0.2  # s from a step: currents have followed the end of a contact
+SHOWN = 0.25  # of its torque, the share that currents then show; friction holds some of it
+ON_ROBOT_CLOCK = StartOffset(0.0, 0.0, drift_std=0.0)
+SURE = 4.0  # standard errors by which a current changes
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step between two parallel lines, at the row between them.
+
+    size, std_error: (k,), of each column; after: (k,), the second line there; residual: (2 n, k),
+    of the n rows on each side.
+    """
+
+    size: Array
+    std_error: Array
+    after: Array
+    residual: Array
+
+
+@dataclass(frozen=True)
+class Zeroing:
+    """Where a sensor was zeroed: within a sample of a row; time: of that, by the robot's clock [s].
+
+    change: of all columns [N, Nm]; misfit: how far it is from a sudden fall to zero, of its size.
+    """
+
+    row: int
+    time: float
+    change: Array
+    misfit: float
+
+    def size(self) -> float:
+        """Return by how much the force changed [N]."""
+        return float(np.linalg.norm(self.change[:3]))
+
+
+def on_one_zero(
+    sensor: pd.DataFrame, robot: pd.DataFrame, arm: Robot, start: StartOffset | None = None
+) -> tuple[pd.DataFrame, list[Finding]]:
+    """Return a force sensor's table with all samples on its last zero, and where it was zeroed.
+
+    sensor: `time` and ft_*; robot: a repaired table; start: of the sensor's clock, None where it is
+    the robot's.
+    """
+    names = [name for name in columns("ft") if name in sensor]
+    if not names:
+        return sensor, []
+    reading, start = sensor[names].to_numpy(float, copy=True), start or ON_ROBOT_CLOCK
+    found = [
+        one
+        for one in _sudden_zeros(reading, sensor["time"].to_numpy(float), start.seconds)
+        if not _contact_ends(robot, arm, one, start)
+    ]
+    if not found:
+        return sensor, []
+    for one in found:
+        reading[: one.row] += one.change
+        reading[one.row] = (reading[one.row - 1] + reading[one.row + 1]) / 2
+    each = [remark("zeroing", time_s=one.time, force_n=one.size()) for one in found]
+    zeroed = Finding("force", "zeroed", "warning", len(each), {"each": each})
+    return sensor.assign(**dict(zip(names, reading.T, strict=True))), [zeroed]
+
+
+def _sudden_zeros(reading: Array, time: Array, late: float) -> Iterator[Zeroing]:
+    """Find where a reading (N, 3 or 6) falls to zero within a sample.
+
+    time: (N,) [s]; late: start of its clock, by the robot's [s].
+    """
+    force = reading[:, :3]
+    change = np.linalg.norm(force[2:] - force[:-2], axis=1)
+    sudden = (change > LEAST / 2) & (np.linalg.norm(force[2:], axis=1) < 2 * NEAR * change)
+    rows = np.flatnonzero(sudden & (time[2:] - time[:-2] <= 2 * SLOWEST)) + 1
+    rows = rows[(rows >= BESIDE) & (rows < len(force) - BESIDE)]
+    for near in np.split(rows, np.flatnonzero(np.diff(rows) > BESIDE) + 1):
+        falls = [_fall(reading, time + late, row) for row in near.tolist()]
+        best = min(falls, key=lambda fall: fall.misfit, default=None)
+        # a sensor that is gone sends zeros
+        if best is not None and best.misfit < NEAR and force[best.row + 1 :].any():
+            yield best
+
+
+def _fall(reading: Array, time: Array, row: int) -> Zeroing:
+    """Return the reading's step at a row as a zeroing."""
+    step = _step(reading[row - BESIDE : row], reading[row + 1 : row + 1 + BESIDE])
+    size = np.linalg.norm(step.size[:3])
+    away = np.linalg.norm([*step.residual[:, :3], step.after[:3]], axis=1).max()
+    misfit = away / size if size > LEAST else np.inf
+    return Zeroing(row, float(time[row]), step.size, float(misfit))
+
+
+def _step(before: Array, after: Array) -> Step:
+    """Return the step between values (n, k) before and after a row."""
+    place = np.arange(1, len(before) + 1)
+    slope = np.concatenate([-place[::-1], place])
+    terms = np.column_stack([np.ones(len(slope)), slope, slope > 0])
+    inverse, values = np.linalg.pinv(terms), np.concatenate([before, after])
+    level, _, size = found = inverse @ values
+    residual = values - terms @ found
+    noise = np.sqrt((residual**2).sum(axis=0) / (len(values) - len(found)))
+    return Step(size, noise * np.linalg.norm(inverse[2]), level + size, residual)
+
+
+def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: StartOffset) -> bool:
+    """Return whether the currents show that a contact ends; start: of the sensor's clock."""
+    if f"{CURRENT}_0" not in robot:
+        return False
+    unsure = start.std + (UNSURE * zeroing.time if start.drift_std is None else 0.0)
+    since = robot["time"].to_numpy() - zeroing.time
+    before, after = (
+        np.flatnonzero((REACTION + unsure < away) & (away < COMPARED + unsure))
+        for away in (-since, since)
+    )
+    count = min(len(before), len(after))
+    if count < 3:
+        return False
+    beside = robot.iloc[[*before[-count:], *after[:count]]]
+    q, constants = channel(beside, "actual_q"), np.array(arm.family_torque_constants())
+    torque = constants * channel(beside, CURRENT) - gravity_torque(arm, arm.chosen_model, q)
+    step = _step(*np.split(np.nan_to_num(torque), 2))
+    expected = _torque(arm, q[count - 1 : count], zeroing.change[:3]) * np.isfinite(constants)
+    shown, noise = expected @ step.size, np.linalg.norm(expected * step.std_error)
+    return bool(abs(shown) > max(SURE * noise, SHOWN * expected @ expected))
+
+
+def _torque(arm: Robot, q: Array, force: Array) -> Array:
+    """Return the joints' torque (n,) [Nm] of a force at the flange, in its axes; q: (1, n)."""
+    (rotation,), (origin,) = link_frames(arm, q)
+    moments = np.cross(origin[-1] - origin[:-1], rotation[-1] @ force)
+    return np.einsum("jk,jk->j", rotation[:-1, :, 2], moments)
