@@ -3,9 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
+from ur5lib.tables import named
 
 PERIOD = 0.008
 START = 1386689097.80
@@ -52,6 +54,32 @@ def write_recording(
         write_channel(csv / "acc_data.csv", ticks, random.normal(size=(len(ticks), 9)), "%d")
         (csv / "acc_start_time.csv").write_text(f"{START % 86400 * 1000:.6g}")
     return csv
+
+
+def poor_log(arm: Robot, seconds: float, seed: int, speed: float = 0.8) -> pd.DataFrame:
+    """Positions, velocities and currents alone, of an arm that moves all joints, at 125 Hz.
+
+    speed: of each joint, at most [rad/s]; it rests in the last 5 s.
+    """
+    random, joints = np.random.default_rng(seed), len(arm.joints)
+    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    pace = random.uniform(0.3, 1.2, (joints, 3))
+    angle = time[:, None, None] * pace + random.uniform(0, 2 * np.pi, (joints, 3))
+    going = np.clip((seconds - 5 - time) / 2, 0, 1)[:, None]
+    qd = speed / 3 * np.cos(angle).sum(axis=2) * going
+    home = np.array([0.3, -1.2, 1.1, -0.9, 1.4, 0.2])
+    q = home + np.cumsum(qd, axis=0) * PERIOD
+    torque = gravity_torque(arm, arm.chosen_model, q)
+    sizes, constants = np.array(arm.torque_limits()), np.array(arm.maker_torque_constants())
+    friction = sizes * (0.04 * np.tanh(qd / 0.01) + 0.03 * qd)
+    inertia = 0.01 * sizes * np.gradient(qd, PERIOD, axis=0)
+    noise = 0.01 * sizes * random.normal(size=q.shape)
+    current = (1.1 * torque + friction + inertia + noise) / constants
+    channels = {"actual_q": q, "actual_qd": qd, "actual_current": current}
+    columns = [named(values, name) for name, values in channels.items()]
+    return pd.DataFrame(
+        {"time": time} | {key: own for each in columns for key, own in each.items()}
+    )
 
 
 def write_force_sensor(csv: Path, seconds: float, random: np.random.Generator) -> None:

@@ -59,5 +59,6 @@ def test_findings_about_the_ur5e_are_true(real_ur5e: Study) -> None:
         for recording in real_ur5e.recordings
     }
     frames = {"repeated frames", "stale stamps", "lost frames", "crowded frames"}
-    assert found["moving"] == {"unused channels", "wrist sensor"} | frames
-    assert found["freedrive"] == found["moving"] | {"stale data", "silent channel"}
+    known = {"unused channels", "wrist sensor"} | frames
+    assert found["moving"] == known | {"sign not checked"}  # base and wrist 2 hardly move
+    assert found["freedrive"] == known | {"stale data", "silent channel"}

@@ -20,6 +20,7 @@ from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
+from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import check_robot
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake, read_and_repair
@@ -68,7 +69,7 @@ def test_a_recording_has_the_joints_of_its_arm(count: int, tmp_path: Path) -> No
     for name in ("actual_q", "actual_qd", "actual_current", "actual_torque"):
         assert channel(found.robot, name).shape[1] == count
     assert not check_robot(found.robot, PERIOD, [(-10.0, 10.0)] * count, [10.0] * count)
-    assert not stop_signs(found.robot, robot, None, None, True)
+    assert not stop_signs(Checked(found.robot, robot, None, None, True))
 
 
 @pytest.mark.parametrize("count", [2, 7])

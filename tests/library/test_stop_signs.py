@@ -24,6 +24,7 @@ from ur5lib.channels import columns
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.current_checks import foreign_currents
 from ur5lib.recordings.innovations import innovation_likelihoods
 from ur5lib.recordings.stop_signs import stop_signs
@@ -97,7 +98,8 @@ class Taken:
         robot = load_robot(robot_path(arm)).mounted(self.arm.gravity) if arm else self.arm
         load = carried(self.entry.known_payload(), Signals.from_table(table))
         fitted = self.entry.role == "fit"
-        return [*map(said, stop_signs(table, robot, load.configured, load.payload, fitted))]
+        checked = Checked(table, robot, load.configured, load.payload, fitted)
+        return [*map(said, stop_signs(checked))]
 
 
 def take(entry: Recording) -> Taken:
@@ -283,17 +285,18 @@ CORRUPTIONS: dict[str, tuple[Spoil, str]] = {
         "where actual_q in rad would fit",
     ),
     "qd in deg/s": (scaled(1 / DEGREE, "actual_qd"), "actual_qd is not the velocity of actual_q"),
-    "current declared in mA": (scaled(1e-3, "actual_current"), "but motors have 2.5 to 40 Nm/A"),
+    "current declared in mA": (scaled(1e-3, "actual_current"), "is in A, not in mA"),
     "currents declared in mA": (
         scaled(1e-3, "actual_current", "target_current"),
-        "but motors have 2.5 to 40 Nm/A",
+        "is in A, not in mA",
     ),
+    "current in mA": (scaled(1e3, "actual_current"), "give its unit, `actual_current: mA`"),
     "current in Nm": (scaled(10.5, "actual_current"), "actual_current is a torque in Nm"),
     "effort in Nm": (
         each(without(*UNKNOWN), scaled(10.5, "actual_current")),
         "actual_current is a torque in Nm",
     ),
-    "current against gravity": (scaled(-1.0, "actual_current"), "Nm per A of actual_current"),
+    "current against gravity": (scaled(-1.0, "actual_current"), "`actual_current: opposite`"),
     "3 kg that the controller knows": (
         loaded("target_moment", "target_current"),
         "kg would fit",
@@ -474,7 +477,7 @@ def test_a_similar_arm_that_fits_much_better_is_reported(made: Path) -> None:
     """As of two generations: here, an arm that differs by 0.5 kg at its end."""
     taken = simulated(made, "slow", "ur5", "floor")
     heavier = taken.arm.carrying(Payload(mass=0.5)).model_copy(update={"name": "heavier"})
-    (sign,) = stop_signs(taken.table, heavier, None, None, fitted=True)
+    (sign,) = stop_signs(Checked(taken.table, heavier, None, None, fitted=True))
     assert "`robot: ur5` would fit" in said(sign)
 
 

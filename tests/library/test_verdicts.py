@@ -109,9 +109,14 @@ def test_torque_constants_are_good_where_the_data_determine_them(
 
 
 def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
-    remarks = [{"robot": "ur5", "step": "stop sign", "remark": "wrong constants"}]
-    verdict = judge_constants(study(remarks=remarks))
-    assert verdict.state == "do not use"
+    """Where recordings have stop signs, nothing is fitted that could contradict."""
+    sentences = set()
+    for code in ("contradicting constants", "contradicting recordings"):
+        remarks = [{"robot": "ur5", "step": "stop sign", "remark": "wrong", "code": code}]
+        verdict = judge_constants(study(remarks=remarks))
+        assert verdict.state == "do not use"
+        sentences.add(verdict.sentence)
+    assert sentences == {say("constants.contradicted"), say("constants.not fitted")}
     assert judge_constants(study()) is None
 
 

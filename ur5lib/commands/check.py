@@ -1,6 +1,6 @@
 """A study's recordings looked through, without the workflow."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -17,10 +17,14 @@ from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.postures import checked_postures
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import too_short, touched
+from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import stop_signs
+from ur5lib.recordings.touch_checks import unfelt
+from ur5lib.recordings.unchecked import unchecked
 from ur5lib.report.findings import by_finding, group_findings, worded
 from ur5lib.report.tables.files import name_copies
 from ur5lib.report.tables.making import make_table
@@ -136,7 +140,8 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
-    stops = stop_signs(intake.robot, arm, load.configured, load.payload, fitted)
+    checked = Checked(intake.robot, arm, load.configured, load.payload, fitted)
+    stops = stop_signs(checked)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
     currents = study.settings.lowpass.currents
@@ -144,8 +149,24 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
         doubts += touched(sensor, load.mass)
+    doubts += checked.odd_targets.values()
+    if not stops:  # from which others would follow
+        doubts += [*contacts_felt(checked, sensor is not None), *unchecked(checked)]
     findings = [*stops, *intake.quality.findings, *doubts]
     return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
+
+
+def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
+    """Yield the contact that currents show while a recording is to be fitted, or which they do not.
+
+    sensed: whether a force sensor shows weaker ones.
+    """
+    if not checked.fitted or CURRENT not in checked.means.currents:
+        return
+    if checked.contact is not None:
+        yield checked.contact
+    elif not sensed:
+        yield unfelt(checked.arm)
 
 
 def look_through_postures(recording: Recording, arm: Robot) -> Quality:

@@ -60,11 +60,16 @@ class Smoother:
         return by_segment(zero_phase_lowpass, values, record.segment, rate, self.order, self.cutoff)
 
 
-def controllers_ratio(signals: Signals, motion: Motion) -> Array:
-    """Return the controller's own torque constants (6,) [Nm/A], NaN where undetermined."""
+def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ()) -> Array:
+    """Return the controller's own torque constants (6,) [Nm/A], NaN where undetermined.
+
+    odd: joints from 1 whose `target_current` is not that of their motors.
+    """
     if signals.target_moment is None or signals.target_current is None:
         return np.full(motion.q.shape[1], np.nan)
-    return standstill_ratio(signals.target_moment, signals.target_current, motion.motor_qd)
+    ratio = standstill_ratio(signals.target_moment, signals.target_current, motion.motor_qd)
+    ratio[[joint - 1 for joint in odd]] = np.nan
+    return ratio
 
 
 def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | None = None) -> Prior:

@@ -1,7 +1,7 @@
 """Means of a robot table's channels over short blocks, for checks of the arm's statics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -29,7 +29,8 @@ class BlockMeans:
     q, qd, qdd: (M, 6) [rad, rad/s, rad/s²]; torque: `target_moment` (M, 6) [Nm], None if it was not
     recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded;
     offset: whether each may have an offset, so that only their changes are evidence; independent:
-    errors per block that count as independent.
+    errors per block that count as independent; time: (M,) of their starts [s], and segment: (M,)
+    labels, None where they are no blocks of a recording.
     """
 
     q: Array
@@ -39,15 +40,17 @@ class BlockMeans:
     currents: dict[str, Array]
     offset: bool = False
     independent: float = BLOCK / INDEPENDENT
+    time: Array | None = None
+    segment: Labels | None = None
 
     def part(self, rows: Labels | slice = WHOLE, columns: Sequence[int] | slice = WHOLE) -> Self:
         """Return the means of some blocks, and of the joints in an order of their columns.
 
-        Without `torque`.
+        Without `torque`, `time` and `segment`.
         """
         q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
         currents = {name: values[rows][:, columns] for name, values in self.currents.items()}
-        return replace(self, q=q, qd=qd, qdd=qdd, torque=None, currents=currents)
+        return type(self)(q, qd, qdd, None, currents, self.offset)
 
     def gravity(self, arm: Robot) -> Array:
         """Return the torque (M, 6) [Nm] that holds an arm, payload included."""
@@ -91,6 +94,8 @@ def block_means(
         qdd=(last - first) / (period * (rows.shape[1] - 1)),
         torque=means.pop("target_moment", None),
         currents=means,
+        time=robot["time"].to_numpy(float)[rows[:, 0]],
+        segment=robot["segment"].to_numpy()[rows[:, 0]],
     )
 
 

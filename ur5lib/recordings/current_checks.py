@@ -6,7 +6,7 @@ much of the current is left, and how it changes from frame to frame, distinguish
 and delayed ones from right ones; friction distinguishes turned ones.
 """
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -30,11 +30,17 @@ RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 BRAKES = 4.0  # standard errors by which friction drives; in right recordings, at most 2
 STEP, LONGEST = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
 DELAYED = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
-WEAK, STRONG = 0.8, 2.0  # current per target; 0.87 to 1.5 in right recordings, loads included
-BEARS = 1.0  # A, root mean square of the target of a joint that bears something
 BEARING = 3.0  # Nm; a joint with less gravity torque does not show the unit of its current
 CONSTANTS = (2.5, 40.0)  # Nm/A; the torque constants of all arms lie between
-ONE = (0.5, 2.0)  # Nm per “A” where the current is a torque
+IN_MA = ("current in mA", "current not in mA")
+OPPOSITE = "opposite current"
+UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
+    "torque as current": (0.5, 2.0),
+    IN_MA[0]: (1e-3 * CONSTANTS[0], 1e-3 * CONSTANTS[1]),
+    IN_MA[1]: (1e3 * CONSTANTS[0], 1e3 * CONSTANTS[1]),
+    OPPOSITE: (-CONSTANTS[1], -CONSTANTS[0]),
+}
+OTHER = "no current"  # the code of any other unit
 ERRORS = 5.0  # standard errors that are no chance
 UNEXPLAINED = 0.5  # share of a current's square that gravity, friction and inertia may leave
 UNDECLARED = 1.0  # kg; right recordings show up to 0.3 kg, all of it friction
@@ -42,28 +48,51 @@ LEAST = 30  # blocks of a joint in motion that show a load
 SEEN = 0.2  # least share of the difference of the currents that such a load explains
 
 
-def strange_currents(
-    robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float, driven: bool
-) -> Iterator[Finding]:
-    """Find currents that are delayed, exchanged, turned or scaled, of an arm that moves.
+class Answers(NamedTuple):
+    """How well motions explain currents: log-likelihoods.
 
-    robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s]; driven:
-    whether by its motors.
+    of_delays: of all currents, by how much later they are than the motion, `delays` [s], none in
+    the middle; of_joints: (6, 6), row j: of the current of joint j, column k: by the motion of
+    joint k.
     """
-    if CURRENT not in means.currents:
-        return
+
+    delays: Array
+    of_delays: Array
+    of_joints: Array
+
+    def ahead(self) -> Array:
+        """Return how much likelier each current (6, 6) is that of a joint than of any other."""
+        return np.array(
+            [[own[k] - np.delete(own, k).max() for k in range(len(own))] for own in self.of_joints]
+        )
+
+    def behind(self) -> Array:
+        """Return how much likelier no delay is than each."""
+        return np.asarray(self.of_delays[len(self.delays) // 2] - self.of_delays)
+
+    def late(self) -> Mask:
+        """Return which delays matter; none at 1 Hz, where steps are longer than all of these."""
+        return np.asarray(np.abs(self.delays) >= DELAYED)
+
+    def longest_unnoticed(self) -> float:
+        """Return the longest delay [s] that is hardly less likely than none."""
+        if not self.late().any():
+            return LONGEST
+        return float(np.abs(self.delays[self.behind() <= SURE]).max())
+
+
+def answers(robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float) -> Answers:
+    """Return how well motions explain the measured currents.
+
+    robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
+    """
     count = max(1, round(STEP / step))
     most = round(LONGEST / (count * step))
     lags = np.arange(-most, most + 1)
-    answers = innovation_likelihoods(robot, step, lags * count)
-    motion, own = delay_scores(robot, arm, step, count, lags), np.einsum("ljj->l", answers)
-    delays = np.asarray(lags * count * step)
-    yield from delayed(delays, motion + own, driven)
-    exchanged = [*exchanged_currents(means, arm, answers[most])]
-    yield from exchanged
-    if driven:
-        yield from [] if exchanged else turned(means, arm)
-        yield from scaled(means)
+    likelihoods = innovation_likelihoods(robot, step, lags * count)
+    motion, own = delay_scores(robot, arm, step, count, lags), np.einsum("ljj->l", likelihoods)
+    of_joints = likelihoods[most] + means.log_likelihood(_left(means, arm) + NOISE**2)
+    return Answers(np.asarray(lags * count * step), motion + own, of_joints)
 
 
 def is_driven(robot: pd.DataFrame) -> bool:
@@ -78,14 +107,10 @@ def moving(means: BlockMeans) -> Mask:
     return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MOVES)
 
 
-def exchanged_currents(means: BlockMeans, arm: Robot, answers: Array) -> Iterator[Finding]:
-    """Find two joints, each of which explains the current of the other better than all others do.
-
-    answers: log-likelihoods (6, 6) of each current as an answer to each joint's motion.
-    """
-    score = answers + means.log_likelihood(_left(means, arm) + NOISE**2)
-    ahead = [[own[k] - np.delete(own, k).max() for k in range(len(own))] for own in score]
-    gains = np.triu(np.add(ahead, np.transpose(ahead)), 1)
+def exchanged_currents(found: Answers) -> Iterator[Finding]:
+    """Find two joints, each of which explains the other's current better than all others do."""
+    ahead = found.ahead()
+    gains = np.triu(ahead + ahead.T, 1)
     j, k = np.argwhere(gains == gains.max())[0].tolist()
     if gains[j, k] > SURE_PAIR:
         yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
@@ -93,46 +118,30 @@ def exchanged_currents(means: BlockMeans, arm: Robot, answers: Array) -> Iterato
 
 def turned(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find currents whose friction drives the motion instead of braking it."""
-    gravity, rest = means.gravity(arm), [means.qdd, np.ones((len(means.q), 1))]
-    speed = np.sqrt((means.qd**2).mean(axis=0))  # usual
-    for joint in np.flatnonzero(moving(means)).tolist():
-        columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
-        friction = combination(columns, means.currents[CURRENT][:, joint], [1.0, speed[joint]])
-        if friction[0] < -BRAKES * friction[1]:
+    for joint, friction in braking(means, arm).items():
+        if friction < -BRAKES:
             yield contradiction("turned current", joint=joint + 1)
 
 
-def scaled(means: BlockMeans) -> Iterator[Finding]:
-    """Find currents that are a fraction or a multiple of their targets, in joints that bear."""
-    if "target_current" not in means.currents:
+def braking(means: BlockMeans, arm: Robot) -> dict[int, float]:
+    """Return the friction of joints that move, from 0, at their usual speed, in standard errors."""
+    gravity, rest = means.gravity(arm), [means.qdd, np.ones((len(means.q), 1))]
+    speed, found = np.sqrt((means.qd**2).mean(axis=0)), {}
+    for joint in np.flatnonzero(moving(means)).tolist():
+        columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
+        value, error = combination(columns, means.currents[CURRENT][:, joint], [1.0, speed[joint]])
+        found[joint] = value / (error + 1e-9)
+    return found
+
+
+def delayed(found: Answers, driven: bool) -> Iterator[Finding]:
+    """Find currents that come later or earlier than the motion that they drive."""
+    late, behind = found.late(), found.behind()
+    if not late.any():
         return
-    moves = moving(means)
-    for joint in range(3):  # wrists hardly bear anything
-        own, friction = means.currents["target_current"][:, joint], means.friction(joint)
-        # without friction, which targets of some arms contain, and inertia: only a load shows it
-        others = np.column_stack([friction, means.qdd[:, joint]])
-        borne = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
-        # at rest, of a joint whose load others change
-        if not (moves[joint] and np.sqrt((borne**2).mean()) > BEARS) and borne.std() <= BEARS:
-            continue
-        load = np.abs(own) * friction[:, 0]
-        columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
-        slope, error = combination(columns, means.currents[CURRENT][:, joint], [1.0])
-        if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
-            yield contradiction("scaled current", joint=joint + 1, ratio=slope)
-
-
-def delayed(delays: Array, scores: Array, driven: bool) -> Iterator[Finding]:
-    """Find currents that come later or earlier than the motion that they drive.
-
-    delays: that are tried [s], none in the middle; scores: their log-likelihoods.
-    """
-    late = np.abs(delays) >= DELAYED
-    if not late.any():  # of a recording at 1 Hz, steps are longer than any delay that is tried
-        return
-    most, shorter, none = scores[late].max(), scores[~late].max(), scores[len(scores) // 2]
-    if most - none > SURE and most - shorter > (0.0 if driven else SURE_BY_HAND):
-        delay = float(delays[late][np.argmax(scores[late])])
+    most, shorter = behind[late].min(), behind[~late].min()
+    if most < -SURE and shorter - most > (0.0 if driven else SURE_BY_HAND):
+        delay = float(found.delays[late][np.argmin(behind[late])])
         code = "late current" if delay > 0 else "early current"
         yield contradiction(code, seconds=abs(delay))
 
@@ -212,24 +221,28 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     if np.sqrt((gravity[:, joint] ** 2).mean()) < BEARING:
         return
     for name, current in means.currents.items():
-        held = _held(means, gravity, current, joint)
+        held = holding(means, gravity, current, joint)
         away = ERRORS * held.error
         if held.left < UNEXPLAINED and not (
             1 / CONSTANTS[1] < held.slope + away and held.slope - away < 1 / CONSTANTS[0]
         ):
             constant = 1 / (held.slope or 1e-9)
-            code = "torque as current" if ONE[0] <= constant <= ONE[1] else "no current"
+            shown = UNITS if abs(held.slope) > away else {}
+            code = next((c for c, (low, high) in shown.items() if low <= constant <= high), OTHER)
             yield contradiction(code, name=name, joint=joint + 1, constant=constant)
 
 
-def undeclared_load(means: BlockMeans, known: Robot, carrying: Robot) -> Iterator[Finding]:
+def undeclared_load(
+    means: BlockMeans, known: Robot, carrying: Robot, odd: Container[int] = ()
+) -> Iterator[Finding]:
     """Find a load that neither the study nor the controller knows, by which currents differ.
 
-    known: the arm with the payload that the controller knows; carrying: with the declared one.
+    known: the arm with the payload that the controller knows; carrying: with the declared one;
+    odd: joints from 0 whose targets do not count.
     """
     if {"actual_current", "target_current"} - means.currents.keys():
         return
-    columns, torque = _unexpected(means, known, means.gravity(carrying) - means.gravity(known))
+    columns, torque = _unexpected(means, known, means.gravity(carrying) - means.gravity(known), odd)
     if len(torque):
         mass, left = fitted_load(columns, torque)
         _, error = combination(columns, torque, [1.0])  # large where only a wrist moves
@@ -237,7 +250,7 @@ def undeclared_load(means: BlockMeans, known: Robot, carrying: Robot) -> Iterato
             yield contradiction("undeclared load", mass=mass)
 
 
-def _held(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
+def holding(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
     """Return how much of a joint's current holds gravity, beside friction and inertia."""
     own = current[:, joint]
     columns = np.column_stack([gravity[:, joint], means.friction(joint), means.qdd])
@@ -248,7 +261,9 @@ def _held(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held
     return Held(float(solution[0]), float(error), (left / size(own)) ** 2)
 
 
-def _unexpected(means: BlockMeans, known: Robot, declared: Array) -> tuple[Array, Array]:
+def _unexpected(
+    means: BlockMeans, known: Robot, declared: Array, odd: Container[int]
+) -> tuple[Array, Array]:
     """Return torque per load (n, 4), and the torque (n,) that measured currents hold beyond
     target_current, both without friction and in units of its spread, of all joints that bear.
 
@@ -260,9 +275,9 @@ def _unexpected(means: BlockMeans, known: Robot, declared: Array) -> tuple[Array
     rows = [np.empty((0, 5))]
     for joint in range(gravity.shape[1]):
         own = np.abs(means.qd[:, joint]) > MOVES
-        if np.count_nonzero(own) < LEAST:
+        if joint in odd or np.count_nonzero(own) < LEAST:
             continue
-        held = _held(means, gravity, target, joint)
+        held = holding(means, gravity, target, joint)
         if held.left < UNEXPLAINED and 1 / CONSTANTS[1] < held.slope < 1 / CONSTANTS[0]:
             torque = (measured - target)[own, joint] / held.slope - declared[own, joint]
             pair = np.column_stack([loads[own, joint], torque])

@@ -1,26 +1,26 @@
 """Checks of postures at rest: gravity is all that tells arm, order, units and signs."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 
 from ur5lib.errors import Remark, remark
+from ur5lib.recordings.arm_checks import SURE as UNLIKE
+from ur5lib.recordings.arm_checks import (
+    exchanged_joints,
+    foreign_arms,
+    gains_of_arms,
+    likeliest,
+    of_measured,
+)
 from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.checked import FEWEST, arms_alike
 from ur5lib.recordings.current_checks import foreign_currents
 from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.recordings.readings import in_order, readings
-from ur5lib.recordings.stop_signs import (
-    FEWEST,
-    described,
-    exchanged_joints,
-    foreign_arm,
-    foreign_torque,
-)
-from ur5lib.recordings.stop_signs import SURE as UNLIKE
-from ur5lib.robots.description import Payload, Robot, robot_names
+from ur5lib.recordings.stop_signs import foreign_torque
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 
 SURE = 5.0  # standard errors by which gravity shows in a current
@@ -57,10 +57,9 @@ def _contradictions(
     for joint in np.flatnonzero(turned).tolist():
         yield contradiction("turned current at rest", joint=joint + 1)
     yield from foreign_currents(means, loaded)
-    yield from exchanged_joints(means, loaded)
+    yield from likeliest(exchanged_joints(means, loaded))
     yield from _unexplained(means, loaded)
-    others = (described(name).mounted(arm.gravity) for name in robot_names())
-    yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
+    yield from likeliest(foreign_arms(means, loaded, arms_alike(arm, declared)))
     small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
     if small:
         yield contradiction("contradicting constants", each=small)
@@ -95,12 +94,9 @@ def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
 
 def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
     """Return the other described arms whose gravity explains the currents hardly worse."""
-    others = [described(name).mounted(arm.gravity) for name in robot_names() if name != arm.name]
-    arms = [one.carrying(payload) for one in [arm, *others] if len(one.joints) == len(arm.joints)]
-    alone = replace(means, currents={CURRENT: means.currents[CURRENT]})
-    scores = {one.arm: one.score for one in readings(alone, arms, [in_order(arm)])}
-    own = scores.pop(arm.name)
-    return [name for name, score in scores.items() if own - UNLIKE < score != own]
+    loaded = arm.carrying(payload)
+    gains = gains_of_arms(of_measured(means), loaded, arms_alike(arm, payload))
+    return [name for name, gain in gains.items() if name != arm.name and -UNLIKE < gain != 0.0]
 
 
 def _correlation(means: BlockMeans, arm: Robot) -> Array:

@@ -10,6 +10,7 @@ from ur5lib.errors import InputError
 T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
 Severity = Literal["stop", "error", "warning", "note"]
+ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 
@@ -86,11 +87,16 @@ class Contradictions:
     """contradictions.json: what in a recording contradicts the study, and doubts about it.
 
     stop_signs: contradictions with which no forces may be stated; findings: about its payload, its
-    tool and its length.
+    tool, its length and the targets of its currents.
     """
 
     stop_signs: list[Finding] = field(default_factory=list)
     findings: list[Finding] = field(default_factory=list)
+
+    def odd_targets(self) -> list[int]:
+        """Return the joints, from 1, whose `target_current` is not that of their motors."""
+        odd = (one.values["joint"] for one in self.findings if one.finding == ODD_TARGET)
+        return [joint for joint in odd if isinstance(joint, int)]
 
 
 @dataclass(frozen=True)

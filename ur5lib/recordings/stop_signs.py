@@ -2,31 +2,31 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cache
-from itertools import combinations, islice
+from itertools import islice
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.channels import MOST_JOINTS, columns, joint_count
 from ur5lib.errors import Remark, remark
-from ur5lib.recordings.block_means import BlockMeans, block_means, fitted_load, size
+from ur5lib.recordings.arm_checks import SURE, contradictions_by_gravity
+from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
+from ur5lib.recordings.checked import FEWEST, Checked
+from ur5lib.recordings.checked import described as described
 from ur5lib.recordings.checks import MOVES, misread_velocities, recorded
 from ur5lib.recordings.current_checks import (
+    delayed,
+    exchanged_currents,
     foreign_currents,
-    is_driven,
-    moving,
-    strange_currents,
+    turned,
     undeclared_load,
 )
-from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.recordings.readings import exchanged, in_order, readings
-from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.recordings.target_checks import scaled
+from ur5lib.robots.description import Payload, Robot, robot_names
 from ur5lib.robots.statics import link_frames, load_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
-from ur5lib.timeseries.segments import period
 
 CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
@@ -35,14 +35,10 @@ CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recor
 )
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
 MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
-SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 31
-SURE_JOINTS = 60.0  # the same of two exchanged joints; at most 46 where a few postures are held
 PRECISE = 0.02  # Nm; nothing is explained better
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
 DEGREES = 180 / np.pi  # of a radian
-LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
-FEWEST = 30  # blocks of a recording that can contradict an arm
 FRAMES = 20  # in which a joint moves, from which its channels are compared
 CLOSER = 0.5  # a pair closer by this factor than the targets; in right recordings, none is by 0.95
 SMOOTHER = 0.3  # actual_current is at least 15 times as rough as target_current in right recordings
@@ -53,53 +49,35 @@ EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targ
 }
 
 
-def stop_signs(
-    robot: pd.DataFrame,
-    arm: Robot,
-    configured: Payload | None,
-    declared: Payload | None,
-    fitted: bool,
-) -> list[Finding]:
-    """Return the stop signs of a recording.
-
-    robot: a repaired table, of which CHECKED is enough; arm: under the recording's gravity;
-    configured: the payload that the controller was given; declared: the one that the study gives;
-    fitted: whether the recording has the role `fit`.
-    """
-    channels = [*_motion(robot), *_current(robot)]
+def stop_signs(checked: Checked) -> list[Finding]:
+    """Return the stop signs of a recording, of which the columns CHECKED are enough."""
+    channels = [*_motion(checked.robot), *_current(checked.robot)]
     of_channels = [contradiction("exchanged channels", name=name) for name in channels]
-    of_arm = _contradictions(robot, arm, configured, declared, fitted)
-    return [*of_channels, *islice(of_arm, 1)]  # others follow from the first
+    return [*of_channels, *islice(_contradictions(checked), 1)]  # others follow from the first
 
 
-def _contradictions(
-    robot: pd.DataFrame,
-    arm: Robot,
-    configured: Payload | None,
-    declared: Payload | None,
-    fitted: bool,
-) -> Iterator[Finding]:
+def _contradictions(checked: Checked) -> Iterator[Finding]:
     """Yield what contradicts the arm and what it carries, the strongest evidence first."""
-    step = period(robot["time"].to_numpy())
-    yield from misread_velocities(robot, step)
-    means = block_means(robot, step)
+    robot, arm, loaded = checked.robot, checked.arm, checked.loaded
+    yield from misread_velocities(robot, checked.step)
+    means = checked.means
     if len(means.q) < FEWEST:
         return
-    yield from foreign_torque(means, arm, [configured, declared])
+    yield from foreign_torque(means, arm, [checked.configured, checked.declared])
     yield from tool_off_flange(robot, arm)
-    loaded = arm.carrying(declared)
-    yield from foreign_currents(means, loaded)
-    moves, driven = int(moving(means).sum()), is_driven(robot)
-    # a known torque has shown arm and joints; a push against an arm at rest looks like gravity
-    if means.torque is None and (fitted or moves):
-        yield from exchanged_joints(means, loaded)
-        others = (described(name).mounted(arm.gravity) for name in robot_names())
-        yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
-    # a torque sensor beyond the gear shows no friction, by which these know a current
-    if moves >= (1 if driven else LED) and not arm.senses_torque():
-        yield from strange_currents(robot, means, loaded, step, driven)
-    if fitted:  # elsewhere, the fit finds an undeclared load
-        yield from undeclared_load(means, arm.carrying(configured), loaded)
+    if checked.answers is not None:  # whatever arm and units are
+        yield from delayed(checked.answers, checked.driven)
+        yield from exchanged_currents(checked.answers)
+    if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints
+        yield from contradictions_by_gravity(means, loaded, checked.others, checked.fitted)
+    else:
+        yield from foreign_currents(means, loaded)
+    if checked.answers is not None and checked.driven:
+        yield from turned(means, loaded)
+        yield from scaled(means, checked.odd_targets)
+    if checked.fitted:  # elsewhere, the fit finds an undeclared load
+        known = arm.carrying(checked.configured)
+        yield from undeclared_load(means, known, loaded, checked.odd_targets)
 
 
 def _received(robot: pd.DataFrame, name: str) -> Array:
@@ -177,7 +155,7 @@ def foreign_torque(
     torque = means.torque
     if torque is None:
         return
-    residual = min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
+    residual = _least_residual(means, torque, arm, payloads)
     share = size(residual) / size(torque)
     foreign, known = share > MODELLED, (means, torque, arm)
     arms = [*(_fitting_arms(*known) if foreign else _likelier_arms(*known, payloads))]
@@ -185,6 +163,19 @@ def foreign_torque(
         fitting = [*arms, *_other_causes(means, torque, residual, arm)]
         code = "other torque of known cause" if fitting else "other torque"
         yield contradiction(code, arm=arm.name, share=share, causes=fitting)
+
+
+def is_foreign(
+    means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
+) -> bool:
+    """Return whether a torque (M, 6) [Nm] cannot be that of an arm with any of some payloads."""
+    return size(_least_residual(means, torque, arm, payloads)) > MODELLED * size(torque)
+
+
+def _least_residual(
+    means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
+) -> Array:
+    return min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
 
 
 def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
@@ -223,36 +214,6 @@ def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Rema
         other = described(name).mounted(arm.gravity)
         if len(other.joints) == len(arm.joints) and _fits(means, torque, other):
             yield remark("robot as cause", value=name)
-
-
-@cache
-def described(name: str) -> Robot:
-    """Return a described arm, read once."""
-    return load_robot(robot_path(name))
-
-
-def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
-    if CURRENT not in means.currents:
-        return
-    own, alone = in_order(arm), replace(means, currents={CURRENT: means.currents[CURRENT]})
-    orders = {exchanged(own, *pair): pair for pair in combinations(own[:3], 2)}
-    scores = {one.order: one.score for one in readings(alone, [arm], [own, *orders])}
-    for order, (j, k) in orders.items():
-        if scores[order] - scores[own] > SURE_JOINTS:
-            yield contradiction("exchanged joints", joint=j + 1, other=k + 1)
-
-
-def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
-    """Find another arm whose gravity explains the currents better by far; all under their load."""
-    if CURRENT not in means.currents:
-        return
-    order, alike = in_order(arm), [one for one in others if len(one.joints) == len(arm.joints)]
-    alone = replace(means, currents={CURRENT: means.currents[CURRENT]})
-    (own,) = readings(alone, [arm], [order])
-    best = readings(alone, alike, [order])[:1]
-    if best and best[0].score - own.score > SURE:
-        yield contradiction("other arm's currents", arm=arm.name, other=best[0].arm)
 
 
 def _other_causes(

@@ -89,7 +89,7 @@ class Words(Formatter):
             return sentence(value["code"], value["values"])
         if not isinstance(value, list | tuple):
             return str(super().format_field(value, format_spec))
-        if all(isinstance(one, Mapping) for one in value):
+        if all(isinstance(one, Mapping | str) for one in value):
             return (format_spec or ", ").join(self.format_field(one, "") for one in value)
         return ", ".join(self.format_field(one, format_spec) for one in value)
 

@@ -4,6 +4,7 @@ from typing import Any
 
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import too_short
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.recordings.stop_signs import CHECKED, stop_signs
@@ -19,5 +20,6 @@ def find_contradictions(input: Any, output: Any, params: Any) -> None:
     del signals
     known = CHECKED.intersection(read_footer(input.signals).schema.names)
     table = read_table(input.signals, [*known])
-    signs = stop_signs(table, arm, load.configured, load.payload, params.role == "fit")
-    write_json(Contradictions(signs, doubts), output.contradictions)
+    checked = Checked(table, arm, load.configured, load.payload, params.role == "fit")
+    doubts += checked.odd_targets.values()
+    write_json(Contradictions(stop_signs(checked), doubts), output.contradictions)

@@ -24,16 +24,16 @@ from ur5lib.tables import read_record, write_json
 def fit_friction(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
     model, smooth = robot.fullest_model(), Smoother(params.order, params.cutoff_hz)
+    found = [read_record(Contradictions, path) for path in input.contradictions]
     records, ratios = [], []
-    named = zip(params.recordings, params.dates, strict=True)
+    named = zip(params.recordings, params.dates, found, strict=True)
     files = zip(named, input.signals, input.motion, input.torques, strict=True)
-    for (name, day), *paths in files:
+    for (name, day, doubts), *paths in files:
         signals, motion = Signals.read(paths[0]), Motion.read(paths[1])
         record = current_record(name, signals, motion, Torques.read(paths[2]), model)
         if record is not None:
             records.append(replace(record, day=day))
-            ratios.append(controllers_ratio(signals, motion))
-    found = [read_record(Contradictions, path) for path in input.contradictions]
+            ratios.append(controllers_ratio(signals, motion, doubts.odd_targets()))
     contradictions = dict(zip(params.recordings, found, strict=True))
     at_rest = {Path(path).parent.name: read_record(Postures, path) for path in input.postures}
     contradictions |= {name: one.contradictions for name, one in at_rest.items()}

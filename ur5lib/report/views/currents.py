@@ -196,8 +196,11 @@ def linear(results: Results, recording: str) -> Iterator[Sentence]:
 def judge_constants(results: Results) -> Verdict | None:
     """Judge by the constants that the data determine; None where no friction was fitted."""
     rows = results.rows("friction", parameter="torque_constant")
-    if len(results.rows("remarks", step=STOP)):
-        return Verdict(CONSTANTS, "do not use", say("constants.contradicted"))
+    signs = results.rows("remarks", step=STOP)
+    if len(signs):
+        fitted = "contradicting constants" in {*signs["code"]}
+        kind = "contradicted" if fitted else "not fitted"
+        return Verdict(CONSTANTS, "do not use", say(f"constants.{kind}"))
     if rows.empty:
         return None
     shares = rows.groupby("joint")["prior_share"].max()

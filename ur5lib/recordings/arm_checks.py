@@ -1,0 +1,195 @@
+"""Checks of the arm and of the order of its joints, by the gravity that currents hold.
+
+What another arm or two exchanged joints would explain far better is a contradiction. So is a
+torque constant far from the maker's: of a right recording's joints that bear something, the
+current per torque of gravity is that constant but for the gears' losses.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.errors import remark
+from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.current_checks import (
+    BEARING,
+    ERRORS,
+    IN_MA,
+    OPPOSITE,
+    UNEXPLAINED,
+    foreign_currents,
+    holding,
+    moving,
+)
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.recordings.readings import exchanged, in_order, readings
+from ur5lib.robots.description import Robot
+
+SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 31
+SURE_JOINTS = 60.0  # the same of two exchanged joints; at most 46 where a few postures are held
+BEARERS = 3  # joints from the base that bear others in every posture
+USUAL = 1.75  # times the maker's torque constant or part of it; 0.63 to 1.1 in right recordings
+NOTHING = 1e-3  # slope of a current that gravity does not show, relative to the maker's
+STICKING = 0.1  # share of a motor's largest torque that friction may hold at rest
+
+Pair = tuple[int, int]  # of joints, from 0
+
+
+class Cause(NamedTuple):
+    """What would explain the currents by gravity, and how much likelier: log-likelihoods.
+
+    means, arm: with it, as they would be.
+    """
+
+    finding: Finding
+    gain: float
+    means: BlockMeans
+    arm: Robot
+
+
+def contradictions_by_gravity(
+    means: BlockMeans, arm: Robot, others: Sequence[Robot], fitted: bool
+) -> Iterator[Finding]:
+    """Find exchanged joints, another arm, foreign units and foreign torque constants.
+
+    Where currents seem to be in a foreign unit, joints or arm are to blame if they explain that,
+    too, better than the opposite sign does. arm, others: under their load; fitted: whether the
+    recording has the role `fit`.
+    """
+    units = [*foreign_currents(means, arm)]
+    if not any(one.code in IN_MA for one in units):
+        causes = [*exchanged_joints(means, arm), *foreign_arms(means, arm, others)]
+        if units:
+            causes = [own for own in causes if not any(foreign_currents(own.means, own.arm))]
+        if any(one.code == OPPOSITE for one in units):
+            causes = [own for own in causes if own.gain > gain_of_sign(means, arm)]
+        yield from likeliest(causes)
+    yield from units
+    yield from foreign_constants(means, arm, others, fitted)
+
+
+def likeliest(causes: Iterable[Cause]) -> Iterator[Finding]:
+    """Yield the finding of the likeliest cause, if there is one."""
+    for cause in sorted(causes, key=lambda own: -own.gain)[:1]:
+        yield cause.finding
+
+
+def of_measured(means: BlockMeans, sign: int = 1) -> BlockMeans:
+    """Return the means with the measured current, or its opposite, as the only effort."""
+    return replace(means, currents={CURRENT: sign * means.currents[CURRENT]})
+
+
+def gain_of_sign(means: BlockMeans, arm: Robot) -> float:
+    """Return how much likelier currents of the opposite sign are."""
+    own, opposite = (
+        readings(of_measured(means, sign), [arm], [in_order(arm)])[0].score for sign in (1, -1)
+    )
+    return opposite - own
+
+
+def gains_of_exchange(means: BlockMeans, arm: Robot) -> dict[Pair, float]:
+    """Return how much likelier the efforts are with all columns of two joints exchanged."""
+    own = in_order(arm)
+    orders = {pair: exchanged(own, *pair) for pair in combinations(own, 2)}
+    scores = {one.order: one.score for one in readings(means, [arm], [own, *orders.values()])}
+    return {pair: scores[order] - scores[own] for pair, order in orders.items()}
+
+
+def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Cause]:
+    """Find two joints, all channels of which are exchanged."""
+    for pair, gain in gains_of_exchange(of_measured(means), arm).items():
+        if gain > SURE_JOINTS and is_shown(means, pair):
+            finding = contradiction("exchanged joints", joint=pair[0] + 1, other=pair[1] + 1)
+            yield Cause(finding, gain, means.part(columns=exchanged(in_order(arm), *pair)), arm)
+
+
+def is_shown(means: BlockMeans, pair: Pair) -> bool:
+    """Return whether gravity shows an exchange of two joints: that bear others, or both move."""
+    return max(pair) < BEARERS or bool(moving(means)[[*pair]].all())
+
+
+def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dict[str, float]:
+    """Return how much likelier others arms are, of as many joints."""
+    order = in_order(arm)
+    (own,) = readings(means, [arm], [order])
+    return {one.arm: one.score - own.score for one in readings(means, others, [order])}
+
+
+def foreign_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Cause]:
+    """Find other arms whose gravity explains the currents better by far; all under their load."""
+    gains = gains_of_arms(of_measured(means), arm, others)
+    for other in others:
+        if gains[other.name] > SURE:
+            finding = contradiction("other arm's currents", arm=arm.name, other=other.name)
+            yield Cause(finding, gains[other.name], means, other)
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Torque constants by gravity, as multiples of the maker's, by joint from 0.
+
+    low, high: with all that their errors allow; known: the maker's [Nm/A].
+    """
+
+    ratio: Mapping[int, float]
+    low: Mapping[int, float]
+    high: Mapping[int, float]
+    known: Sequence[float]
+
+    def off(self) -> dict[int, float]:
+        """Return the joints whose constants are foreign, and their ratios."""
+        joints = (j for j in self.ratio if self.high[j] < 1 / USUAL or self.low[j] > USUAL)
+        return {joint: self.ratio[joint] for joint in joints}
+
+    def away(self, joint: int) -> float:
+        """Return how far a constant is from the maker's, as a logarithm."""
+        return abs(math.log(self.ratio[joint]))
+
+
+def constants(means: BlockMeans, arm: Robot, name: str = CURRENT) -> Constants:
+    """Return the torque constants by gravity of the joints that bear something.
+
+    At rest, friction may hold a part of gravity; name: of the channel that holds currents.
+    """
+    gravity, moves = means.gravity(arm), moving(means)
+    known, found = np.array(arm.maker_torque_constants()), dict[int, list[float]]()
+    for joint, size in enumerate(np.sqrt((gravity**2).mean(axis=0))):
+        own = holding(means, gravity, means.currents[name], joint)
+        if size > BEARING and own.left < UNEXPLAINED and np.isfinite(known[joint]):
+            sticking = 0.0 if moves[joint] else STICKING * arm.torque_limits()[joint] / size
+            slope, error = own.slope * known[joint], ERRORS * own.error * known[joint] + sticking
+            found[joint] = [1 / max(one, NOTHING) for one in (slope, slope + error, slope - error)]
+    ratio, low, high = ({joint: own[k] for joint, own in found.items()} for k in range(3))
+    return Constants(ratio, low, high, known.tolist())
+
+
+def foreign_constants(
+    means: BlockMeans, arm: Robot, others: Sequence[Robot], fitted: bool
+) -> Iterator[Finding]:
+    """Find torque constants that are not those of the arm's motors.
+
+    Small ones may be a load, which the fit finds in recordings that are not fitted.
+    """
+    found = constants(means, arm)
+    off = {joint: ratio for joint, ratio in found.off().items() if fitted or ratio > 1}
+    if off:
+        joint = max(off, key=found.away)
+        known = found.known[joint]
+        fitting = [
+            remark("robot as cause", value=name) for name in fitting_arms(means, arm, others)
+        ]
+        code = "foreign constant of known cause" if fitting else "foreign constant"
+        values = {"joint": joint + 1, "constant": off[joint] * known, "known": known}
+        yield contradiction(code, arm=arm.name, causes=fitting, **values)
+
+
+def fitting_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> list[str]:
+    """Return the other arms that the currents do not exclude: by gravity and torque constants."""
+    gains = gains_of_arms(of_measured(means), arm, others)
+    likely = [one for one in others if gains[one.name] > -SURE]
+    return [one.name for one in likely if one.name != arm.name and not constants(means, one).off()]

@@ -1,0 +1,78 @@
+"""Checks of currents beside their targets: a fraction or a multiple of these, in joints that bear.
+
+Gravity tells which of the two is to blame, where one shows the motor's torque constant.
+"""
+
+from collections.abc import Container, Iterator
+
+import numpy as np
+
+from ur5lib.recordings.arm_checks import constants
+from ur5lib.recordings.block_means import BlockMeans, combination
+from ur5lib.recordings.current_checks import moving
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.recordings.quality import ODD_TARGET, Finding, contradiction
+from ur5lib.robots.description import Robot
+
+TARGET = "target_current"
+WEAK, STRONG = 0.8, 2.0  # current per target; 0.87 to 1.5 in right recordings, loads included
+BEARS = 1.0  # A, root mean square of the target of a joint that bears something
+
+
+def scaled(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
+    """Find currents that are a fraction or a multiple of their targets.
+
+    odd: joints from 0 whose targets are to blame.
+    """
+    for joint, ratio in unlike_targets(means):
+        if joint not in odd:
+            yield contradiction("scaled current", joint=joint + 1, ratio=ratio)
+
+
+def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
+    """Return warnings of targets that are to blame, by joint from 0; arm: with its load.
+
+    The current then shows the motor's torque constant, and nearer than its target does.
+    """
+    unlike = dict(unlike_targets(means))
+    if not unlike:
+        return {}
+    own, its = constants(means, arm), constants(means, arm, TARGET)
+    nearer = {j for j in own.ratio.keys() & its.ratio.keys() if own.away(j) < its.away(j)}
+    return {
+        joint: Finding(
+            "robot",
+            ODD_TARGET,
+            "warning",
+            1,
+            {
+                "joint": joint + 1,
+                "ratio": 1 / ratio,
+                "measured": own.ratio[joint] * own.known[joint],
+                "target": its.ratio[joint] * its.known[joint],
+                "known": own.known[joint],
+            },
+        )
+        for joint, ratio in unlike.items()
+        if joint in nearer - own.off().keys()
+    }
+
+
+def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
+    """Yield joints, from 0, whose current is a fraction or multiple of its target, and which."""
+    if {CURRENT, TARGET} - means.currents.keys():
+        return
+    moves = moving(means)
+    for joint in range(min(3, len(moves))):  # wrists hardly bear anything
+        own, friction = means.currents[TARGET][:, joint], means.friction(joint)
+        # without friction, which targets of some arms contain, and inertia: only a load shows it
+        others = np.column_stack([friction, means.qdd[:, joint]])
+        borne = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
+        # at rest, of a joint whose load others change
+        if not (moves[joint] and np.sqrt((borne**2).mean()) > BEARS) and borne.std() <= BEARS:
+            continue
+        load = np.abs(own) * friction[:, 0]
+        columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
+        slope, error = combination(columns, means.currents[CURRENT][:, joint], [1.0])
+        if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
+            yield joint, slope

@@ -1,0 +1,99 @@
+"""Contacts in a recording that should be free of them, by currents that nothing else explains.
+
+While a joint moves, gravity, friction and inertia explain its current but for a small share of its
+motor's largest torque. While the arm rests, friction may hold any part of gravity, but its part
+hardly changes. What lasts for half a second and exceeds that is a contact, or a load.
+"""
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ur5lib.recordings.block_means import SLOW, BlockMeans
+from ur5lib.recordings.checks import MOVES
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.recordings.quality import Finding
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import runs
+
+WINDOW = 5  # blocks, 0.5 s; shorter deviations are those of friction
+SETTLED = 5  # blocks after a stop until friction holds what it will
+LEAST = 100  # blocks in which a joint moves, which its friction is fitted to
+TOUCH = 0.1  # of the motor's largest torque; right recordings of 17 arms leave at most 0.071
+ROUNDS = 10  # of the regression
+OUTLYING = 1.5  # robust standard deviations from which on a block counts less
+
+
+def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
+    """Return a warning of the strongest contact; None where there is none.
+
+    means: of a recording, with currents; arm: with what it carries.
+    """
+    assert means.time is not None
+    largest = np.array(arm.torque_limits())
+    shares = deviations(means, arm) * np.array(arm.maker_torque_constants()) / largest
+    if not (shares > TOUCH).any():
+        return None
+    window, joint = np.unravel_index(np.nanargmax(shares), shares.shape)
+    torque = float(shares[window, joint] * largest[joint])
+    at = float(means.time[window] - means.time[0])
+    values = {"joint": int(joint) + 1, "torque": torque, "at_s": at}
+    return Finding("robot", "contact", "warning", 1, values, "felt contact")
+
+
+def unfelt(arm: Robot) -> Finding:
+    """Return a note of the contacts that would not be felt."""
+    torques = [TOUCH * torque for torque in arm.torque_limits()]
+    return Finding("robot", "contact not checked", "note", 1, {"torques": torques})
+
+
+def deviations(means: BlockMeans, arm: Robot) -> Array:
+    """Return the sizes [A] of what is unexplained in each window of each joint's current (W, n).
+
+    NaN where the joint neither moves nor the arm rests throughout, or too little is known.
+    """
+    assert means.time is not None
+    assert means.segment is not None
+    gravity, current = means.gravity(arm), means.currents[CURRENT]
+    steps = np.diff(means.time, prepend=means.time[0])
+    same = np.diff(means.segment, prepend=means.segment[0]) == 0
+    follows = same & (steps < 1.5 * np.median(steps))  # directly after the block before
+    whole = np.asarray(_windows(follows)[:, 1:].all(axis=1))
+    moves = np.abs(means.qd) > MOVES
+    found = np.full((len(whole), current.shape[1]), np.nan)
+    for joint, moving in enumerate(moves.T):
+        if np.count_nonzero(moving) >= LEAST:
+            left = _unexplained(means, gravity[:, joint], joint, moving)
+            rows = whole & _windows(moving).all(axis=1)
+            found[rows, joint] = np.abs(_windows(left).mean(axis=1)[rows])
+    resting = (np.abs(means.qd) < SLOW).all(axis=1)
+    for start, end in runs(resting & follows):
+        changes = current[start + SETTLED : end]
+        if len(changes) > WINDOW:
+            mean = sliding_window_view(changes, WINDOW, axis=0).mean(axis=2)
+            found[start + SETTLED :][: len(mean)] = mean - mean.min(axis=0)
+    return found
+
+
+def _unexplained(means: BlockMeans, gravity: Array, joint: int, moving: Mask) -> Array:
+    """Return what gravity, friction and inertia leave of a joint's current (M,) [A].
+
+    A robust regression on the blocks in which it moves.
+    """
+    friction, speed = means.friction(joint), means.qd[:, joint]
+    terms = [gravity, friction, np.abs(gravity) * friction[:, 0], np.abs(speed) * speed, means.qdd]
+    columns = np.column_stack([*terms, np.ones(len(gravity))])
+    current = means.currents[CURRENT][:, joint]
+    weight = moving.astype(float)
+    left = current
+    for _ in range(ROUNDS):
+        scaled = columns * weight[:, None]
+        left = current - columns @ np.linalg.lstsq(scaled, current * weight, rcond=None)[0]
+        spread = OUTLYING * 1.48 * np.median(np.abs(left[moving])) + 1e-9
+        weight = moving * np.sqrt(1 / np.maximum(1, np.abs(left) / spread))
+    return np.asarray(left)
+
+
+def _windows(values: Array | Mask) -> Array:
+    """Return the windows (W, WINDOW) of consecutive blocks of (M,)."""
+    return sliding_window_view(values, WINDOW)

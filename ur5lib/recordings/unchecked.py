@@ -1,0 +1,137 @@
+"""Mistakes that the checks of a recording would not notice: one note each, with the reason."""
+
+from collections.abc import Iterable, Iterator
+from itertools import combinations
+
+from ur5lib.channels import columns
+from ur5lib.recordings.arm_checks import (
+    SURE_JOINTS,
+    Pair,
+    constants,
+    fitting_arms,
+    gains_of_exchange,
+    is_shown,
+    of_measured,
+)
+from ur5lib.recordings.checked import FEWEST, Checked
+from ur5lib.recordings.current_checks import (
+    BEARING,
+    BRAKES,
+    DELAYED,
+    SURE_PAIR,
+    Answers,
+    braking,
+)
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.recordings.quality import Finding, Severity
+from ur5lib.recordings.readings import exchanged, in_order
+from ur5lib.recordings.stop_signs import is_foreign, tool_off_flange
+from ur5lib.recordings.target_checks import TARGET
+from ur5lib.tables import channel, named
+
+POSE, TORQUE = "actual_TCP_pose", "target_moment"
+
+
+def unchecked(checked: Checked) -> list[Finding]:
+    """Return what would not be noticed in a recording without a stop sign."""
+    if len(checked.means.q) < FEWEST:
+        return [_note("nothing checked", seconds=len(checked.robot) * checked.step)]
+    return [*_arm(checked), *_order(checked), *_currents(checked)]
+
+
+def _note(finding: str, **values: object) -> Finding:
+    return Finding("robot", finding, "note", 1, values)
+
+
+def _arm(checked: Checked) -> Iterator[Finding]:
+    """Yield which other arms fit as well, where no torque of the controller tells all apart."""
+    others = [one for one in checked.others if one.name != checked.arm.name]
+    if checked.means.torque is not None:
+        return
+    if f"{POSE}_0" in checked.robot:
+        others = [one for one in others if not any(tool_off_flange(checked.robot, one))]
+    if checked.tells_by_gravity():
+        fitting = fitting_arms(checked.means, checked.loaded, others)
+        others = [one for one in others if one.name in fitting]
+    if others:
+        absent = [name for name in (TORQUE, POSE, CURRENT) if f"{name}_0" not in checked.robot]
+        names = [one.name for one in others]
+        yield _note("arm not checked", arm=checked.arm.name, others=names, absent=absent)
+
+
+def _order(checked: Checked) -> Iterator[Finding]:
+    """Yield the pairs of joints of which all columns may be exchanged."""
+    told = {*_told_by_pose(checked), *_told_by_torque(checked), *_told_by_gravity(checked)}
+    left = [pair for pair in combinations(in_order(checked.arm), 2) if pair not in told]
+    if left:
+        yield _note("order not checked", pairs=_named(left))
+
+
+def _named(pairs: Iterable[Pair]) -> list[str]:
+    """Return pairs of joints, which count from 0, as written."""
+    return [f"{j + 1}-{k + 1}" for j, k in pairs]
+
+
+def _told_by_pose(checked: Checked) -> Iterator[Pair]:
+    """Yield the pairs whose exchange would take the tool off the flange."""
+    if f"{POSE}_0" not in checked.robot:
+        return
+    q, own = channel(checked.robot, "actual_q"), in_order(checked.arm)
+    table = checked.robot[["interpolated", *columns(POSE)]]
+    for pair in combinations(own, 2):
+        moved = table.assign(**named(q[:, exchanged(own, *pair)], "actual_q"))
+        if any(tool_off_flange(moved, checked.arm)):
+            yield pair
+
+
+def _told_by_torque(checked: Checked) -> Iterator[Pair]:
+    """Yield the pairs whose exchange the controller's torque would not fit."""
+    means, torque, own = checked.means, checked.means.torque, in_order(checked.arm)
+    if torque is None:
+        return
+    payloads = [checked.configured, checked.declared]
+    for pair in combinations(own, 2):
+        order = exchanged(own, *pair)
+        moved = means.part(columns=order)
+        if is_foreign(moved, torque[:, order], checked.arm, payloads):
+            yield pair
+
+
+def _told_by_gravity(checked: Checked) -> Iterator[Pair]:
+    """Yield the pairs whose exchange the currents would not fit."""
+    if checked.means.torque is not None or not checked.tells_by_gravity():
+        return
+    for pair, gain in gains_of_exchange(of_measured(checked.means), checked.loaded).items():
+        if gain < -SURE_JOINTS and is_shown(checked.means, pair):
+            yield pair
+
+
+def _currents(checked: Checked) -> Iterator[Finding]:
+    """Yield what is open about the columns of currents, their units, signs and clock."""
+    means, joints = checked.means, range(len(checked.arm.joints))
+    if CURRENT not in means.currents:
+        severity: Severity = "warning" if checked.fitted else "note"
+        yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
+        return
+    bearing = constants(means, checked.loaded).ratio
+    if not bearing and TARGET not in means.currents:
+        yield _note("unit not checked", torque=BEARING)
+    if checked.answers is None:
+        yield _note("currents not checked")
+        return
+    brakes = braking(means, checked.loaded) if checked.driven else {}
+    signs = [j + 1 for j in joints if j not in bearing and brakes.get(j, 0.0) < BRAKES]
+    if signs:
+        yield _note("sign not checked", joints=signs)
+    if pairs := [*_alike(checked.answers)]:
+        yield _note("columns not checked", pairs=_named(pairs))
+    if (delay := checked.answers.longest_unnoticed()) >= DELAYED:
+        yield _note("clock not checked", seconds=delay)
+
+
+def _alike(answers: Answers) -> Iterator[Pair]:
+    """Yield the joints whose currents may be exchanged."""
+    lead = answers.ahead().diagonal()
+    for j, k in combinations(range(len(lead)), 2):
+        if lead[j] + lead[k] < SURE_PAIR:
+            yield j, k
