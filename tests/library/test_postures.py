@@ -296,6 +296,49 @@ def test_a_larger_arm_is_doubted_by_its_constants(tmp_path: Path) -> None:
     assert [one.finding for one in doubts] == ["torque constants"]
 
 
+def held_by_friction(seed: int, constants: Array, part: bool = False) -> tuple[Array, Array]:
+    """Postures of a UR5 whose static friction is anything up to 1.5 Nm on a wrist, or a part of
+    what gravity pulls, at most that.
+    """
+    arm, random = described("ur5"), np.random.default_rng(seed)
+    q, most = random.uniform(-2.5, 2.5, (ROWS, 6)), np.array([6.7] * 3 + [1.5] * 3)
+    torque = gravity_torque(arm, arm.chosen_model, q)
+    share = random.uniform(0 if part else -1, 1, q.shape)
+    return q, (torque - share * (torque.clip(-most, most) if part else most)) / constants
+
+
+def published(of: str) -> Array:
+    """Torque constants of a UR5: of its motors in newer arms, or of the thesis's table."""
+    arm = described("ur5")
+    newer = of == "newer arms"
+    return np.array(arm.family_torque_constants() if newer else arm.maker_torque_constants())
+
+
+@pytest.mark.parametrize(
+    ("constants", "part"), [("newer arms", False), ("table", False), ("newer arms", True)]
+)
+def test_ordinary_static_friction_is_no_reason_to_doubt(
+    tmp_path: Path, constants: str, part: bool
+) -> None:
+    """A wrist's is as large as what it bears, and the constants known of it differ by 1.8."""
+    for seed in range(4):
+        (found,) = checked(tmp_path, "ur5", *held_by_friction(seed, published(constants), part))
+        assert (found.finding, found.severity) == ("postures", "note")
+
+
+@pytest.mark.parametrize("joint", [1, 2])
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_wrong_constant_is_doubted_where_gravity_is_large(
+    tmp_path: Path, joint: int, factor: float
+) -> None:
+    for seed in range(4):
+        wrong = published("newer arms") * np.where(np.arange(6) == joint, factor, 1.0)
+        found = checked(tmp_path, "ur5", *held_by_friction(seed, wrong))
+        assert [one.finding for one in found if one.severity != "note"] == [
+            "contradiction" if factor < 1 else "torque constants"
+        ]
+
+
 def test_few_postures_check_nothing(tmp_path: Path) -> None:
     q, current, _ = of_ur("ur5", rows=20)
     (found,) = checked(tmp_path, "ur10e", q, current)
