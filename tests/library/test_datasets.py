@@ -143,6 +143,13 @@ def test_no_network_is_reported(tmp_path: Path) -> None:
     assert not (tmp_path / "raw").exists()
 
 
+def test_a_page_in_place_of_an_archive_is_reported(server: str, tmp_path: Path) -> None:
+    (tmp_path / "www" / "archive.zip").write_text("<html><body>Sign in</body></html>")
+    with pytest.raises(InputError, match=r"archive.zip gives no zip file, .* web page.*--from"):
+        fetch_archive(f"{server}/archive.zip", CHECKSUMS, tmp_path / "raw")
+    assert not (tmp_path / "raw").exists()
+
+
 def test_a_wrong_archive_is_reported(packed: Packed, tmp_path: Path) -> None:
     archive = packed({"a/csv_files/one.csv": "one.csv"})
     with pytest.raises(InputError, match=r"archive.zip lacks 1 of 2 files, e.g. b/csv_files/two"):

@@ -1,5 +1,6 @@
 """Sentences: templates in one file, and the numbers that they state."""
 
+import math
 import re
 from typing import NamedTuple
 
@@ -108,3 +109,12 @@ def test_remarks_stand_in_the_sentences_of_others() -> None:
 def test_a_number_that_json_does_not_know_is_unknown() -> None:
     known = remark("other constant", joint=3, fitted=None, known=9.5)
     assert in_words(known) == "joint 3 with unknown instead of 9.5 Nm/A"
+
+
+def test_a_number_without_bounds_has_four_digits() -> None:
+    """Torques beside a column of zeros differ by any share."""
+    for share, said in ((1e300, "above 9999%"), (math.inf, "above 9999%"), (0.4, "40%")):
+        text = in_words(remark("other torque", arm="ur5", share=share))
+        assert f"differs from the torque of ur5 by {said} of its size" in text
+    text = in_words(remark("implausible clock", apart_s=-2e7, drift=-0.5))
+    assert "a start below -9999 s from the start stamps and a drift of -50.00%" in text

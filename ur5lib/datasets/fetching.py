@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+import zipfile
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -85,6 +86,10 @@ def _retrieve(
     downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT)
     try:
         pooch.retrieve(url, checksum, path.name, path.parent, processor, downloader)
+    except zipfile.BadZipFile as error:
+        raise InputError(
+            f"{url} gives no zip file, but perhaps a web page, or a part of one; {remedy}"
+        ) from error
     except (requests.RequestException, OSError, ValueError, KeyError) as error:
         raise InputError(
             f"{url} could not be downloaded ({type(error).__name__}); {remedy}"

@@ -1,5 +1,6 @@
 """Findings about recordings and remarks of steps: their sentences, and findings of one kind."""
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -18,6 +19,7 @@ SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see doc
 
 FEW = 3  # places of a meaning that are named beside the findings of other recordings
 TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
+MOST = 9999  # of a number in a sentence; a larger one only says that something is wrong
 PARTICULAR = re.compile(r"\S*(?:[/\\]|\d[\d.e]|\w\.\w)\S*")  # a path, or a number of two digits
 
 
@@ -88,10 +90,18 @@ class Words(Formatter):
         if isinstance(value, Mapping):
             return sentence(value["code"], value["values"])
         if not isinstance(value, list | tuple):
-            return str(super().format_field(value, format_spec))
+            return self._bounded(value, format_spec)
         if all(isinstance(one, Mapping | str) for one in value):
             return (format_spec or ", ").join(self.format_field(one, "") for one in value)
         return ", ".join(self.format_field(one, format_spec) for one in value)
+
+    def _bounded(self, value: Any, format_spec: str) -> str:
+        """Return a value in words, beyond four digits before the point as `above 9999`."""
+        most = MOST / 100 if format_spec.endswith("%") else MOST
+        if format_spec[-1:] not in ("f", "%") or not abs(value) > most:
+            return str(super().format_field(value, format_spec))
+        bound = super().format_field(math.copysign(most, value), f".0{format_spec[-1]}")
+        return f"{'above' if value > 0 else 'below'} {bound}"
 
 
 @cache
