@@ -1,6 +1,6 @@
-"""Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather, text files of a channel."""
+"""Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather."""
 
-import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from functools import wraps
 from pathlib import Path
@@ -8,20 +8,28 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.feather as feather
 import pyarrow.parquet as pq
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.delimited import first_cells, read_numbers
-from ur5lib.recordings.quality import Finding, Log
+from ur5lib.recordings.hdf5_links import expect_inside, expect_own_numbers
+from ur5lib.recordings.limits import expect_room
+from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.unpacked import (
+    expect_mat_room,
+    feather_numbers,
+    npz_numbers,
+    parquet_numbers,
+)
 from ur5lib.strict import expect_file
+from ur5lib.timeseries.arrays import Array
 
 Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
 Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
 LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 HDF5_INSIDE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
-BLANK = re.compile(rb"\n[ \t\r]*\n")
 
 
 def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
@@ -62,35 +70,63 @@ def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
 @array_format("parquet", "a Parquet file", ".parquet")
 def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the columns of numbers by name."""
-    return _columns(pq.read_table(path))
+    with pq.ParquetFile(path, page_checksum_verification=True) as file:
+        columns = _numeric(file.schema_arrow, wanted)
+        expect_room(path, parquet_numbers(file, columns))
+        return _columns(file.read(columns))
 
 
 @array_format("feather", "a Feather file", ".feather")
 def feather_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the columns of numbers by name."""
+    expect_room(path, feather_numbers(path))
     table = feather.read_table(path)
     table.validate(full=True)
-    return _columns(table)
+    return _columns(table.select(_numeric(table.schema, wanted)))
+
+
+def _numeric(schema: pa.Schema, wanted: Collection[str] | None) -> list[str]:
+    """Return the names of the columns of numbers, stamps or lists of numbers, each name once."""
+    counts = Counter(schema.names)
+    found = [field.name for field in schema if counts[field.name] == 1 and _is_numeric(field.type)]
+    return [name for name in found if wanted is None or name in wanted]
+
+
+def _is_list(kind: pa.DataType) -> bool:
+    return bool(pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind))
+
+
+def _is_numeric(kind: pa.DataType) -> bool:
+    numbers = kind.value_type if _is_list(kind) else kind
+    stamps = pa.types.is_timestamp(kind)
+    return bool(pa.types.is_integer(numbers) or pa.types.is_floating(numbers) or stamps)
 
 
 def _columns(table: pa.Table) -> Arrays:
     """Return the columns: of numbers as (n,), of stamps in seconds, of lists as (n, k)."""
-    names = table.column_names
-    columns = {n: _column(table.column(k)) for k, n in enumerate(names) if names.count(n) == 1}
-    return {name: values for name, values in columns.items() if values is not None}
+    return {name: _column(table.column(name)) for name in table.column_names}
 
 
-def _column(column: pa.ChunkedArray) -> np.ndarray | None:
-    kind = column.type
-    if pa.types.is_timestamp(kind):
+def _column(column: pa.ChunkedArray) -> np.ndarray:
+    if pa.types.is_timestamp(column.type):
         return column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy() * 1e-9
-    if pa.types.is_integer(kind) or pa.types.is_floating(kind):
-        return column.cast(pa.float64()).to_numpy()
-    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
-        rows = column.to_pylist()
-        width = len(rows[0] or []) if rows else 0
-        return np.array([row if row and len(row) == width else [np.nan] * width for row in rows])
-    return None
+    if not _is_list(column.type):
+        return np.asarray(column.cast(pa.float64()).to_numpy())
+    lengths = pc.list_value_length(column)
+    widths = pc.if_else(pc.is_valid(column), lengths, 0).to_numpy()
+    values = pc.list_flatten(column).cast(pa.float64()).to_numpy()
+    return rows_of(values, widths, int(widths[0]) if len(widths) else 0)
+
+
+def rows_of(values: np.ndarray, widths: np.ndarray, width: int) -> Array:
+    """Return rows (n, width) of the values of all rows one after the other; NaN for others.
+
+    widths: how many values each row has (n,).
+    """
+    fits = widths == width
+    rows = np.full((len(widths), width), np.nan)
+    rows[fits] = values[np.repeat(fits, widths)].reshape(-1, width)
+    return rows
 
 
 @array_format("hdf5", "an HDF5 file", ".h5", ".hdf5")
@@ -100,18 +136,24 @@ def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findi
 
     with h5py.File(path) as file:
         names: list[str] = []
-        file.visit(names.append)  # follows no link to another file
+        file.visit(names.append)  # follows no link
         paths = names if wanted is None else wanted
-        return {name: values for name in paths if (values := _numbers(file, name)) is not None}
+        for name in paths:
+            expect_inside(file, name, path)
+        found = {name: one for name in paths if (one := _numbers(file, name)) is not None}
+        for array in found.values():
+            expect_own_numbers(array, path)
+        expect_room(path, sum(array.size for array in found.values()))
+        return {name: np.asarray(array[()]) for name, array in found.items()}
 
 
-def _numbers(file: Any, name: str) -> np.ndarray | None:
+def _numbers(file: Any, name: str) -> Any:
     """Return a data set of numbers with one or two dimensions, None for anything else."""
     found = file.get(name)
     kind, shape = (getattr(found, key, None) for key in ("dtype", "shape"))
     if kind is None or kind.kind not in "iuf" or not shape or len(shape) > 2:
         return None
-    return np.asarray(found[()])
+    return found
 
 
 @array_format("mat", "a MAT file", ".mat")
@@ -126,6 +168,7 @@ def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
         head = stream.read(520)
     if head[512:] == HDF5_INSIDE or head.startswith(HDF5_INSIDE):
         return hdf5_arrays(path, wanted, findings)
+    expect_mat_room(path)
     return dict(_leaves(scipy.io.loadmat(path, simplify_cells=True)))
 
 
@@ -142,6 +185,9 @@ def npz_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
     """Return the arrays of numbers by name."""
     with np.load(path) as archive:
         names = [name for name in archive if wanted is None or name in wanted]
+        files = {*archive.zip.namelist()}
+        stored = [name if name in files else f"{name}.npy" for name in names]
+        expect_room(path, npz_numbers(archive.zip, stored))
         return dict(_leaves({name: _plain(archive, name) for name in names}))
 
 
@@ -153,34 +199,3 @@ def _plain(archive: Any, name: str) -> np.ndarray | None:
         if "allow_pickle" in str(error):
             return None
         raise
-
-
-@array_format("channel-files", "a folder of text files")
-def channel_file_arrays(
-    folder: Path, wanted: Collection[str] | None, findings: list[Finding]
-) -> Arrays:
-    """Return the numbers (n, k) of text files, by their names in a folder.
-
-    Rows belong together by their number, so that a line that is lost inside a file would shift all
-    later ones: raises InputError for it.
-    """
-    there = sorted(path.name for path in folder.iterdir() if path.is_file())
-    return {
-        name: _read_rows(folder / name, findings)
-        for name in there
-        if wanted is None or name in wanted
-    }
-
-
-def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
-    own: list[Finding] = []
-    names = [str(index) for index, _ in enumerate(first_cells(path)[0])]
-    table = read_numbers(Log(path, "robot", own), names)
-    blank = BLANK.search(path.read_bytes().strip())
-    if blank or any(finding.finding == "damaged lines" for finding in own):
-        raise InputError(
-            f"{path} has lines without a number, so that its rows can no longer be matched with "
-            "those of the other files; correct these lines, or record it again"
-        )
-    findings += own
-    return table.to_numpy()

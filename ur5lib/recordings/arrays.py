@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+import ur5lib.recordings.channel_files
 import ur5lib.recordings.own_formats
-import ur5lib.recordings.rosbag  # noqa: F401 - both register their formats
+import ur5lib.recordings.rosbag  # noqa: F401 - all register their formats
 from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS, joint_count
 from ur5lib.channels import suffixes as suffixes_of
 from ur5lib.errors import InputError

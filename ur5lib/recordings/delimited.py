@@ -16,6 +16,7 @@ import pyarrow.csv as pacsv
 
 from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
+from ur5lib.recordings.limits import MOST_COLUMNS, expect_room
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.timeseries.arrays import Array, Labels
@@ -32,6 +33,8 @@ LEAD, ALIKE = 60, 6  # lines that show where a table begins: rows and cells that
 WITH_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
 UNNAMED = ""  # the column behind the last separator
 SHOWN = 5  # damaged lines that are named
+MOST_DAMAGED = 1_000_000  # lines, before the file is given up
+MARKS = b",", b";", b"\t", b" "
 
 
 class Form(NamedTuple):
@@ -60,25 +63,29 @@ def read_rows(log: Log, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
     float64, with NaN for empty cells and those with the text NaN, dates as seconds since 1970, and
     no column of other text that is not named like a channel; and the number of each row from 0
     (N,), skipped lines counted. Raises InputError when the file cannot be read, is not text, lacks
-    a required header, or has mostly damaged lines.
+    a required header, has mostly damaged lines, or holds more than may be read.
     """
     blocks = text_blocks(log)
     first = next(blocks)
     top, form = _form_of(first, log.path, names)
-    tables, damaged, fault, line = list[pa.Table](), list[int](), "", 1
-    above = 1 + first.count(b"\n", 0, top)
+    tables, damaged, fault, line = list[pa.Table](), np.empty(0, int), "", 1
+    above, count = 1 + first.count(b"\n", 0, top), 0
     for block in chain([first], blocks):
         data = _with_points(block, form, log)
         end = _end_of_rows(data, top, line, form, log)
         parsed, places = _parse(data, top, end, form)
         tables += parsed
-        if places:
-            fault = fault or _fault(data, places[0], form)
+        count += sum(part.num_rows for part in parsed)
+        expect_room(log.path, count * len(form.numbers()))
+        if len(places):
+            fault = fault or _fault(data, int(places[0]), form)
             newlines = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
-            damaged += (line + np.searchsorted(newlines, places)).tolist()
+            damaged = np.append(damaged, line + np.searchsorted(newlines, places))
+            if len(damaged) > max(count, MOST_DAMAGED):
+                break
         top, line = 0, line + data.count(b"\n")
     table = _joined(tables)
-    if damaged:
+    if len(damaged):
         _report_damaged(log, damaged, fault, table, len(form.names))
     lines = np.arange(above, above + len(table) + len(damaged))
     return table, np.setdiff1d(lines, damaged)[: len(table)] - above  # blank lines are no rows
@@ -103,7 +110,7 @@ def first_cells(path: Path) -> tuple[list[str], list[str]]:
     Raises InputError as reading it.
     """
     data = next(text_blocks(Log(path, "robot", [])))
-    top, first, header = _first_row(data)
+    top, first, header = _first_row(data, path)
     below = data[_end_of_line(data, top) :].partition(b"\n")[0]
     lines = (header, first) if header else (first, below)
     named, cells = ([*map(_text, line.split(_delimiter(first)))] for line in lines)
@@ -114,16 +121,26 @@ def _text(cell: bytes) -> str:
     return cell.decode(errors="replace").strip()
 
 
-def _first_row(data: bytes) -> tuple[int, bytes, bytes]:
+def _first_row(data: bytes, path: Path) -> tuple[int, bytes, bytes]:
     """Return where the first line begins that is neither blank nor a comment, that line, and the
     comment above it if it names as many columns; else nothing.
+
+    Raises InputError where one of the first lines has more cells than a table has columns.
     """
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
-    top += _length_of_title(data[top:].split(b"\n", LEAD)[:LEAD])
+    lines = data[top:].split(b"\n", LEAD)[:LEAD]
+    if any(line.count(mark) >= MOST_COLUMNS for line in lines for mark in MARKS):
+        raise InputError(
+            f"{path} has more than {MOST_COLUMNS:,} columns; write one sample a line, and each "
+            "device to a file of its own"
+        )
+    top += _length_of_title(lines)
     first = data[top : _end_of_line(data, top)].strip()
     comment = data[:top].strip().rpartition(b"\n")[2].lstrip(b"#% \t").strip()
-    names, cells = (line.split(_delimiter(first)) for line in (comment, first))
-    header = len(names) == len(cells) > 1 and _is_cell(cells[0]) and not any(map(_is_cell, names))
+    mark = _delimiter(first)
+    cells = first.split(mark)
+    names = comment.split(mark) if comment.count(mark) == len(cells) - 1 else []
+    header = len(names) > 1 and _is_cell(cells[0]) and not any(map(_is_cell, names))
     return top, first, comment if header else b""
 
 
@@ -132,19 +149,19 @@ def _length_of_title(lines: list[bytes]) -> int:
 
     0 where there is no header below them.
     """
-    forms = [(_delimiter(line), len(line.split(_delimiter(line)))) for line in lines if line]
+    forms = [(_delimiter(line), line.count(_delimiter(line)) + 1) for line in lines if line]
     (mark, width), count = Counter(forms).most_common(1)[0] if forms else ((b",", 0), 0)
     if count < ALIKE or width < ALIKE:
         return 0
-    first = next(k for k, line in enumerate(lines) if len(line.split(mark)) == width)
+    first = next(k for k, line in enumerate(lines) if line.count(mark) + 1 == width)
     named = not any(map(_is_cell, lines[first].split(mark)))
-    short = all(2 * len(line.split(mark)) < width for line in lines[:first])
+    short = all(2 * line.count(mark) + 2 < width for line in lines[:first])
     return sum(len(line) + 1 for line in lines[:first]) if named and short else 0
 
 
 def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, Form]:
     """Return where the rows of a table begin, and their form. data: the beginning of the file."""
-    top, first, header = _first_row(data)
+    top, first, header = _first_row(data, path)
     delimiter = _delimiter(first)
     if not header and (names is None or _is_header(first, delimiter, len(names))):
         header, top = first, _end_of_line(data, top)
@@ -200,8 +217,8 @@ def _ends_whole(before: bytes, last: bytes, delimiter: bytes) -> bool:
 
 def _cells(line: bytes, delimiter: bytes) -> tuple[int, int]:
     """Return how many cells a line has, and how many decimals its last cell has."""
-    cells = line.split(delimiter)
-    return len(cells), len(cells[-1].strip().partition(b".")[2])
+    last = line.rpartition(delimiter)[2].strip()
+    return line.count(delimiter) + 1, len(last.partition(b".")[2])
 
 
 def _is_cell(cell: bytes) -> bool:
@@ -230,29 +247,31 @@ def _header_names(path: Path, line: bytes, delimiter: bytes) -> list[str]:
     return names
 
 
-def _parse(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table], list[int]]:
+def _parse(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table], Labels]:
     """Parse the rows between two offsets; return them and the offsets of damaged lines.
 
     The range is bisected, so that a few damaged lines do not slow down a long file.
     """
     try:
-        return [_parse_fast(memoryview(data)[start:end], form)], []
+        return [_parse_fast(memoryview(data)[start:end], form)], np.empty(0, int)
     except pa.ArrowInvalid:
         middle = data.find(b"\n", (start + end) // 2, end) + 1
         if end - start <= BLOCK or not start < middle < end:
             return _parse_lines(data, start, end, form)
     halves = [_parse(data, *half, form) for half in ((start, middle), (middle, end))]
-    return halves[0][0] + halves[1][0], halves[0][1] + halves[1][1]
+    return halves[0][0] + halves[1][0], np.concatenate([halves[0][1], halves[1][1]])
 
 
 def _joined(tables: list[pa.Table]) -> pd.DataFrame:
     """Return a table column by column, each freed in turn: a long one is in memory only once."""
-    table, columns = pa.concat_tables(tables), {}
+    table = pa.concat_tables(tables)
     tables.clear()
-    for name in table.column_names:
-        chunks = table.column(name).chunks
+    names, waiting, columns = table.column_names, table.columns[::-1], {}
+    del table
+    for name in names:
+        chunks = waiting.pop().chunks
         columns[name] = np.concatenate([chunk.to_numpy(zero_copy_only=False) for chunk in chunks])
-        table, chunks = table.remove_column(0), []
+        del chunks
         pa.default_memory_pool().release_unused()
     return pd.DataFrame(columns, copy=False)
 
@@ -275,17 +294,18 @@ def _parse_fast(text: memoryview, form: Form) -> pa.Table:
     return table
 
 
-def _parse_lines(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table], list[int]]:
-    rows, damaged, place = [], [], start
+def _parse_lines(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table], Labels]:
+    rows, damaged, place = [], list[int](), start
     for line in data[start:end].split(b"\n"):
-        cells = line.split(form.delimiter)
-        row = _numbers(cells, form) if len(cells) == len(form.names) else [None]
+        whole = line.count(form.delimiter) + 1 == len(form.names)
+        row = _numbers(line.split(form.delimiter), form) if whole else [None]
         if None not in row:
             rows.append(row)
         elif line.strip():
             damaged.append(place)
         place += len(line) + 1
-    return [_table(np.array(rows).reshape(-1, len(form.numbers())), form.numbers())], damaged
+    table = _table(np.array(rows).reshape(-1, len(form.numbers())), form.numbers())
+    return [table], np.array(damaged, int)
 
 
 def _numbers(cells: list[bytes], form: Form) -> list[float | None]:
@@ -303,10 +323,11 @@ def _table(rows: np.ndarray, names: list[str]) -> pa.Table:
 
 def _fault(data: bytes, place: int, form: Form) -> str:
     """Return why the line that begins at an offset is damaged."""
-    cells = data[place : _end_of_line(data, place)].rstrip(b"\n").split(form.delimiter)
-    if len(cells) != len(form.names):
-        listed = "; give each number of a list its own column" if b"[" in b"".join(cells) else ""
-        return f"it has {len(cells)} cells{listed}"
+    line = data[place : _end_of_line(data, place)].rstrip(b"\n")
+    if (count := line.count(form.delimiter) + 1) != len(form.names):
+        listed = "; give each number of a list its own column" if b"[" in line else ""
+        return f"it has {count} cells{listed}"
+    cells = line.split(form.delimiter)
     read = [
         cell
         for name, cell in zip(form.names, cells, strict=True)
@@ -317,14 +338,12 @@ def _fault(data: bytes, place: int, form: Form) -> str:
     return f"{wrong[:20]!r} is not a number{cause}"
 
 
-def _report_damaged(
-    log: Log, damaged: list[int], fault: str, table: pd.DataFrame, width: int
-) -> None:
+def _report_damaged(log: Log, damaged: Labels, fault: str, table: pd.DataFrame, width: int) -> None:
     """Report which lines are damaged and what is wrong with the first.
 
     Raises InputError when most lines are damaged: then the columns differ from those declared.
     """
-    count, first = len(damaged), damaged[0]
+    count, first = len(damaged), int(damaged[0])
     if table.empty:
         raise InputError(
             f"{log.path}, line {first}: expected {width} numbers ({fault}), and no other line "
@@ -335,7 +354,7 @@ def _report_damaged(
             f"{log.path}, line {first}: expected {width} numbers ({fault}); {count} of "
             f"{len(table) + count} lines do not fit; correct the file, or `columns` in the study"
         )
-    values = {"lines": damaged[:SHOWN], "fault": fault, "width": width}
+    values = {"lines": damaged[:SHOWN].tolist(), "fault": fault, "width": width}
     more = {"more": count - SHOWN} if count > SHOWN else {}
     code = "more damaged lines" if more else "damaged lines"
     log.add("damaged lines", "warning", count, code, **values, **more)

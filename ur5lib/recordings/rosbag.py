@@ -1,15 +1,20 @@
 """Messages of bags, ROS 1 (.bag) or ROS 2 (.db3, .mcap), as arrays by topic and field."""
 
 import re
-from collections import Counter
-from collections.abc import Collection, Iterator
+from array import array
+from collections import Counter, defaultdict
+from collections.abc import Collection
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ur5lib.recordings.array_files import Arrays, array_format
+from ur5lib.errors import InputError
+from ur5lib.recordings.array_files import Arrays, array_format, rows_of
+from ur5lib.recordings.bag_chunks import with_bounded_chunks
+from ur5lib.recordings.limits import NUMBER, expect_room
 from ur5lib.recordings.quality import Finding, Log
+from ur5lib.timeseries.arrays import Array, Mask
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
 JOINT_NAMES = [  # of drivers, and as the teach panel has them
@@ -30,13 +35,62 @@ FIELDS = {  # that are read of each kind of message
 }
 
 
-class Message(NamedTuple):
-    """A message's stamps [s]: of its header, and of its receipt; and its fields."""
+class Messages:
+    """The messages of a topic: columns of numbers, so that many take little memory.
 
-    stamp: float
-    bag_stamp: float
-    fields: dict[str, list[float]]
-    names: tuple[str, ...] = ()
+    stamps: of their headers [s]; received: of their receipt [s]; values: of each field, of all
+    messages one after the other; widths: how many each message has; names: of joints, each list of
+    them once, and places: where each message's is.
+    """
+
+    def __init__(self) -> None:
+        self.stamps, self.received, self.places = array("d"), array("d"), array("q")
+        self.values: defaultdict[str, array[float]] = defaultdict(lambda: array("d"))
+        self.widths: defaultdict[str, array[int]] = defaultdict(lambda: array("q"))
+        self.names: dict[tuple[str, ...], int] = {}
+
+    def add(self, message: Any, received: float, fields: Collection[str]) -> None:
+        """Add a message. Raises where it lacks something."""
+        stamp, body = message.header.stamp, getattr(message, "wrench", message)
+        seconds = stamp.sec + 1e-9 * stamp.nanosec
+        names = tuple(getattr(message, "name", ()))
+        numbers = {name: _numbers(getattr(body, name)) for name in fields}
+        self.stamps.append(seconds)
+        self.received.append(received)
+        self.places.append(self.names.setdefault(names, len(self.names)))
+        for name, values in numbers.items():
+            self.values[name].frombytes(values.tobytes())
+            self.widths[name].append(len(values))
+
+    def usual_names(self) -> tuple[str, ...]:
+        """Return the names of the joints that most messages are about, those of an arm first."""
+        counts = Counter(self.places)
+        return max(
+            self.names,
+            key=lambda names: (joint_order(names) is not None, counts[self.names[names]]),
+        )
+
+    def about(self, joints: Collection[str]) -> Mask:
+        """Return which messages are about these joints (N,), in any order."""
+        alike = [frozenset(names) == frozenset(joints) for names in self.names]
+        return np.array(alike)[np.array(self.places)]
+
+    def rows(self, field: str, kept: Mask, names: tuple[str, ...]) -> Array:
+        """Return a field of some messages in the arm's order, else in that of `names`.
+
+        Nothing where none of them has it; NaN in those without it.
+        """
+        widths = np.array(self.widths[field])
+        width = len(names) or int(widths[kept][0])
+        rows = rows_of(np.array(self.values[field]), widths, width)[kept]
+        if not (widths[kept] == width).any():
+            return rows[:0]
+        ordered = [names[k] for k in joint_order(names) or range(len(names))]
+        for own, place in self.names.items():
+            if frozenset(own) == frozenset(names) and names:
+                these = np.array(self.places)[kept] == place
+                rows[these] = rows[these][:, [own.index(name) for name in ordered]]
+        return rows
 
 
 @array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap")
@@ -52,11 +106,13 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
-    topics: dict[str, list[Message]] = {}
+    topics: dict[str, Messages] = {}
     lost = Counter[str]()
     try:
-        with AnyReader([path], default_typestore=store) as bag:
-            _collect(bag, wanted, topics, lost)
+        with with_bounded_chunks(path), AnyReader([path], default_typestore=store) as bag:
+            _collect(bag, wanted, topics, lost, path)
+    except InputError:
+        raise
     except Exception:  # of damaged files, the library may raise anything
         if not topics:
             raise
@@ -76,7 +132,11 @@ def joint_order(names: tuple[str, ...]) -> list[int] | None:
 
 
 def _collect(
-    bag: Any, wanted: Collection[str] | None, topics: dict[str, list[Message]], lost: Counter[str]
+    bag: Any,
+    wanted: Collection[str] | None,
+    topics: dict[str, Messages],
+    lost: Counter[str],
+    path: Path,
 ) -> None:
     """Read the messages of the wanted topics that can be read, and count the others."""
     known = [
@@ -85,71 +145,40 @@ def _collect(
         if connection.msgtype in FIELDS
         and (wanted is None or any(name.startswith(f"{connection.topic}/") for name in wanted))
     ]
-    missing = sum(connection.msgcount for connection in known)
+    missing, size = sum(connection.msgcount for connection in known), 0
     for connection, received, raw in bag.messages(connections=known) if known else ():
         missing -= 1
+        size += len(raw)
+        expect_room(path, size / NUMBER)
         try:
-            message = bag.deserialize(raw, connection.msgtype)
-            body = getattr(message, "wrench", message)
-            fields = {name: _numbers(getattr(body, name)) for name in FIELDS[connection.msgtype]}
-            names = tuple(getattr(message, "name", ()))
-            stamp = message.header.stamp
-            seconds = stamp.sec + 1e-9 * stamp.nanosec
+            message, kind = bag.deserialize(raw, connection.msgtype), connection.msgtype
+            messages = topics.get(connection.topic, Messages())
+            messages.add(message, received * 1e-9, FIELDS[kind])
+            topics[connection.topic] = messages
         except Exception:  # of damaged messages, the library may raise anything
             lost["undecodable messages"] += 1
-            continue
-        topics.setdefault(connection.topic, []).append(
-            Message(seconds, received * 1e-9, fields, names)
-        )
     if missing > 0:
         lost["missing messages"] += missing
 
 
-def _numbers(field: Any) -> list[float]:
+def _numbers(field: Any) -> Array:
     """Return the numbers of an array, or the components of a vector."""
     if isinstance(field, np.ndarray):
-        return list(field.tolist())
-    return [getattr(field, axis) for axis in ("x", "y", "z")]
+        return field.astype(float)
+    return np.array([getattr(field, axis) for axis in ("x", "y", "z")], float)
 
 
-def _topic_arrays(
-    topic: str, messages: list[Message], path: Path, findings: list[Finding]
-) -> Arrays:
+def _topic_arrays(topic: str, messages: Messages, path: Path, findings: list[Finding]) -> Arrays:
     """Return the arrays of a topic, of the messages about the joints that most of them name."""
-    usual = _usual_names(messages)
-    kept = [m for m in messages if frozenset(m.names) == frozenset(usual)]
+    usual = messages.usual_names()
+    kept = messages.about(usual)
     log, about = Log(path, "robot", findings), {"topic": topic, "joints": usual}
-    log.add("other messages", "note", len(messages) - len(kept), "", **about)
+    log.add("other messages", "note", np.count_nonzero(~kept), "", **about)
     if joint_order(usual) is None:
         log.add("unnamed joints", "note", len(usual), "", **about)
     arrays = {
-        f"{topic}/stamp": np.array([message.stamp for message in kept]),
-        f"{topic}/bag_stamp": np.array([message.bag_stamp for message in kept]),
+        f"{topic}/stamp": np.array(messages.stamps)[kept],
+        f"{topic}/bag_stamp": np.array(messages.received)[kept],
     }
-    for field in messages[0].fields:
-        if rows := [*_rows(kept, field, usual)]:
-            arrays[f"{topic}/{field}"] = np.array(rows)
-    return arrays
-
-
-def _usual_names(messages: list[Message]) -> tuple[str, ...]:
-    """Return the names of the joints that most messages are about, those of an arm first."""
-    counts = Counter(message.names for message in messages)
-    return max(counts, key=lambda names: (joint_order(names) is not None, counts[names]))
-
-
-def _rows(messages: list[Message], field: str, names: tuple[str, ...]) -> Iterator[list[float]]:
-    """Yield a field of each message in the arm's order, else in that of `names`.
-
-    Nothing where no message has it; NaN in those without it.
-    """
-    width = len(names) or len(messages[0].fields[field])
-    if not any(len(message.fields[field]) == width for message in messages):
-        return
-    order = [names[k] for k in joint_order(names) or range(len(names))]
-    for message in messages:
-        values = message.fields[field]
-        if len(values) != width:
-            yield [np.nan] * (len(order) or width)
-        else:
-            yield [values[message.names.index(name)] for name in order] if names else values
+    rows = {field: messages.rows(field, kept, usual) for field in messages.values}
+    return arrays | {f"{topic}/{field}": found for field, found in rows.items() if len(found)}

@@ -24,6 +24,7 @@ FORCE_CHANNELS = columns("ft")
 FORCES = FORCE_CHANNELS[:3]  # all that some sensors have
 NOTHING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
 GAP, LONG_GAP = 2.5, 4.0  # in usual steps: counted as lost samples; reported even if single
+LONGEST_STAMP = 1000  # characters of a file that holds one
 FEW = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter
 STAMP_STD = 0.05  # s, uncertainty of a start stamp of unknown origin
 
@@ -72,7 +73,10 @@ def first_number(path: Path, ended: bool = False) -> float | None:
     InputError where the path leads to no file.
     """
     expect_file(path)
-    text = path.read_text(errors="replace") if path.is_file() else ""
+    text = ""
+    if path.is_file():
+        with path.open(errors="replace") as stream:
+            text = stream.read(LONGEST_STAMP)
     words = text.split()
     try:
         number = float(words[0]) if words and (text[len(words[0]) :] or not ended) else math.nan

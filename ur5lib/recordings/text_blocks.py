@@ -4,9 +4,11 @@ import gzip
 import re
 import zlib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import BinaryIO
 
 from ur5lib.errors import InputError
+from ur5lib.recordings.limits import LONGEST_LINE, expect_short_text
 from ur5lib.recordings.quality import Log
 from ur5lib.strict import expect_file
 
@@ -22,7 +24,8 @@ def text_blocks(log: Log) -> Iterator[bytes]:
 
     At least one block, which may be empty; without byte-order mark, carriage returns and quotes,
     and without brackets around numbers.
-    Raises InputError when the file cannot be read or is not text.
+    Raises InputError when the file cannot be read, is not text, has a line beyond measure, or
+    unpacks to more than may be read.
     """
     path = log.path
     expect_file(path)
@@ -42,7 +45,7 @@ def _blocks(log: Log) -> Iterator[bytes]:
         packed = plain.read(2) == GZIP
     log.add("compressed file", "note", packed)
     with gzip.open(log.path) if packed else log.path.open("rb") as stream:
-        block = _lines(stream)
+        block = _lines(stream, log.path)
         if block.startswith(MARK):
             log.add("byte-order mark", "note")
             block = block[len(MARK) :]
@@ -50,7 +53,9 @@ def _blocks(log: Log) -> Iterator[bytes]:
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:
             raise InputError(f"{log.path}, line 1: not a text file; save it as plain CSV (UTF-8)")
         while True:
-            following = _lines(stream) if block else b""
+            following = _lines(stream, log.path) if block else b""
+            if packed:
+                expect_short_text(log.path, stream.tell())
             if len(following) < SHORT:
                 yield _plain(block + following)
                 return
@@ -58,9 +63,15 @@ def _blocks(log: Log) -> Iterator[bytes]:
             block = following
 
 
-def _lines(stream: BinaryIO | gzip.GzipFile) -> bytes:
+def _lines(stream: BinaryIO | gzip.GzipFile, path: Path) -> bytes:
     """Return the next whole lines."""
-    return stream.read(SIZE) + stream.readline()
+    block, rest = stream.read(SIZE), stream.readline(LONGEST_LINE)
+    if len(rest) == LONGEST_LINE:
+        raise InputError(
+            f"{path} has a line of more than {LONGEST_LINE:,} bytes, which is no line of a table; "
+            "copy it again from its source, or record it anew"
+        )
+    return block + rest
 
 
 def _plain(block: bytes) -> bytes:

@@ -1,0 +1,62 @@
+"""Chunks of bags are unpacked up to a limit; the library that reads bags knows none."""
+
+import bz2
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ur5lib.recordings.limits import most_bytes, too_large
+
+SHARE = 0.2  # of the limit; a chunk has a megabyte or so, and is in memory three times
+USUAL_RATIO = 20  # bytes for each byte of a file whose chunks are compressed
+
+
+@contextmanager
+def with_bounded_chunks(path: Path) -> Iterator[None]:
+    """Let the library read a bag whose chunks raise InputError where they unpack to too much."""
+    from rosbags.rosbag1 import reader as ros1
+    from rosbags.rosbag2 import storage_mcap as ros2
+
+    inflate, before = _inflate_within(path), (dict(ros1.decompressors), dict(ros2.DECOMPRESSORS))
+    lz4_object, zstd_object = _lz4_object(), ros2.zstd.ZstdDecompressor
+    ros1.decompressors["bz2"] = lambda data: inflate(data, bz2.BZ2Decompressor)
+    ros1.decompressors["lz4"] = lambda data: inflate(data, lz4_object)
+    ros2.DECOMPRESSORS["lz4"] = lambda data, _: inflate(data, lz4_object)
+    ros2.DECOMPRESSORS["zstd"] = lambda data, _: inflate(data, zstd_object)
+    try:
+        yield
+    finally:
+        ros1.decompressors.update(before[0])
+        ros2.DECOMPRESSORS.update(before[1])
+
+
+def _lz4_object() -> Callable[[], Any]:
+    from lz4.frame import LZ4FrameDecompressor
+
+    return LZ4FrameDecompressor
+
+
+def _inflate_within(path: Path) -> Callable[[bytes, Callable[[], Any]], bytes]:
+    """Return a function that unpacks a chunk of a file. Raises InputError beyond the limit."""
+    most = int(SHARE * most_bytes())
+    left = most_bytes() + USUAL_RATIO * path.stat().st_size
+
+    def inflate(data: bytes, new: Callable[[], Any]) -> bytes:
+        nonlocal left
+        frames, size = [], 0
+        while data:
+            one = new()
+            frames.append(one.decompress(data, most + 1 - size))
+            size += len(frames[-1])
+            left -= len(frames[-1])
+            if size > most:
+                raise too_large(path, f"{most / 1e9:g} GB in a chunk")
+            if left < 0:
+                raise too_large(path, f"{USUAL_RATIO} times as much as it has bytes")
+            if not one.eof:
+                raise EOFError(path)
+            data = one.unused_data or b""
+        return b"".join(frames)
+
+    return inflate

@@ -1,0 +1,46 @@
+"""How much a file may hold: some kilobytes can unpack to many gigabytes."""
+
+import math
+import os
+from pathlib import Path
+
+from ur5lib.errors import InputError
+
+MOST_GB = 1.0  # of numbers; an hour at 500 Hz with 60 channels has 0.9
+VARIABLE = "UR5_MOST_GB"  # in the environment: another limit
+NUMBER = 8  # bytes of a number in memory, however few it has in the file
+TEXT = 3  # bytes of text for each of those; numbers of 16 digits have 25 for 8
+MOST_COLUMNS = 10_000
+LONGEST_LINE = 1 << 25  # bytes; all numbers of an hour at 500 Hz in a line are fewer
+
+
+def most_bytes() -> float:
+    """Return how much the numbers of a file may take in memory."""
+    given = os.environ.get(VARIABLE, "") or MOST_GB
+    try:
+        most = float(given)
+    except ValueError:
+        most = math.nan
+    if not most > 0:
+        raise InputError(f"{VARIABLE} is {given!r}; give a number of gigabytes, as {VARIABLE}=5")
+    return 1e9 * most
+
+
+def expect_room(path: Path, numbers: float) -> None:
+    """Raise InputError where a file has so many numbers that they would take too much memory."""
+    if NUMBER * numbers > (most := most_bytes()):
+        raise too_large(path, f"{most / 1e9:g} GB of numbers ({most / NUMBER:,.0f})")
+
+
+def expect_short_text(path: Path, size: int) -> None:
+    """Raise InputError where a file unpacks to so much text that it takes too long. size: bytes."""
+    if size > (most := TEXT * most_bytes()):
+        raise too_large(path, f"{most / 1e9:g} GB of text")
+
+
+def too_large(path: Path, content: str) -> InputError:
+    """Return the error of a file that holds more than some content."""
+    return InputError(
+        f"{path} holds more than {content}; if it should, allow more by `export {VARIABLE}=10` "
+        "before the command, else copy it again from its source"
+    )

@@ -1,0 +1,149 @@
+"""How many numbers a compressed file would unpack to, told before it is unpacked."""
+
+import math
+import struct
+import zlib
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import IO, Any, BinaryIO
+from zipfile import ZipFile
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from ur5lib.recordings.limits import NUMBER, expect_room
+
+PIECE = 1 << 20  # bytes that are unpacked at a time
+NPY_HEADS: dict[tuple[int, ...], Callable[[IO[bytes]], tuple[Any, ...]]] = {  # by version
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
+MATRIX, COMPRESSED = 14, 15  # kinds of elements of a MAT file
+MAT_SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}
+
+
+def npz_numbers(archive: ZipFile, names: Collection[str]) -> float:
+    """Return how many numbers some files of a NumPy archive hold, by the heads of their arrays."""
+    return sum(_npy_numbers(archive, name) for name in names)
+
+
+def _npy_numbers(archive: ZipFile, name: str) -> float:
+    size = archive.getinfo(name).file_size
+    with archive.open(name) as file:
+        if file.read(6) != np.lib.format.MAGIC_PREFIX:
+            return size / NUMBER
+        read_head = NPY_HEADS.get(tuple(file.read(2)))
+        numbers = math.prod(read_head(file)[0]) if read_head else size
+    return max(min(numbers, size), size / NUMBER)
+
+
+def parquet_numbers(file: pq.ParquetFile, columns: Collection[str]) -> float:
+    """Return how many numbers some columns of a Parquet file hold, by the list at its end."""
+    groups = map(file.metadata.row_group, range(file.num_row_groups))
+    chunks = (group.column(k) for group in groups for k in range(group.num_columns))
+    wanted = [chunk for chunk in chunks if _is_of(chunk.path_in_schema, columns)]
+    return sum(max(one.num_values, one.total_uncompressed_size / NUMBER) for one in wanted)
+
+
+def _is_of(path: str, columns: Collection[str]) -> bool:
+    """Return whether a path, as `q.list.element`, leads to one of some columns."""
+    parts = path.split(".")
+    return any(".".join(parts[:k]) in columns for k in range(1, len(parts) + 1))
+
+
+def feather_numbers(path: Path) -> float:
+    """Return how many numbers a Feather file holds, by the heads of its batches and buffers.
+
+    0 for the version that begins with FEA1, which compresses nothing.
+    """
+    with pa.memory_map(str(path)) as file:
+        if file.read(8)[:6] != b"ARROW1":
+            return 0
+        return sum(map(_batch_numbers, pa.ipc.MessageReader.open_stream(file)))
+
+
+def _batch_numbers(message: pa.Message) -> float:
+    """Return how many numbers a message of Arrow holds: by its rows, or by the sizes that its
+    compressed buffers begin with.
+
+    https://arrow.apache.org/docs/format/Columnar.html#recordbatch-message
+    """
+    if message.type not in ("record batch", "dictionary"):
+        return 0
+    head = message.metadata.to_pybytes()
+    batch = _follow(head, _field(head, _follow(head, 0), 2))
+    if message.type == "dictionary":
+        batch = _follow(head, _field(head, batch, 1))
+    nodes, buffers = (_pairs(head, _follow(head, _field(head, batch, k))) for k in (1, 2))
+    unpacked = 0
+    for start, length in buffers[buffers[:, 1] >= 8] if _field(head, batch, 3) else ():
+        (size,) = struct.unpack("<q", message.body[start : start + 8].to_pybytes())
+        unpacked += max(size, length)
+    return max(int(nodes[:, 0].sum()), unpacked / NUMBER)
+
+
+def _follow(data: bytes, place: int) -> int:
+    """Return where an offset of a FlatBuffer leads to."""
+    return place + int.from_bytes(data[place : place + 4], "little")
+
+
+def _field(data: bytes, table: int, index: int) -> int:
+    """Return the place of a field in a table of a FlatBuffer, 0 where it lacks the field."""
+    fields = table - int.from_bytes(data[table : table + 4], "little", signed=True)
+    entry = fields + 4 + 2 * index
+    if entry >= fields + int.from_bytes(data[fields : fields + 2], "little"):
+        return 0
+    offset = int.from_bytes(data[entry : entry + 2], "little")
+    return table + offset if offset else 0
+
+
+def _pairs(data: bytes, vector: int) -> np.ndarray:
+    """Return a FlatBuffer's vector of pairs of long integers (N, 2)."""
+    count = int.from_bytes(data[vector : vector + 4], "little")
+    return np.frombuffer(data, "<i8", 2 * count, vector + 4).reshape(-1, 2)
+
+
+def expect_mat_room(path: Path) -> None:
+    """Raise InputError where a MAT file of version 5 holds more numbers than may be read."""
+    with path.open("rb") as file:
+        head = file.read(128)
+        order = {b"IM": "<", b"MI": ">"}.get(head[126:])
+        if order:  # version 4 compresses nothing
+            numbers = 0.0
+            for count in _mat_numbers(file, order):
+                expect_room(path, numbers := numbers + count)
+
+
+def _mat_numbers(file: "BinaryIO | Inflated", order: str) -> Iterator[float]:
+    """Yield how many numbers each element of a MAT file holds, in arrays and structures.
+
+    order: of bytes. An element's content is passed by unread.
+    """
+    while len(tag := file.read(8)) == 8:
+        kind, size = struct.unpack(f"{order}II", tag)
+        if kind == COMPRESSED:
+            yield from _mat_numbers(Inflated(file.read(size)), order)
+        elif kind != MATRIX and kind < 1 << 16:  # what is larger has its content in its tag
+            yield size / MAT_SIZES.get(kind, 1)
+            for rest in range(size + -size % 8, 0, -PIECE):
+                file.read(min(rest, PIECE))
+
+
+class Inflated:
+    """Compressed data that are unpacked as they are read."""
+
+    def __init__(self, packed: bytes) -> None:
+        self._waiting, self._ready = packed, b""
+        self._inflate = zlib.decompressobj()
+
+    def read(self, size: int) -> bytes:
+        """Return the next bytes, fewer at the end."""
+        while len(self._ready) < size:
+            piece = self._inflate.decompress(self._waiting, PIECE)
+            self._waiting = self._inflate.unconsumed_tail
+            if not piece:
+                break
+            self._ready += piece
+        found, self._ready = self._ready[:size], self._ready[size:]
+        return found
