@@ -346,7 +346,7 @@ def test_names_outdo_gravity_which_doubts_them(tmp_path: Path, made: Made) -> No
     entry, comments = entry_and_comments(tmp_path / "run.db3", robot="ur5")
     assert "joints" not in entry
     assert "check: the joints' order, by their names" in comments
-    assert "elbow, shoulder lift, shoulder pan, wrist 1, wrist 2, wrist 3 (log-like" in comments
+    assert "or elbow, shoulder lift, shoulder pan, wrist 1, wrist 2, wrist 3: gravity" in comments
 
 
 def test_an_arm_that_nothing_tells_is_asked_for(tmp_path: Path, made: Made) -> None:
@@ -464,7 +464,7 @@ def test_a_bag_of_a_ur10() -> None:
     entry, comments = entry_and_comments(folder / "ur10_exciting_trajectory.db3")
     assert entry["robot"] == "ur10"
     assert entry["channels"]["actual_current_as_torque"] == "/joint_states/effort"
-    assert "effort in Nm: gravity on joint 2 is 0.997 Nm per unit" in comments
+    assert "effort in Nm: gravity tells Nm" in comments
 
 
 @pytest.mark.parametrize("kind", ["mat", "mcap"])

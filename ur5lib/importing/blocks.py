@@ -1,7 +1,7 @@
 """Blocks: columns of a file that belong together, and their meaning by name."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -35,18 +35,16 @@ class Block:
     joints: int = JOINTS_OF_UR
     stated: str = ""
 
-    def scaled(self, factors: Array) -> "Block":
+    def scaled(self, factors: Array | float) -> "Block":
         """Return the block with each column multiplied by a factor."""
-        whole = tuple(float(factor) for factor in factors * (self.factors or 1.0))
-        return replace(self, rows=self.rows * factors, factors=whole)
+        before = np.array(self.factors or [1.0] * self.rows.shape[1])
+        return replace(self, rows=self.rows * factors, factors=tuple(before * factors))
 
     def unit(self) -> str | list[float] | None:
         """Return the unit of the file's numbers as a study has it, None for SI."""
-        if len({*self.factors}) <= 1:
-            factor = float(f"{(self.factors or (1.0,))[0]:.7g}")
-            known = {1.0: None, -1.0: OPPOSITE, 1e-3: "mA"}
-            return known[factor] if factor in known else [factor] * self.rows.shape[1]
-        return [float(f"{factor:.7g}") for factor in self.factors]
+        whole = [float(f"{factor:.7g}") for factor in self.factors or (1.0,)]
+        known = {1.0: None, -1.0: OPPOSITE, 1e-3: "mA"}
+        return known.get(whole[0], whole) if len({*whole}) == 1 else whole
 
     @property
     def title(self) -> str:
@@ -75,14 +73,13 @@ def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
     return stems
 
 
-def grouped(names: Sequence[str], joints: int = JOINTS_OF_UR) -> Iterator[tuple[str, ...]]:
-    """Yield the names of single columns that belong together (joints; pose; x, y, z), others alone.
+def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Yield the names of single columns that belong together: of joints, of a pose, x, y, z.
 
     In the order of the joints' names, or else of their numbers.
     """
     for places in _by_stem(names).values():
-        ordered = tuple(places[place] for place in sorted(places))
-        yield from [ordered] if len(ordered) in (3, 6, joints) else ((name,) for name in ordered)
+        yield tuple(places[place] for place in sorted(places))
 
 
 def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
@@ -103,14 +100,16 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
     return [renamed.get(column, column) for column in columns]
 
 
-def joints_of(path: Path, arrays: Mapping[str, np.ndarray]) -> int:
-    """Return of how many joints a file holds the positions: six, or more by their names.
+def joints_of(path: Path, blocks: Sequence[Block]) -> int:
+    """Return of how many joints a file's blocks hold the positions: six, or more by their names.
 
     Raises InputError where they are more than an arm's.
     """
-    counts = {count: title for title, kind, count in _of_joints(arrays) if kind == "q"}
-    more = max((count for count in counts if count in MORE_JOINTS), default=None)
-    if more is None or JOINTS_OF_UR in counts:
+    counts = {
+        block.rows.shape[1]: block.title for block in blocks if kind_of_joints(block.stem()) == "q"
+    }
+    more = max((count for count in counts if count in MORE_JOINTS), default=JOINTS_OF_UR)
+    if JOINTS_OF_UR in counts:
         return JOINTS_OF_UR
     if more > MOST_JOINTS:
         raise InputError(
@@ -118,16 +117,3 @@ def joints_of(path: Path, arrays: Mapping[str, np.ndarray]) -> int:
             f"{MOST_JOINTS}. Save the arm's joints without those of a gripper"
         )
     return more
-
-
-def _of_joints(arrays: Mapping[str, np.ndarray]) -> Iterator[tuple[str, str, int]]:
-    """Yield title, kind and number of joints of arrays with a column for each, and of columns."""
-    wide = [name for name, values in arrays.items() if values.ndim == 2 and 1 not in values.shape]
-    for name in wide:
-        if kind := kind_of_joints(name):
-            yield name, kind, min(arrays[name].shape)
-    for stem, places in _by_stem(name for name in arrays if name not in wide).items():
-        order = sorted(places)
-        whole = order == list(range(order[0], order[0] + len(order))) and order[0] in (0, 1)
-        if whole and (kind := kind_of_joints(stem)):
-            yield f"{places[order[0]]} … {places[order[-1]]}", kind, len(order)

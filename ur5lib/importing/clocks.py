@@ -1,6 +1,6 @@
 """The clock of a file: of several, the one under which velocities are derivatives; or a rate."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -57,13 +57,25 @@ def is_clock(stamps: Array) -> bool:
     )
 
 
-def possible_units(name: str, stamps: Array) -> list[str]:
-    """Return the units in which stamps (N,) [s] as read may be: the factors to try on a clock."""
-    stated = named_unit(name)
-    step = float(np.median(np.diff(stamps)[np.diff(stamps) > 0]))
-    low, high = POSSIBLE_STEPS
-    every = [unit for unit in STEPS if low <= step * FACTORS.get(unit, 1.0) <= high]
-    return [stated] if stated in STEPS else every
+def alternatives(clocks: Clocks, own: str) -> Iterator[tuple[str, str, Array]]:
+    """Yield name, unit and stamps (N,) [s] of the clocks that blocks on one of them may have.
+
+    They are as long, beside it in the file, and in each unit that their steps allow.
+    """
+    for name, stamps in clocks.stamps.items():
+        beside = len(stamps) == len(clocks.stamps[own]) and "/" not in name + own
+        if not (beside or name == own):
+            continue
+        as_read = stamps / FACTORS.get(clocks.units.get(name, "s"), 1.0)
+        steps = np.diff(as_read)
+        step = float(np.median(steps[steps > 0]))
+        for unit in STEPS:
+            seconds = FACTORS.get(unit, 1.0)
+            if named_unit(name) == unit or (
+                named_unit(name) not in STEPS
+                and POSSIBLE_STEPS[0] <= step * seconds <= POSSIBLE_STEPS[1]
+            ):
+                yield name, unit, as_read * seconds
 
 
 def _unit(name: str, stamps: Array, stated: str | None) -> str | None:

@@ -18,7 +18,7 @@ from ur5lib.importing.blocks import (
     with_names,
 )
 from ur5lib.importing.clocks import ROWS, Clocks, clocks_of, equally_spaced
-from ur5lib.importing.spellings import NAMES_OF_JOINTS, names_command, place_of
+from ur5lib.importing.spellings import NAMES_OF_JOINTS
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
 from ur5lib.recordings.entries import SKIPPED, expand
@@ -169,10 +169,9 @@ def contents(path: Path, stated: Stated = NOTHING_STATED) -> Contents:
     # a table without names has blocks of as many columns
     fitting = (count for count in (JOINTS_OF_UR, 7, 8) if len(rest) % count == 0)
     told = stated.joints() or (next(fitting, JOINTS_OF_UR) if unnamed else None)
-    joints = told or joints_of(path, arrays)
-    parts = [*_blocks(arrays, clocks, joints, unnamed)]
-    named = stated.names()
-    every = [replace(b, stated=named.get(b.names[0], "")) if named else b for b in parts]
+    parts = [*_blocks(arrays, clocks, told if unnamed else None)]
+    joints, named = told or joints_of(path, parts), stated.names()
+    every = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
     silent = [block for block in every if not np.nan_to_num(block.rows).any()]
     blocks = [block for block in every if np.nan_to_num(block.rows).any()]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, evidence
@@ -236,14 +235,11 @@ def _table(
 ) -> dict[str, np.ndarray]:
     """Return a table's columns by name, each once, of equal names the first."""
     table = read_numbers(Log(path, "robot", findings), header.columns)
-    for name in header.repeated:
-        first = name.split(AGAIN)[0]
-        stated = name in table and not names_command(place_of(first)[0])
-        if stated and not table[name].equals(table[first]):
-            evidence.check.append(
-                f"{first} names two columns with different numbers; the first is read, --columns "
-                "names each"
-            )
+    if repeated := [name.split(AGAIN)[0] for name in header.repeated]:
+        verb = "appears" if len(repeated) == 1 else "appear"
+        evidence.left_out.append(
+            f"{some(repeated)} {verb} twice in the header; the first is read, --columns names each"
+        )
     skipped = {*header.repeated, *(n for n in table if header.entry and n.startswith(SKIPPED))}
     once = [name for name in table if name not in skipped and not is_unnamed(name)]
     return {name: table[name].to_numpy() for name in once}
@@ -254,10 +250,11 @@ def is_unnamed(name: str) -> bool:
     return not name or name.startswith(AGAIN)
 
 
-def _blocks(
-    arrays: dict[str, np.ndarray], clocks: Clocks, joints: int, nameless: bool
-) -> Iterator[Block]:
-    """Yield the arrays of several columns, and the groups of single columns."""
+def _blocks(arrays: dict[str, np.ndarray], clocks: Clocks, joints: int | None) -> Iterator[Block]:
+    """Yield the arrays of several columns, and the groups of single columns.
+
+    joints: of an arm whose columns have no names, as many of which are a group.
+    """
     single = []
     for name, values in arrays.items():
         clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
@@ -265,17 +262,16 @@ def _blocks(
             continue
         if values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
-            yield Block((name,), _possible(tall), clock, joints=joints)
+            yield Block((name,), _possible(tall), clock)
         else:
             single.append(name)
-    last = len(single) - joints + 1
-    each = [tuple(single[k : k + joints]) for k in range(0, last, joints)]
-    groups = each if nameless else [*grouped(single, joints)]
-    for names in groups:
+    nameless = range(0, len(single) - joints + 1, joints) if joints else []
+    each = [tuple(single[k : k + (joints or 0)]) for k in nameless]
+    for names in each or grouped(single):
         clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
         columns = [_possible(arrays[name].ravel()) for name in names]
         if clock and len({len(column) for column in columns}) == 1:
-            yield Block(names, np.stack(columns, axis=1), clock, joints=joints)
+            yield Block(names, np.stack(columns, axis=1), clock)
 
 
 def _possible(values: np.ndarray) -> Array:

@@ -1,6 +1,6 @@
 """Import of recordings: each file is analysed, read back through its entry, and checked."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,8 +44,7 @@ def import_files(paths: Iterable[Path], stated: Stated = NOTHING_STATED) -> Impo
 
     Raises InputError, with all reasons, where no file can be read and has positions.
     """
-    imported, refused, unread = dict[Path, Imported](), dict[Path, str](), list[Path]()
-    headers = dict[Path, list[str]]()
+    imported, refused, headers = dict[Path, Imported](), dict[Path, str](), dict[Path, list[str]]()
     for path in paths:
         try:
             file = contents(path, stated)
@@ -53,21 +52,28 @@ def import_files(paths: Iterable[Path], stated: Stated = NOTHING_STATED) -> Impo
             imported[path] = _checked(file)
         except InputError as error:
             refused[path] = str(error)
-            unread += [path] if path in headers else []
-    for path in unread:
-        if other := _fullest(imported, headers, path):
-            imported[path] = _like(other, path)
-            del refused[path]
-    for path, own in imported.items():
-        other = _fullest(imported, headers, path)
-        if other and other.arm == own.arm and _skipped(other) < _skipped(own):
-            imported[path] = _like(other, path, own.entry["role"])
+    for path, columns in headers.items():
+        if columns[:1] == [f"{NAMELESS}1"]:
+            alike = [one for other, one in imported.items() if headers[other] == columns]
+            _take_columns(path, alike, imported)
     found = ImportedFiles(imported[path] for path in headers if path in imported)
-    found.refused = tuple(refused.values())
-    if refused and not found:
+    found.refused = tuple(reason for path, reason in refused.items() if path not in imported)
+    if found.refused and not found:
         raise InputError("\n".join(found.refused))
     _name_each_once(found)
     return found
+
+
+def _take_columns(path: Path, alike: Sequence[Imported], imported: dict[Path, Imported]) -> None:
+    """Read a file without names like the one of as many columns of which most are named."""
+    other, own = min(alike, key=_skipped, default=None), imported.get(path)
+    if other is None or (own and (own.arm != other.arm or _skipped(own) <= _skipped(other))):
+        return
+    source = Path(other.entry["folder"], other.entry["file"])
+    assumed = f"# assumed: columns, units and robot as in {source}, which has as many columns"
+    checks = [line for line in other.comments if line.startswith("# check")]
+    role = {"role": own.entry["role"]} if own else {}
+    imported[path] = Imported(other.entry | place_of_file(path) | role, [*checks, assumed])
 
 
 def _checked(file: Contents) -> Imported:
@@ -95,29 +101,9 @@ def contradictions(recording: Entry) -> list[str]:
     return severe(quality)
 
 
-def _fullest(
-    imported: Mapping[Path, Imported], headers: Mapping[Path, list[str]], path: Path
-) -> Imported | None:
-    """Return the recording with as many nameless columns as a file of which most are named."""
-    own = headers[path]
-    if not (own and own[0].startswith(NAMELESS)):
-        return None
-    alike = (one for other, one in imported.items() if headers[other] == own and other != path)
-    return min(alike, key=_skipped, default=None)
-
-
 def _skipped(one: Imported) -> int:
     """Return how many columns an entry skips."""
     return list(one.entry.get("columns", [])).count(SKIPPED)
-
-
-def _like(other: Imported, path: Path, role: str = "") -> Imported:
-    """Return the entry of a file with columns, units, robot and, unless known, role of another."""
-    source = Path(other.entry["folder"], other.entry["file"])
-    assumed = f"# assumed: columns, units and robot as in {source}, which has as many columns"
-    checks = [line for line in other.comments if line.startswith("# check")]
-    own = place_of_file(path) | ({"role": role} if role else {})
-    return Imported(other.entry | own, [*checks, assumed])
 
 
 def _name_each_once(imported: Sequence[Imported]) -> None:

@@ -1,24 +1,17 @@
 """The arm of a file and the order of its joints: as told, by names, by a pose, by gravity."""
 
 import re
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import ImportedMotion
+from ur5lib.recordings.arm_checks import constants
 from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.readings import (
-    CLEAR_LEAD,
-    OR_FREE,
-    Order,
-    Reading,
-    effort_per_torque,
-    readings,
-    usual_orders,
-)
+from ur5lib.recordings.readings import CLEAR_LEAD, OR_FREE, Order, Reading, readings, usual_orders
 from ur5lib.recordings.rosbag import JOINT_NAMES
 from ur5lib.recordings.stop_signs import described
 from ur5lib.robots.description import Robot, robot_names
@@ -33,7 +26,6 @@ UNNAMED = "unnamed joints"  # the finding for a bag whose messages do not name a
 UNDESCRIBED = "my_arm"  # in an entry for an arm that has no description yet
 PARTS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
-MIN_GRAVITY_CHANGE = 1.0  # Nm, root mean square, of a joint that tells its constant
 
 
 class Placed(NamedTuple):
@@ -52,35 +44,31 @@ class Identity(NamedTuple):
     order: Order
 
 
-@dataclass(frozen=True)
-class Case:
-    """What identifies an arm: a file's motion, and means over blocks with all its efforts."""
+def identified(moving: ImportedMotion, means: BlockMeans | None) -> Identity:
+    """Return the arm and the column of each joint: as told, by names, by a pose, by gravity.
 
-    moving: ImportedMotion
-    means: BlockMeans | None
-
-    @property
-    def file(self) -> Contents:
-        """Return the file."""
-        return self.moving.file
-
-
-def identified(case: Case) -> Identity:
-    """Return the arm and the column of each joint; what is not proven is assumed, or a question."""
-    file = case.file
-    names = [file.stated.robot] if file.stated.robot else arms_of(file)
-    own = tuple(range(file.joints))
+    means: over blocks with all efforts, None without a motion.
+    """
+    file, every = moving.file, arms_of(moving.file)
+    told = file.stated.robot or _named(file, every) or ""
+    names = [told] if told else every
+    orders = usual_orders(file.joints)
     if not names:
         file.evidence.check.append(
             f"robot {UNDESCRIBED}: no described arm has {file.joints} joints; describe yours, "
             "`ur5 describe arm.urdf`, and name it with --robot"
         )
-        return Identity(UNDESCRIBED, None, own)
-    every = [described(name) for name in arms_of(file)]
-    placed = _by_pose(case, every, usual_orders(file.joints))
-    likely = readings(case.means, every, usual_orders(file.joints), OR_FREE) if case.means else []
-    order = _order(case, likely, placed, names)
-    arm = _arm(case, [one for one in likely if one.order == order], placed, names)
+        return Identity(UNDESCRIBED, None, orders[0])
+    placed = _by_pose(moving, told, orders)
+    arms = [described(name) for name in every]
+    likely = readings(means, arms, orders, OR_FREE) if means else []
+    own = [one for one in likely if one.arm in names]
+    order = _order(moving, own, [*dict.fromkeys(one.order for one in placed)])
+    likely = [one for one in likely if one.order == order]
+    if told:
+        _assume(told, likely, file)
+        return Identity(told, described(told), order)
+    arm = _arm(file, means, likely, [*dict.fromkeys(one.arm for one in placed)] or names)
     return Identity(arm, described(arm), order)
 
 
@@ -99,33 +87,31 @@ def fitting(
     """
     rows = np.unique(np.linspace(0, len(q) - 1, POSTURES).astype(int))
     for tool in (False, True):
-        ranked = _misses(q[rows], position[rows], arms, orders, tool)
-        if (best := ranked[0].miss) <= MAX_DISTANCE:
-            return [each for each in ranked if each.miss <= WORSE_POSE * best + 1e-4], not tool
+        placed = [
+            Placed(arm.name, order, _miss(arm, q[rows][:, order], position[rows], tool))
+            for arm in arms
+            for order in orders
+        ]
+        best = min(one.miss for one in placed)
+        if best <= MAX_DISTANCE:
+            good = [one for one in placed if one.miss <= WORSE_POSE * best + 1e-4]
+            return sorted(good, key=lambda one: one.miss), not tool
     return [], False
 
 
-def _misses(
-    q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order], tool: bool
-) -> list[Placed]:
-    """Return the readings, the best first. tool: whether an offset from the flange is fitted."""
-    poses = []
-    for arm in arms:
-        postures = q[:, np.array(orders)].swapaxes(0, 1)
-        rotation, origin = link_frames(arm, postures.reshape(-1, q.shape[1]))
-        away = position - origin[:, -1].reshape(*postures.shape[:2], 3)
-        if tool:
-            axes = rotation[:, -1].reshape(*postures.shape[:2], 3, 3)
-            turned = np.einsum("knij,kni->knj", axes, away)
-            away = turned - turned.mean(axis=1, keepdims=True)
-        miss = np.sqrt((away**2).sum(axis=2).mean(axis=1))
-        poses += [Placed(arm.name, order, float(m)) for order, m in zip(orders, miss, strict=True)]
-    return sorted(poses, key=lambda pose: pose.miss)
+def _miss(arm: Robot, q: Array, position: Array, tool: bool) -> float:
+    """Return how far the flange is from positions [m]; tool: but for a constant offset on it."""
+    rotation, origin = link_frames(arm, q)
+    away = position - origin[:, -1]
+    if tool:
+        turned = np.einsum("nij,ni->nj", rotation[:, -1], away)
+        away = turned - turned.mean(axis=0)
+    return float(np.sqrt((away**2).sum(axis=1).mean()))
 
 
-def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list[Placed]:
+def _by_pose(moving: ImportedMotion, told: str, orders: Sequence[Order]) -> list[Placed]:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
-    file, moving = case.file, case.moving
+    file = moving.file
     pose = file.meant("actual_TCP_pose", moving.position.clock)
     if pose is None or pose.rows.shape[1] < 3:
         return []
@@ -133,9 +119,14 @@ def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list
     whole = np.isfinite(q).all(axis=1) & np.isfinite(position).all(axis=1)
     if not whole.any() or np.ptp(q[whole], axis=0).max() < 0.05:
         return []
+    arms = [described(name) for name in arms_of(file)]
     good, bare = fitting(q[whole], position[whole], arms, orders)
     if not good:
         file.evidence.exclude(pose, "no pose of the flange, or of a tool on it, in m, base frame")
+    elif told and told not in {one.arm for one in good}:
+        file.evidence.check.append(
+            f"robot {told}: the recorded pose is the flange of {good[0].arm}, or a tool on it"
+        )
     elif len({reading.order for reading in good}) == 1:
         place = "the flange" if bare else "a tool fixed to the flange"
         file.evidence.proven.append(
@@ -145,31 +136,35 @@ def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list
     return good
 
 
-def _order(
-    case: Case, likely: Sequence[Reading], placed: Sequence[Placed], names: Sequence[str]
-) -> Order:
+def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Order]) -> Order:
     """Return the columns of the joints: by names, which numbers may doubt; else by numbers."""
-    own, posed = tuple(range(case.file.joints)), {one.order for one in placed}
-    scores = {one.order: one.score for one in reversed(likely) if one.arm in names}
+    evidence, title = moving.file.evidence, moving.position.title
+    own = tuple(range(moving.file.joints))
+    scores = {one.order: one.score for one in reversed(likely)}
     best = max(scores, key=lambda order: scores[order], default=own)
     lead = scores[best] - scores[own] if scores else 0.0
-    if names_order(case.moving):
-        _doubt_names(case, best, lead, posed)
-        return own
-    if len(posed) == 1:
-        return posed.pop()
-    evidence, title = case.file.evidence, case.moving.position.title
-    rest = [score for order, score in scores.items() if order != own]
-    if lead > SURE_OF_NUMBERS:
+    named, by_gravity = names_order(moving), lead > SURE_OF_NUMBERS
+    better = f"gravity explains the efforts so (log-likelihood greater by {lead:.3g})"
+    if named and posed and own not in posed:
         evidence.check.append(
-            f"the joints' order, {in_words(best)}, in {title}: gravity explains the efforts so, "
-            f"not from base to wrist (log-likelihood greater by {lead:.3g}), and no name tells it"
+            f"the joints' order, by their names in {title}: the pose fits another"
+        )
+    elif named and by_gravity and not posed:
+        evidence.check.append(
+            f"the joints' order, by their names in {title}, or {in_words(best)}: {better}"
+        )
+    elif named:
+        evidence.proven.append(f"the joints' order, by their names in {title}")
+    elif len(posed) == 1:
+        return posed[0]
+    elif by_gravity:
+        evidence.check.append(
+            f"the joints' order, {in_words(best)}, in {title}: no name tells it, and {better}"
         )
         return best
-    if scores and scores[own] - max(rest) > CLEAR_LEAD:
+    elif scores and scores[own] - max(s for o, s in scores.items() if o != own) > CLEAR_LEAD:
         evidence.proven.append(
-            "the joints' order, base to wrist: gravity explains the efforts worse in those that "
-            f"logs have besides (log-likelihood less by {scores[own] - max(rest):.3g})"
+            "the joints' order, base to wrist: gravity explains no other as well"
         )
     else:
         evidence.check.append(
@@ -177,21 +172,6 @@ def _order(
             "likelier, and no name tells it"
         )
     return own
-
-
-def _doubt_names(case: Case, best: Order, lead: float, posed: Collection[Order]) -> None:
-    """Note whether a pose or gravity contradicts the order that names tell."""
-    evidence, named = case.file.evidence, f"by their names in {case.moving.position.title}"
-    own = tuple(range(case.file.joints))
-    if posed and own not in posed:
-        evidence.check.append(f"the joints' order, {named}: the pose fits another")
-    elif lead > SURE_OF_NUMBERS and not posed:
-        evidence.check.append(
-            f"the joints' order, {named}; gravity explains the efforts better with "
-            f"{in_words(best)} (log-likelihood greater by {lead:.3g})"
-        )
-    else:
-        evidence.proven.append(f"the joints' order, {named}")
 
 
 def names_order(moving: ImportedMotion) -> bool:
@@ -206,91 +186,69 @@ def names_order(moving: ImportedMotion) -> bool:
     return len(block.names) > 1 and bool(rtde or any(j.search(first) for j in JOINT_NAMES))
 
 
-def _arm(
-    case: Case, likely: Sequence[Reading], placed: Sequence[Placed], names: Sequence[str]
-) -> str:
-    """Return the arm: as told, by the name of file or folder, by the pose, or the likeliest."""
-    file, evidence = case.file, case.file.evidence
-    posed = [*dict.fromkeys(one.arm for one in placed)]
-    told = file.stated.robot or _named(file, [*names])
-    if told:
-        how = "as given" if file.stated.robot else "by the name of file or folder"
-        evidence.assumed.append(f"robot {told}, {how}")
-        _doubt(case, told, likely, posed)
-        return told
-    if len(posed) == 1:
-        evidence.proven.append(f"robot {posed[0]}: no other described arm fits the pose")
-        return posed[0]
-    left = [one for one in likely if not posed or one.arm in posed]
-    if not left:
-        evidence.check.append(
-            f"robot {names[0]}: nothing in the file tells it; name it with --robot"
-        )
-        return (posed or [*names])[0]
-    best, rival = left[0], left[1] if len(left) > 1 else None
-    lead = best.score - rival.score if rival else np.inf
-    constants = _constants(case, best)
-    if lead >= CLEAR_LEAD and constants and all(constant.agrees for constant in constants):
-        evidence.proven.append(
-            f"robot {best.arm}: {' and '.join(one.text for one in constants)}; the next, "
-            + (f"{rival.arm}, has a log-likelihood less by {lead:.3g}" if rival else "none")
-        )
-        return best.arm
-    others = (
-        f"; {rival.arm} is {'about as likely' if lead < CLEAR_LEAD else 'next'}" if rival else ""
-    )
-    needs = f" with {' and '.join(one.text for one in constants)}" if constants else ""
-    evidence.check.append(
-        f"robot {best.arm}: the likeliest of the described arms by the efforts{needs}{others}; "
-        "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
-    )
-    return best.arm
-
-
-def _doubt(case: Case, told: str, likely: Sequence[Reading], posed: Sequence[str]) -> None:
-    """Note where a pose or gravity contradicts the arm that is told."""
-    if posed and told not in posed:
-        case.file.evidence.check.append(
-            f"robot {told}: the recorded pose is the flange of {posed[0]}, or a tool on it"
-        )
+def _assume(told: str, likely: Sequence[Reading], file: Contents) -> None:
+    """Note the arm that the user or a file's name tells, which gravity may doubt."""
+    how = "as given" if file.stated.robot else "by the name of file or folder"
+    file.evidence.assumed.append(f"robot {told}, {how}")
     own = next((one.score for one in likely if one.arm == told), None)
     if own is not None and likely[0].score - own > CLEAR_LEAD:
-        case.file.evidence.check.append(
+        file.evidence.check.append(
             f"robot {told}: {likely[0].arm} explains the efforts far better (log-likelihood "
             f"greater by {likely[0].score - own:.3g}); check it, the tool and the mounting"
         )
 
 
-class Constant(NamedTuple):
-    """What a joint's efforts tell of its constant, beside the known one."""
+def _arm(
+    file: Contents, means: BlockMeans | None, likely: Sequence[Reading], possible: Sequence[str]
+) -> str:
+    """Return the arm that nothing names: by the pose, or the likeliest by gravity.
 
-    text: str
-    agrees: bool
+    likely: readings in the file's order, the likeliest first; possible: arms that the pose allows.
+    """
+    if len(possible) == 1:
+        file.evidence.proven.append(f"robot {possible[0]}: no other described arm fits the pose")
+        return possible[0]
+    left = [one for one in likely if one.arm in possible]
+    if means is None or not left:
+        file.evidence.check.append(
+            f"robot {possible[0]}: nothing in the file tells it; name it with --robot"
+        )
+        return possible[0]
+    best, rival = left[:2]
+    lead, (constants, known) = best.score - rival.score, _constants(means, best)
+    grounds = f"the likeliest by the efforts{f', with {constants}' if constants else ''}"
+    beaten = f"the next, {rival.arm}, has a log-likelihood less by {lead:.3g}"
+    if known and lead >= CLEAR_LEAD:
+        file.evidence.proven.append(f"robot {best.arm}: {grounds}; {beaten}")
+    else:
+        file.evidence.check.append(
+            f"robot {best.arm}: {grounds}; {beaten}; name the right one, as with --robot ur5e, or "
+            "describe it (`ur5 describe`)"
+        )
+    return best.arm
 
 
-def _constants(case: Case, reading: Reading) -> list[Constant]:
-    """Return the constants of the joints that bear most, of the first effort with a unit."""
-    arm, means = described(reading.arm), case.means
-    if means is None:
-        return []
-    known = [(n, u) for n, u in zip(means.currents, reading.units, strict=True) if u != "neither"]
-    if not known:
-        return []
-    (effort, unit), *_ = known
-    ordered = means.part(columns=reading.order)
-    bears = np.std(ordered.gravity(arm), axis=0)
-    expected = np.array(arm.maker_torque_constants()) if unit != "Nm" else np.ones(len(bears))
-    found = []
-    for joint in np.argsort(-bears)[:2].tolist():
-        slope, error = effort_per_torque(ordered, effort, arm, joint)
-        if bears[joint] < MIN_GRAVITY_CHANGE or not slope > 0:
-            continue
-        constant = (1e3 if unit == "mA" else 1.0) / slope
-        spread = np.hypot(2 * constant * error / slope, 2 * MAKERS_TOLERANCE * expected[joint])
-        name = "Nm per Nm" if unit == "Nm" else "Nm/A"
-        text = f"joint {joint + 1} has {constant:.3g} {name} (known: {expected[joint]:.3g})"
-        found.append(Constant(text, bool(abs(constant - expected[joint]) < spread)))
-    return found
+def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
+    """Return the torque constants that gravity tells of the joints that bear, in words.
+
+    And whether these are the known ones.
+    """
+    arm, ordered = described(reading.arm), means.part(columns=reading.order)
+    units = zip(means.currents, reading.units, strict=True)
+    effort, unit = next((pair for pair in units if pair[1] != "neither"), ("", ""))
+    if not effort:
+        return "", False
+    per_ampere = np.array(arm.maker_torque_constants()) ** (unit == "Nm")
+    per_ampere *= 1e3 if unit == "mA" else 1.0
+    efforts = {effort: ordered.currents[effort] / per_ampere}
+    found = constants(replace(ordered, currents=efforts), arm, effort)
+    texts = [
+        f"{ratio * found.known[joint]:.3g} Nm/A on joint {joint + 1} (known: "
+        f"{found.known[joint]:.3g})"
+        for joint, ratio in found.ratio.items()
+    ]
+    agree = [abs(ratio - 1) < 2 * MAKERS_TOLERANCE for ratio in found.ratio.values()]
+    return " and ".join(texts), bool(agree) and all(agree)
 
 
 def _named(file: Contents, names: Sequence[str]) -> str | None:

@@ -9,11 +9,10 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.clocks import ASSUMED_RATE, ROWS, are_postures, irregularity, possible_units
+from ur5lib.importing.clocks import ASSUMED_RATE, ROWS, alternatives, are_postures, irregularity
 from ur5lib.importing.contents import Contents, held
 from ur5lib.importing.spellings import named_unit, names_command
 from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.entries import FACTORS
 from ur5lib.recordings.stop_signs import DEGREES
 from ur5lib.timeseries.arrays import Array
 
@@ -229,27 +228,17 @@ def _timed(
 
 
 def _on_best_clock(file: Contents, position: Block, velocity: Block | None) -> Contents:
-    """Return the file on the clock under which velocities are derivatives, else the most regular.
-
-    Of the clocks that are as long as that of the positions, and equally near to them in the file.
-    """
-    own, (every, known) = position.clock, file.clocks
-    rows = len(every[own])
-    near = [n for n in every if len(every[n]) == rows and n.count("/") == own.count("/") == 0]
+    """Return the file on the clock of which velocities are derivatives, else the most regular."""
+    own, units = position.clock, file.clocks.units
     tried = [
         (_misfit(position, velocity, stamps), name, unit, stamps)
-        for name in near or [own]
-        for unit in possible_units(name, every[name] / FACTORS.get(known.get(name, "s"), 1.0))
-        for stamps in [
-            every[name] * FACTORS.get(unit, 1.0) / FACTORS.get(known.get(name, "s"), 1.0)
-        ]
-        if velocity or unit == known.get(name, "s")
+        for name, unit, stamps in alternatives(file.clocks, own)
+        if velocity or unit == units.get(name, "s")
     ]
-    as_read = next((one for one in tried if one[1:3] == (own, known.get(own, "s"))), None)
-    best = min(tried, key=lambda one: one[0], default=None)
-    if best is None or (as_read and as_read[0] <= WORSE_CLOCK * best[0] + 1e-9):
+    misfit, name, unit, stamps = min(tried, key=lambda one: one[0])
+    as_read = [one[0] for one in tried if one[1:3] == (own, units.get(own, "s"))]
+    if as_read and as_read[0] <= WORSE_CLOCK * misfit + 1e-9:
         return file
-    _, name, unit, stamps = best
     why = "under it, velocities are derivatives" if velocity else "its steps are regular"
     file.evidence.proven.append(f"{name} in {unit} is the clock: {why}")
     return file.on_clock(own, name, stamps, unit)
@@ -314,34 +303,28 @@ def _units(file: Contents, position: Block, velocity: Block | None) -> dict[str,
 
 def _with_targets(measured: ImportedMotion, targets: dict[str, Block]) -> ImportedMotion:
     """Return a motion with its targets in radians or degrees, without those of another size."""
-    kept, units = dict[str, Block](), dict(measured.units)
+    kept, units, own = dict[str, Block](), dict(measured.units), measured.in_si()
     for name, block in targets.items():
-        ratio = _size(measured, name, block)
-        unit = DEGREES if "actual_q" in units else 1.0
-        if ratio is not None:
-            unit = DEGREES if abs(ratio) > np.sqrt(DEGREES) else 1.0
-        if ratio is not None and not RATIO[0] < ratio / unit < RATIO[1]:
+        followed = own.get({"target_q": "actual_q", "target_qd": "actual_qd"}.get(name, ""))
+        ratio = _size(followed, block.rows) if followed is not None else None
+        if ratio is None:
+            ratio = DEGREES if "actual_q" in units else 1.0
+        if not any(RATIO[0] < ratio / unit < RATIO[1] for unit in (1.0, DEGREES)):
             measured.file.evidence.exclude(block, "what moves does not follow it")
             continue
         kept[name] = block
-        units |= {name: TARGETS[name]} if unit == DEGREES else {}
+        units |= {name: TARGETS[name]} if ratio > RATIO[1] else {}
     return replace(measured, blocks=measured.blocks | kept, units=units)
 
 
-def _size(measured: ImportedMotion, name: str, block: Block) -> float | None:
-    """Return the ratio of a target to what it commands, None where nothing tells it.
+def _size(own: Array, target: Array) -> float | None:
+    """Return the ratio of a target to what follows it (N, n), None where nothing moves.
 
-    NaN where most joints that move do not follow; accelerations may be too small to tell.
+    NaN where most joints that move do not follow.
     """
-    own = measured.in_si().get({"target_q": "actual_q"}.get(name, "actual_qd"))
-    if own is None or len(own) != len(block.rows):
-        return None
-    if name == "target_qdd":
-        found = agreement(own, block.rows, measured.time)
-        return found.ratio if found.share > 0.5 else None
-    both = zip((own - np.nanmean(own, axis=0)).T, block.rows.T, strict=True)
-    moving = [ratio for pair in both if (ratio := _ratio(*pair)) is not None]
+    pairs = zip((own - np.nanmean(own, axis=0)).T, target.T, strict=True)
+    moving = [ratio for pair in pairs if (ratio := _ratio(*pair)) is not None]
     good = [ratio for ratio in moving if np.isfinite(ratio)]
-    if 2 * len(good) > len(moving):
-        return float(np.median(good))
-    return np.nan if moving else None
+    if not moving:
+        return None
+    return float(np.median(good)) if 2 * len(good) > len(moving) else np.nan

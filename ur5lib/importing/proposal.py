@@ -9,23 +9,16 @@ import pandas as pd
 from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.clocks import ROWS
-from ur5lib.importing.contents import AGAIN, Contents
+from ur5lib.importing.contents import Contents
 from ur5lib.importing.efforts import EFFORTS, NAMED, as_amperes, is_opposite, name_efforts
-from ur5lib.importing.identity import Case, arms_of, identified
+from ur5lib.importing.identity import arms_of, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
-from ur5lib.importing.wrenches import (
-    CONTACT_FORCE,
-    change,
-    is_opposite_wrench,
-    proven_frame,
-    wrench_blocks,
-)
+from ur5lib.importing.wrenches import CONTACT_FORCE, change, proven_frame, wrench_blocks
 from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.readings import Order
 from ur5lib.recordings.stop_signs import described
-from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 Units = dict[str, str | list[float]]  # by channel, as a study has them
@@ -73,16 +66,15 @@ class Proposal:
 def propose(file: Contents) -> Proposal:
     """Return the proposal for a file. Raises InputError where it holds no positions."""
     moving = find_motion(file)
-    file, evidence = moving.file, moving.file.evidence
-    clock = moving.position.clock
-    found = _efforts(moving)
-    efforts = {f"effort{k}": as_amperes(b, evidence) for k, b in enumerate(found)}
+    file, clock = moving.file, moving.position.clock
+    efforts = {
+        f"effort{k}": as_amperes(block, file.evidence) for k, block in enumerate(_efforts(moving))
+    }
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
-    arms = [described(name) for name in arms_of(file)]
-    if means and arms:
-        _turn(efforts, means, arms, file)
-    arm, robot, order = identified(Case(moving, means))
+    if means:
+        _turn(efforts, means, file)
+    arm, robot, order = identified(moving, means)
     ordered = means.part(columns=order) if means else None
     named = name_efforts(efforts, ordered, robot, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}
@@ -92,19 +84,18 @@ def propose(file: Contents) -> Proposal:
     units: Units = dict(moving.units)
     units |= {n: unit for n, block in named.items() if (unit := block.unit())}
     units |= {n: unit for n, unit in file.stated.units.items() if n in channels}
-    pushed = _pushed(wrench, file)
-    sensor, opposite = list[Block](), False
-    if wrench:
+    pushed, frame = _pushed(wrench, file), None
+    if wrench and robot:
         measured = [block.names for name, block in named.items() if name.startswith("actual")]
-        usable = [name for name, block in efforts.items() if block.names in measured]
-        proving = usable[0] if pushed and usable else None
-        frame = proven_frame(wrench, proving, ordered, loads, robot, file)
-        if frame and ordered and robot:
-            opposite = is_opposite_wrench(frame, wrench, ordered, loads, robot, file)
-            sensor = wrench if frame.axes == "flange" else []
-            channels |= {} if sensor else {"actual_TCP_force": wrench}
-    if opposite and not sensor:
-        units["actual_TCP_force"] = OPPOSITE
+        proving = [name for name, block in efforts.items() if block.names in measured][:1]
+        alone = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
+        frame = proven_frame(wrench, alone if pushed and proving else None, loads, robot, file)
+    opposite, sensor = bool(frame and robot and frame.is_opposite(robot)), list[Block]()
+    if frame and frame.axes == "flange":
+        sensor = wrench
+    elif frame:
+        channels["actual_TCP_force"] = wrench
+        units |= {"actual_TCP_force": OPPOSITE} if opposite else {}
     _report_columns(file)
     return Proposal(moving, arm, order, channels, units, sensor, opposite, pushed)
 
@@ -121,13 +112,12 @@ def _efforts(moving: ImportedMotion) -> list[Block]:
     return [block for block, name in zip(found, names, strict=True) if name in NAMED]
 
 
-def _turn(
-    efforts: dict[str, Block], means: BlockMeans, arms: Sequence[Robot], file: Contents
-) -> None:
+def _turn(efforts: dict[str, Block], means: BlockMeans, file: Contents) -> None:
     """Turn the efforts of the opposite sign, in the blocks and in their means."""
+    arms = [described(name) for name in arms_of(file)]
     for name, block in efforts.items():
-        if is_opposite(means, name, arms):
-            efforts[name] = block.scaled(np.full(block.rows.shape[1], -1.0))
+        if arms and is_opposite(means, name, arms):
+            efforts[name] = block.scaled(-1.0)
             means.currents[name] *= -1
             file.evidence.proven.append(
                 f"{block.title} has the opposite sign: else friction would drive"
@@ -191,9 +181,6 @@ def _report_columns(file: Contents) -> None:
     evidence = file.evidence
     if file.header.layout:
         evidence.assumed.append(f"columns as of {file.header.layout}")
-    if repeated := [name.split(AGAIN)[0] for name in file.header.repeated]:
-        verb = "appears" if len(repeated) == 1 else "appear"
-        evidence.left_out.append(f"{some(repeated)} {verb} twice in the header; the first is read")
     if silent := [block.title for block in file.silent]:
         evidence.left_out.append(f"{some(silent)}: zero throughout, so not recorded")
 

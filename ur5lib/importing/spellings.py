@@ -25,7 +25,7 @@ IN_SPACE = {  # of three columns
     "position": {"position", "positions", "translation"},
 }
 COMMANDED = {"target", "tgt", "desired", "des", "ref", "reference", "cmd", "command", "commanded"}
-COMMANDED |= {"setpoint", "goal", "soll", "action", "actions"}  # the latter of a policy
+COMMANDED |= {"setpoint", "goal", "soll", "computed", "action", "actions"}  # the last of a policy
 CONTAINERS = {"data", "value", "values", "signals"}  # in which a path ends behind its quantity
 TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
 EXTERNAL = {"ext", "external", "extern", "hat"}  # torques that a controller ascribes to contact

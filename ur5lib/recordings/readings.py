@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.recordings.block_means import BlockMeans, combination
+from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.current_checks import CONSTANTS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
@@ -87,20 +87,6 @@ def readings(
     return sorted(found, key=lambda reading: -reading.score)
 
 
-def effort_per_torque(
-    means: BlockMeans, effort: str, arm: Robot, joint: int
-) -> tuple[float, float]:
-    """Return effort per torque of gravity of a joint [1/unit], and its standard error.
-
-    NaN where gravity does not change. means: with the joints in order.
-    """
-    gravity = means.gravity(arm)[:, joint]
-    motion = means.without_gravity(joint, means.qdd)
-    if np.linalg.norm(_project(_motion(means, joint), gravity)) <= 1e-3 * len(gravity):
-        return math.nan, math.nan
-    return combination(np.column_stack([gravity, motion]), means.currents[effort][:, joint], [1.0])
-
-
 def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
     """Return the log-likelihood of each unit of an effort, and that it holds no gravity.
 
@@ -110,35 +96,6 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
     unknown = [math.nan] * len(arm.joints)
     scores = _scores(means, free, means.gravity(arm)[None], columns, unknown, OR_FREE)
     return {unit: float(score[0]) for unit, score in scores.items()}
-
-
-def lead_of_own_order(means: BlockMeans, effort: str, arm: Robot) -> float:
-    """Return how much likelier an effort's columns have the positions' order than another.
-
-    The others: those that logs have, and two exchanged joints. A difference of log-likelihoods;
-    negative where another order explains the effort better. means: with the joints in order.
-    """
-    torque, values, own = means.gravity(arm), means.currents[effort], in_order(arm)
-    pairs = [exchanged(own, j, k) for j in own for k in own[:j]]
-    orders = np.array([own, *usual_orders(len(own))[1:], *pairs])
-    floor = NOISE**2 + LEVEL * (values**2).mean()
-    leads = []
-    for low, high in SLOPES.values():
-        left = [_left(means, values, torque[:, j], j, low, high) for j in own]
-        scores = means.log_likelihood(np.array(left) + floor)
-        leads.append(scores[np.array(own), orders].sum(axis=1))
-    as_read, *others = np.max(leads, axis=0)
-    return float(as_read - max(others))
-
-
-def _left(
-    means: BlockMeans, values: Array, gravity: Array, column: int, low: float, high: float
-) -> Array:
-    """Return the mean squares (n,) that gravity and motion of one joint leave of all efforts."""
-    basis, _ = np.linalg.qr(means.without_gravity(column, means.qdd[:, column]))
-    own, free = _project(basis, gravity), _project(basis, values.T)
-    slope = np.clip(free @ own / (own @ own + 1e-12), low, high)
-    return np.asarray(((free - slope[:, None] * own) ** 2).mean(axis=1))
 
 
 def _motion(means: BlockMeans, column: int) -> Array:
