@@ -115,3 +115,23 @@ def test_what_loggers_write_around_numbers(tmp_path: Path, head: str, row: str) 
     assert [*table] == NAMES.split(",")
     assert table["time"].tolist() == [*range(40)]
     assert (table[["a", "f"]] == 0.25).all(axis=None)
+
+
+@pytest.mark.parametrize(
+    ("mark", "names"),
+    [
+        (" ", ["Joint_1_Position", "Joint_2_Position"]),
+        (",", ["Joint 1 Position", "Joint 2 Position"]),
+    ],
+)
+def test_a_quoted_name_of_several_words_is_one_name(
+    tmp_path: Path, mark: str, names: list[str]
+) -> None:
+    path = tmp_path / "some.csv"
+    head = mark.join(["time", '"Joint 1 Position"', '"Joint 2 Position"'])
+    path.write_text(
+        "\n".join([head, *(mark.join([f"{k}", "0.25", "0.5"]) for k in range(9))]) + "\n"
+    )
+    table = read_numbers(Log(path, "robot", []), None)
+    assert [*table] == ["time", *names]
+    assert table["time"].tolist() == [*range(9)]

@@ -15,7 +15,7 @@ from ur5lib.strict import expect_file
 SIZE = 1 << 25  # bytes of a block
 SHORT = 1 << 20  # bytes; a shorter rest joins the block before it
 BRACKETS, LETTERS = b"()[]", re.compile(rb"[A-DF-Za-df-z]")  # all but the e of 1e-3
-QUOTED = re.compile(rb'"[^"\n]*"')
+QUOTED, SEPARATORS = re.compile(rb'"[^"\n]*"'), re.compile(rb"[,;\t]")
 GZIP, MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
@@ -86,15 +86,18 @@ def _plain(block: bytes) -> bytes:
 
 
 def _unquoted(block: bytes) -> bytes:
-    """Return a block without quotes, and with blanks for the commas of quoted words."""
+    """Return a block without quotes, and with quoted words of several parts as one cell each."""
     top = b"\n".join(block.split(b"\n", 2)[:2])
-    if any(_is_listing(quoted) for quoted in QUOTED.findall(top)):
+    if any(map(_has_parts, QUOTED.findall(top))):
+        separated_by_blanks = not SEPARATORS.search(QUOTED.sub(b"", top))
+        parted = (
+            bytes.maketrans(b", ", b"__") if separated_by_blanks else bytes.maketrans(b",", b" ")
+        )
         block = QUOTED.sub(
-            lambda found: found[0].replace(b",", b" ") if _is_listing(found[0]) else found[0],
-            block,
+            lambda found: found[0].translate(parted) if _has_parts(found[0]) else found[0], block
         )
     return block.replace(b'"', b"")
 
 
-def _is_listing(quoted: bytes) -> bool:
-    return b"," in quoted and LETTERS.search(quoted) is not None
+def _has_parts(quoted: bytes) -> bool:
+    return LETTERS.search(quoted) is not None and (b"," in quoted or b" " in quoted)
