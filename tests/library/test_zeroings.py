@@ -151,6 +151,13 @@ def test_a_contact_is_left_as_it_is(
     np.testing.assert_allclose(force_of(intake), wrench[:, :3], atol=1e-6)
 
 
+def test_a_contact_that_friction_holds_ends_at_the_bias(tmp_path: Path, ur5: Robot) -> None:
+    """Of a sensor that was never zeroed, this is not zero, whatever the currents show."""
+    robot, wrench = recording(ur5, np.zeros_like(TIME))
+    wrench[:, :3] += 6.0 * AWAY + np.outer(CONTACTS["ends at once"], AWAY)
+    assert not zeroings(read(tmp_path, ur5, robot, wrench))
+
+
 def test_a_sensor_that_is_gone_was_not_zeroed(tmp_path: Path, ur5: Robot) -> None:
     robot, wrench = recording(ur5, np.zeros_like(TIME))
     gone = np.where(AFTER[:, None], 0.0, wrench + 20.0)

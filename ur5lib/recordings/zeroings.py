@@ -23,10 +23,10 @@ from ur5lib.timeseries.arrays import Array
 BESIDE = 20  # samples on each side of a step, which lie on two parallel lines
 SLOWEST = 0.02  # s, between samples; to a slower sensor, the end of a contact is one step, too
 LEAST = 2.0  # N, of a step
-# of a step, how far the samples beside it may lie from their lines, and its end from zero; of the
-# steps of more than 1 N in the real recordings, where no sensor was zeroed, none ends so near zero,
-# and none has samples so near their lines
-NEAR = 0.3
+# Of a step, how far the samples beside it may lie from their lines, and its end from zero unless
+# they lie farther. Of the steps of more than 1 N in the real recordings, where nobody zeroed the
+# sensor, none ends within 0.3 of zero, and none has samples so near their lines.
+NEAR, AT_ZERO = 0.3, 0.1
 REACTION, COMPARED = 0.02, 0.2  # s from a step: currents have followed the end of a contact
 SHOWN = 0.25  # of its torque, the share that currents then show; friction holds some of it
 ON_ROBOT_CLOCK = StartOffset(0.0, 0.0, drift_std=0.0)
@@ -51,7 +51,8 @@ class Step:
 class Zeroing:
     """Where a sensor was zeroed: within a sample of a row; time: of that, by the robot's clock [s].
 
-    change: of all columns [N, Nm]; misfit: how far it is from a sudden fall to zero, of its size.
+    change: of all columns [N, Nm]; misfit: largest distance of the force beside it from two
+    parallel lines, of its size; infinite where it does not end at zero.
     """
 
     row: int
@@ -112,10 +113,10 @@ def _sudden_zeros(reading: Array, time: Array, late: float) -> Iterator[Zeroing]
 def _fall(reading: Array, time: Array, row: int) -> Zeroing:
     """Return the reading's step at a row as a zeroing."""
     step = _step(reading[row - BESIDE : row], reading[row + 1 : row + 1 + BESIDE])
-    size = np.linalg.norm(step.size[:3])
-    away = np.linalg.norm([*step.residual[:, :3], step.after[:3]], axis=1).max()
-    misfit = away / size if size > LEAST else np.inf
-    return Zeroing(row, float(time[row]), step.size, float(misfit))
+    size, end = (float(np.linalg.norm(force[:3])) for force in (step.size, step.after))
+    away = float(np.linalg.norm(step.residual[:, :3], axis=1).max())
+    fits = size > LEAST and end < max(AT_ZERO * size, away)
+    return Zeroing(row, float(time[row]), step.size, away / size if fits else np.inf)
 
 
 def _step(before: Array, after: Array) -> Step:
