@@ -32,10 +32,11 @@ from ur5lib.pipeline.friction_fit import (
     explained_by_others,
     require_known_constants,
     require_no_stop_sign,
+    require_single_runs,
 )
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.residual_fit import residual_models
-from ur5lib.recordings.quality import Contradictions, contradiction
+from ur5lib.recordings.quality import Contradictions, Quality, contradiction
 from ur5lib.report.findings import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import left_out_fits, stop_signs
@@ -86,6 +87,14 @@ def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
             {"a": Contradictions(), "b": Contradictions([contradiction("unusable")])}
         )
     assert sign.value.remark == remark("contradicting recordings", names=["b"])
+
+
+def test_nothing_is_fitted_to_a_run_that_counts_twice() -> None:
+    run, other = Quality(fingerprint=[*range(9)]), Quality(fingerprint=[*range(9, 18)])
+    require_single_runs({"a": run, "b": other, "without currents": Quality()})
+    with pytest.raises(ContradictionError) as sign:
+        require_single_runs({"a": run, "b": other, "c": run})
+    assert sign.value.remark == remark("copied recordings", names=["a", "c"])
 
 
 def shares_of(records: list[Record]) -> Array:
@@ -150,6 +159,9 @@ def test_stop_signs_are_reported_first() -> None:
         "Stop sign on run_0: another arm. No forces are stated for it.",
         "Stop sign on ur5: wrong constants. No forces are stated for this arm.",
     ]
+    copied = results(1, None)
+    copied.tables["quality"]["finding"] = "same run"
+    assert [*stop_signs(copied)] == ["Stop sign on run_0: another arm."]
     assert left_out_fits(results(1, "wrong constants")) == []
     assert [*stop_signs(results(0, None))] == []
     assert left_out_fits(results(0, None)) == ["Friction of ur5: too short."]

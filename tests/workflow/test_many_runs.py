@@ -32,7 +32,7 @@ def write_runs(folder: Path) -> None:
     noisy = names.index("actual_current_1")
     for k in range(RUNS):
         run = whole.copy()
-        run[:, noisy] += 0.01 * np.random.default_rng(k).normal(size=len(run))
+        run[:, noisy] += 0.1 * np.random.default_rng(k).normal(size=len(run))
         day = f"2026-{1 + k % 4:02d}-{1 + k:02d}"
         file = folder / "logs" / day[:7] / f"{day}.csv"
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -77,10 +77,7 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     found = settled(study, qualities, {name: own for name, (_, own) in results.items()})
-    if named:
-        qualities = {name: qualities[name] for name in qualities if name in named}
-        found = {name: found[name] for name in found if name in named}
-    severe_ones = print_tables(console, qualities, found, detailed=bool(named))
+    severe_ones = print_tables(console, qualities, found, named)
     months = {recording.name: f"{recording.date:%Y-%m}" for recording in there if recording.date}
     if not named and len({*months.values()}) > 1:
         console.print(by_month(months, qualities))
@@ -96,23 +93,25 @@ def print_tables(
     console: Console,
     qualities: Mapping[str, Quality],
     clocks: Mapping[str, Mapping[str, SettledClock]],
-    detailed: bool = False,
+    named: Sequence[str] = (),
 ) -> int:
     """Print the quality and the clocks of recordings; returns how many stop signs and errors.
 
-    detailed: all findings and clocks, as of a single recording; otherwise each finding once, and
-    the least certain clock of each device.
+    named: recordings all of whose findings and clocks are printed, as of a single one; none: each
+    finding once, and the least certain clock of each device.
     """
     kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "contradictions": {}}
     quality, offsets = name_copies(make_table("quality", kinds)), make_table("clocks", kinds)
-    if detailed or len(qualities) == 1:
-        console.print(_findings(quality, list(qualities)))
+    names = [name for name in qualities if name in named] if named else [*qualities]
+    quality, offsets = (table[table["recording"].isin(names)] for table in (quality, offsets))
+    if named or len(names) == 1:
+        console.print(_findings(quality, names))
     else:
-        _print_by_finding(console, quality, list(qualities))
+        _print_by_finding(console, quality, names)
         offsets = offsets.sort_values("end_std_s", ascending=False).drop_duplicates("device")
     if len(offsets):
         console.print(
-            _clocks(offsets, "Clocks" if detailed else "The least certain clock of each device")
+            _clocks(offsets, "Clocks" if named else "The least certain clock of each device")
         )
     return int(quality["severity"].isin(SEVERE).sum())
 

@@ -21,7 +21,8 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
 )
 from ur5lib.pipeline.records.friction import Friction, KnownConstants, LeftOut
-from ur5lib.recordings.quality import Contradictions
+from ur5lib.recordings.copies import same_runs
+from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.robots.friction import FAMILY
 from ur5lib.timeseries.arrays import Array
 
@@ -122,6 +123,15 @@ def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
     stopped = [name for name, found in contradictions.items() if found.stop_signs]
     if stopped:
         raise ContradictionError("contradicting recordings", names=stopped)
+
+
+def require_single_runs(qualities: Mapping[str, Quality]) -> None:
+    """Raise ContradictionError where two recordings are one run, which would count twice.
+
+    qualities: by recording.
+    """
+    for pair in same_runs({name: one.fingerprint for name, one in qualities.items()}):
+        raise ContradictionError("copied recordings", names=[*pair])
 
 
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:

@@ -11,6 +11,7 @@ import pandas as pd
 from ur5lib.channels import columns, is_unused, joint_count, meant
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
+from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
@@ -59,6 +60,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
         findings.append(Finding("robot", "no velocities", "note", len(frames)))
     findings += raw.findings
+    contents = fingerprint(frames)
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
@@ -86,6 +88,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         starts={device: offset for device, (_, offset) in placed.items()},
         files=files,
         findings=findings,
+        fingerprint=contents,
     )
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
 

@@ -7,6 +7,7 @@ from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.block_means import CURRENTS, BlockMeans
 from ur5lib.recordings.checks import check_robot
+from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.innovations import CURRENT
@@ -45,6 +46,7 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
         jitter_s={"median": np.nan, "99 %": np.nan},
         devices=["robot"],
         findings=findings,
+        fingerprint=fingerprint(frames),
     )
     return postures, quality
 

@@ -65,7 +65,8 @@ class Quality:
 
     rows: that were read; frames: after the repair; jitter_s: of the time stamps, "median" and
     "99 %"; start_epoch_s: when the robot's clock read zero, since 1970; starts: of the other
-    devices; files: SHA-256 of the devices' files, read: of all files, by their path.
+    devices; files: SHA-256 of the devices' files, read: of all files, by their path; fingerprint:
+    hashes of the robot's rows.
     """
 
     rows: int = 0
@@ -80,6 +81,7 @@ class Quality:
     files: dict[Device, str] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
     read: dict[str, str] = field(default_factory=dict)
+    fingerprint: list[int] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,7 @@ rule fit_friction:
         motion=results_of(fitted_on, "motion.parquet"),
         torques=results_of(fitted_on, "torques.parquet"),
         contradictions=results_of(fitted_on, "contradictions.json"),
+        quality=results_of(fitted_on, "quality.json"),
         postures=postures_of,
         arm=parameter("arm.yaml"),
         population=own(*population_files(SETTINGS.friction.population)),

@@ -8,14 +8,19 @@ from ur5lib.errors import reason
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.population import population_of
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
+from ur5lib.pipeline.friction_fit import (
+    ContradictionError,
+    fitted_friction,
+    require_no_stop_sign,
+    require_single_runs,
+)
 from ur5lib.pipeline.postures import held_torque
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.postures import Postures
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.quality import Contradictions
+from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.robots.description import load_robot
 from ur5lib.robots.population import population_files
 from ur5lib.tables import read_record, write_json
@@ -34,6 +39,7 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
         if record is not None:
             records.append(replace(record, day=day))
             ratios.append(controllers_ratio(signals, motion, doubts.odd_targets()))
+    qualities = [read_record(Quality, path) for path in input.quality]
     contradictions = dict(zip(params.recordings, found, strict=True))
     at_rest = {Path(path).parent.name: read_record(Postures, path) for path in input.postures}
     contradictions |= {name: one.contradictions for name, one in at_rest.items()}
@@ -41,6 +47,7 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
     population = input.population or population_files(params.population)
     try:
         require_no_stop_sign(contradictions)
+        require_single_runs(dict(zip(params.recordings, qualities, strict=True)))
         prior = prior_of(robot, ratios, population_of(population, params.study))
         prior = replace(prior, at_rest=AtRest.of(held))
         friction = fitted_friction(records, prior, smooth, params.terms, model)

@@ -2,18 +2,21 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.pipeline.records.force_errors import Compared
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.copies import same_runs
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.findings import sentence, worded
 from ur5lib.report.tables import Row
 from ur5lib.signals.clock import SettledClock
 
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
+SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
@@ -66,7 +69,8 @@ def quality(
     """Yield the findings about a recording's files, clocks without a measured drift, and a force
     sensor that contradicts the motor currents or its tool's weight, or whose bias may be a push.
 
-    Each device's file has its checksum as detail; its count is 1 where it is used, else 0.
+    Each device's file has its checksum as detail; its count is 1 where it is used, else 0. The
+    robot's rows have their fingerprint.
     """
     contradictions = contradictions or Contradictions()
     yield from map(worded, contradictions.stop_signs)
@@ -75,6 +79,8 @@ def quality(
     for device, checksum in quality.files.items():  # `name_copies` keeps those of several
         about = {"device": device, "finding": SAME, "severity": "note"}
         yield about | {"count": int(device in quality.devices), "detail": checksum}
+    about = {"device": "robot", "finding": SAME_RUN, "severity": "note"}
+    yield about | {"count": 0, "detail": " ".join(map(str, quality.fingerprint))}
     for sensor, clock in (clocks or {}).items():
         if clock.warning:
             yield _finding(sensor, "clock by stamps alone", asdict(clock))
@@ -91,16 +97,37 @@ def _finding(device: str, finding: str, values: Row, severity: str = "warning") 
 
 
 def name_copies(quality: pd.DataFrame) -> pd.DataFrame:
-    """Return the findings of all recordings, of device files alone those that several have.
+    """Return the findings of all recordings, of files and runs alone those that several have.
 
-    quality: with all device files; a finding of each copy names the other recordings.
+    quality: with all device files and robots' rows; a finding of each copy names the other
+    recordings.
     """
-    files = quality[quality["finding"] == SAME]
+    files, runs = (quality[quality["finding"] == kind] for kind in (SAME, SAME_RUN))
     alike = files.groupby(["device", "detail"], sort=False)
     copies = {at: _copy(files.loc[at], own) for _, own in alike if len(own) > 1 for at in own.index}
-    others = quality.drop(files.index)
+    copies |= _repeated(runs)
+    others = quality.drop([*files.index, *runs.index])
     named = pd.DataFrame([*copies.values()], [*copies], quality.columns)
     return pd.concat([others, named]).sort_index() if copies else others
+
+
+def _repeated(runs: pd.DataFrame) -> dict[Any, Row]:
+    """Return the findings of the runs that several recordings hold, by their places."""
+    by_name = zip(runs["recording"], runs["detail"].fillna("").astype(str), strict=True)
+    others: dict[str, list[str]] = {name: [] for name in runs["recording"]}
+    for one, other in same_runs({name: [*map(int, rows.split())] for name, rows in by_name}):
+        others[one].append(other)
+        others[other].append(one)
+    return {
+        at: {
+            **row,
+            "severity": "stop",
+            "count": len(others[row["recording"]]),
+            "detail": sentence(SAME_RUN, {"others": others[row["recording"]]}),
+        }
+        for at, row in runs.iterrows()
+        if others[row["recording"]]
+    }
 
 
 def _copy(row: pd.Series, alike: pd.DataFrame) -> Row:

@@ -1,0 +1,90 @@
+"""One run in two recordings is found by its contents, and a repeated motion is another run."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.commands import Command
+from tests.synthetic import poor_log
+from ur5lib.channels import columns
+from ur5lib.recordings.copies import MOST, fingerprint
+from ur5lib.robots.description import Robot
+
+STUDY = """
+study: mine
+title: Mine
+recordings:
+- {name: run, robot: ur5, format: table-csv, folder: ., file: run.csv, role: fit,
+   columns: [time, actual_q, actual_qd, actual_current]}
+- {name: other, robot: ur5, format: parquet, folder: ., file: other.parquet, role: validate,
+   channels: {time: time, actual_q: q, actual_qd: qd, actual_current: current}}
+"""
+SHORT = {"q": "actual_q", "qd": "actual_qd", "current": "actual_current"}
+
+
+def repeated(log: pd.DataFrame) -> pd.DataFrame:
+    """The same motion to the last digit, with other noise of the currents."""
+    names = columns("actual_current")
+    noise = np.random.default_rng(1).normal(scale=0.03, size=(len(log), len(names)))
+    return log.assign(**dict(zip(names, (log[names] + noise).to_numpy().T, strict=True)))
+
+
+COPIES: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
+    "whole": lambda log: log,
+    "with another clock": lambda log: log.assign(time=log["time"] + 1.7e9),
+    "cut": lambda log: log[1003:2500],
+    "slower": lambda log: log[::4],
+    "with gaps and without order": lambda log: log.sample(frac=0.6, random_state=1),
+}
+
+
+@pytest.fixture(scope="module")
+def log(ur5: Robot) -> pd.DataFrame:
+    return poor_log(ur5, 32.0, seed=1)
+
+
+@pytest.fixture
+def check(log: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command):
+    """Check a study of the log and of another one, in another format; digits are lost."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "500")
+    log.to_csv("run.csv", index=False, float_format="%.5f")
+    Path("study.yaml").write_text(STUDY)
+
+    def check(other: pd.DataFrame, *named: str) -> tuple[int, str]:
+        arrays = {short: [*other[columns(name)].to_numpy()] for short, name in SHORT.items()}
+        pd.DataFrame({"time": other["time"].to_numpy()} | arrays).to_parquet("other.parquet")
+        answer = run_ur5("check", "study.yaml", *named)
+        return answer.status, answer.line
+
+    return check
+
+
+@pytest.mark.parametrize("copy", COPIES)
+def test_a_copy_is_said_of_both(log: pd.DataFrame, check: Callable, copy: str) -> None:
+    status, printed = check(COPIES[copy](log))
+    assert status == 1
+    assert "the same run as other" in printed
+    assert "the same run as run" in printed
+
+
+def test_a_copy_is_said_of_a_recording_that_is_named(log: pd.DataFrame, check: Callable) -> None:
+    status, printed = check(log, "run")
+    assert status == 1
+    assert "the same run as other" in printed
+
+
+def test_a_repeated_motion_is_another_run(log: pd.DataFrame, check: Callable) -> None:
+    status, printed = check(repeated(log))
+    assert status == 0
+    assert "same run" not in printed
+
+
+def test_a_fingerprint_is_small_and_needs_currents(log: pd.DataFrame) -> None:
+    assert len(fingerprint(log)) == MOST
+    assert fingerprint(log.drop(columns=columns("actual_current"))) == []
+    damaged = log.assign(actual_q_0=1e300, actual_current_0=np.nan)
+    assert fingerprint(damaged) == []

@@ -1,0 +1,63 @@
+"""One run in two recordings, found by its contents, whatever its format, name and length.
+
+Positions come again where a motion is repeated, but the noise of the currents beside them does not.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import columns, joint_count
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.timeseries.arrays import Array, Labels
+
+# rad, A; coarser than formats write, finer than noise, with borders between decimals
+STEPS = {"actual_q": np.pi / 3000, CURRENT: np.pi / 300}
+MOST = 256  # rows that are kept
+LEAST = 8  # rows from which on two recordings are compared
+ALIKE = 0.5  # share of common rows; of copies nearly all, of other runs hardly one
+LARGEST = 1e9  # steps; damaged cells are larger
+BITS = 53  # of an integer that every reader of JSON knows
+
+
+def fingerprint(frames: pd.DataFrame) -> list[int]:
+    """Return the least hashes of the rows: a sample of these that two copies share.
+
+    A bottom-k sketch (A. Broder, On the resemblance and containment of documents, 1997). frames:
+    channels of the robot; none where currents were not recorded.
+    """
+    joints = joint_count(frames)
+    steps = {column: step for name, step in STEPS.items() for column in columns(name, joints)}
+    if not {*steps} <= {*frames}:
+        return []
+    known = np.all([frames[name].notna() for name in steps], axis=0)
+    rounded = {name: _rounded(frames[name].to_numpy()[known], steps[name]) for name in steps}
+    hashes = pd.util.hash_pandas_object(pd.DataFrame(rounded), index=False).to_numpy()
+    return [int(one) for one in np.unique(hashes >> np.uint64(64 - BITS))[:MOST]]
+
+
+def _rounded(values: Array, step: float) -> Labels:
+    return np.rint(values / step).clip(-LARGEST, LARGEST).astype("int32")
+
+
+def same_runs(fingerprints: Mapping[str, Sequence[int]]) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of recordings of one run, or of a part of it; fingerprints: by recording."""
+    holders = defaultdict(list)
+    for name, rows in fingerprints.items():
+        for row in rows:
+            holders[row].append(name)
+    pairs = (pair for names in holders.values() for pair in combinations(names, 2))
+    for one, other in dict.fromkeys(pairs):
+        if _are_alike(fingerprints[one], fingerprints[other]):
+            yield one, other
+
+
+def _are_alike(one: Sequence[int], other: Sequence[int]) -> bool:
+    """Return whether the shorter of two recordings has mostly rows of the other."""
+    last = min((rows[-1] for rows in (one, other) if len(rows) == MOST), default=1 << BITS)
+    known = [{row for row in rows if row <= last} for rows in (one, other)]
+    fewest = min(map(len, known))
+    return fewest >= LEAST and len(known[0] & known[1]) > ALIKE * fewest
