@@ -10,7 +10,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import Arrays, array_format
 from ur5lib.recordings.delimited import first_cells, read_numbers
-from ur5lib.recordings.limits import MOST_COLUMNS, expect_room
+from ur5lib.recordings.limits import expect_room, most_columns
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.timeseries.arrays import Array
@@ -59,7 +59,7 @@ def _wide_rows(path: Path) -> Array | None:
     """
     lines = _lines(path)
     first = next(lines)
-    if first.count(b" ") < MOST_COLUMNS:
+    if first.count(b" ") < most_columns():
         return None
     try:
         return np.loadtxt(chain([first], lines), ndmin=2)

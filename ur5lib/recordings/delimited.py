@@ -16,7 +16,7 @@ import pyarrow.csv as pacsv
 
 from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
-from ur5lib.recordings.limits import MOST_COLUMNS, expect_room
+from ur5lib.recordings.limits import expect_room, most_columns, too_large
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.timeseries.arrays import Array, Labels
@@ -129,11 +129,9 @@ def _first_row(data: bytes, path: Path) -> tuple[int, bytes, bytes]:
     """
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
     lines = data[top:].split(b"\n", LEAD)[:LEAD]
-    if any(line.count(mark) >= MOST_COLUMNS for line in lines for mark in MARKS):
-        raise InputError(
-            f"{path} has more than {MOST_COLUMNS:,} columns; write one sample a line, and each "
-            "device to a file of its own"
-        )
+    most = most_columns()
+    if any(line.count(mark) >= most for line in lines for mark in MARKS):
+        raise too_large(path, f"{most:,} columns")
     top += _length_of_title(lines)
     first = data[top : _end_of_line(data, top)].strip()
     comment = data[:top].strip().rpartition(b"\n")[2].lstrip(b"#% \t").strip()

@@ -10,8 +10,8 @@ MOST_GB = 1.0  # of numbers; an hour at 500 Hz with 60 channels has 0.9
 VARIABLE = "UR5_MOST_GB"  # in the environment: another limit
 NUMBER = 8  # bytes of a number in memory, however few it has in the file
 TEXT = 3  # bytes of text for each of those; numbers of 16 digits have 25 for 8
-MOST_COLUMNS = 10_000
-LONGEST_LINE = 1 << 25  # bytes; all numbers of an hour at 500 Hz in a line are fewer
+COLUMN = 100_000  # bytes that a table has at least for each of its columns
+LINES = 32  # that a table has at least
 
 
 def most_bytes() -> float:
@@ -24,6 +24,16 @@ def most_bytes() -> float:
     if not most > 0:
         raise InputError(f"{VARIABLE} is {given!r}; give a number of gigabytes, as {VARIABLE}=5")
     return 1e9 * most
+
+
+def most_columns() -> int:
+    """Return how many columns a table may have."""
+    return int(most_bytes() / COLUMN)
+
+
+def longest_line() -> int:
+    """Return how many bytes a line may have: all numbers of an hour at 500 Hz have fewer."""
+    return int(most_bytes() / LINES)
 
 
 def expect_room(path: Path, numbers: float) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.limits import LONGEST_LINE, expect_short_text
+from ur5lib.recordings.limits import expect_short_text, longest_line, too_large
 from ur5lib.recordings.quality import Log
 from ur5lib.strict import expect_file
 
@@ -65,12 +65,10 @@ def _blocks(log: Log) -> Iterator[bytes]:
 
 def _lines(stream: BinaryIO | gzip.GzipFile, path: Path) -> bytes:
     """Return the next whole lines."""
-    block, rest = stream.read(SIZE), stream.readline(LONGEST_LINE)
-    if len(rest) == LONGEST_LINE:
-        raise InputError(
-            f"{path} has a line of more than {LONGEST_LINE:,} bytes, which is no line of a table; "
-            "copy it again from its source, or record it anew"
-        )
+    most = longest_line()
+    block, rest = stream.read(SIZE), stream.readline(most)
+    if len(rest) == most:
+        raise too_large(path, f"{most:,} bytes in a line")
     return block + rest
 
 
