@@ -9,6 +9,7 @@ from ur5lib.channels import CHANNELS as CHANNELS_OF_RTDE
 from ur5lib.importing.blocks import JOINTS_OF_UR, Block
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.spellings import named_unit
+from ur5lib.recordings.arm_checks import constants
 from ur5lib.recordings.block_means import TINY, BlockMeans, combination
 from ur5lib.recordings.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
 from ur5lib.recordings.stop_signs import SMOOTHER, roughness
@@ -71,7 +72,7 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
     """Return whether an effort has the opposite sign: with it, friction would drive the joints.
 
     Only where gravity agrees: it explains the turned effort far better. Joints that sense their
-    torque have no friction.
+    torque have no friction; turned, these must hold the arm's gravity.
     """
     effort, brakes = means.currents[name], []
     for column in range(effort.shape[1]):
@@ -79,9 +80,10 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
         terms = np.column_stack([friction, means.qdd, np.ones(len(effort))])
         force, error = combination(terms, effort[:, column], [1.0, float(speed)])
         brakes.append(force / max(error, TINY))
-    if sum(brakes) >= 0 and not all(arm.senses_torque() for arm in arms):
-        return False
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
+    found = [constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
+    if sum(brakes) >= 0 and not any(one.ratio and not one.off() for one in found):
+        return False
     orders = usual_orders(effort.shape[1])
     as_read, turned = (readings(way, arms, orders)[0].score for way in ways)
     return turned - as_read > CLEAR_LEAD

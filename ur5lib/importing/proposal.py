@@ -114,7 +114,8 @@ def _efforts(moving: ImportedMotion) -> list[Block]:
 
 def _turn(efforts: dict[str, Block], means: BlockMeans, file: Contents) -> None:
     """Turn the efforts of the opposite sign, in the blocks and in their means."""
-    arms = [described(name) for name in arms_of(file)]
+    told = file.stated.robot
+    arms = [described(name) for name in ([told] if told else arms_of(file))]
     for name, block in efforts.items():
         if arms and is_opposite(means, name, arms):
             efforts[name] = block.scaled(-1.0)
