@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from tests.made_records import signals_of, torques_of
+from tests.made_records import motion_of, signals_of, torques_of
 from tests.made_tables import table
 from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
+from ur5lib.pipeline.current_samples import controllers_ratio
 from ur5lib.pipeline.published_constants import current_torque, published_constants
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.report.friction_figures import printed_friction
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import Robot
@@ -106,6 +108,18 @@ def test_the_reference_prints_the_constants_of_the_arm(ur5: Robot) -> None:
     assert ur5.current_to_torque
     assert printed.values["k"] == ur5.current_to_torque.torque_constant
     assert printed.values["b"] == ur5.current_to_torque.offset
+
+
+def test_no_constant_is_taken_from_a_target_that_is_none() -> None:
+    time, still = np.arange(9) * 0.008, np.zeros((9, 6))
+    targets = {"target_moment": still + 20.0, "target_current": still + 2.0}
+    signals, motion = signals_of(time, still, **targets), motion_of(time, still, still)
+    contradictions = Contradictions(
+        findings=[Finding("robot", ODD_TARGET, "warning", 1, {"joint": 2})]
+    )
+    ratio = controllers_ratio(signals, motion, contradictions.odd_targets())
+    assert np.isnan(ratio).tolist() == [False, True, False, False, False, False]
+    np.testing.assert_allclose(ratio[0], 10.0)
 
 
 def test_fitted_constants_have_a_table_of_their_own(ur5: Robot) -> None:

@@ -19,7 +19,7 @@ from ur5lib.timeseries.segments import runs
 WINDOW = 5  # blocks, 0.5 s; shorter deviations are those of friction
 SETTLED = 5  # blocks after a stop until friction holds what it will
 LEAST = 100  # blocks in which a joint moves, which its friction is fitted to
-TOUCH = 0.1  # of the motor's largest torque; right recordings of 17 arms leave at most 0.071
+TOUCH = 0.1  # of the motor's largest torque; right ones leave 0.071, without the worst arm 0.061
 ROUNDS = 10  # of the regression
 OUTLYING = 1.5  # robust standard deviations from which on a block counts less
 
