@@ -20,10 +20,10 @@ from ur5lib.importing.blocks import (
 from ur5lib.importing.clocks import ROWS, Clocks, clocks_of, equally_spaced
 from ur5lib.importing.spellings import NAMES_OF_JOINTS
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
+from ur5lib.recordings.checked import described
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
 from ur5lib.recordings.entries import SKIPPED, expand
 from ur5lib.recordings.quality import Finding, Log
-from ur5lib.recordings.stop_signs import described
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
 

@@ -11,8 +11,7 @@ from ur5lib.channels import MOST_JOINTS, columns, joint_count
 from ur5lib.errors import Remark, remark
 from ur5lib.recordings.arm_checks import SURE, contradictions_by_gravity
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
-from ur5lib.recordings.checked import FEWEST, Checked
-from ur5lib.recordings.checked import described as described
+from ur5lib.recordings.checked import FEWEST, Checked, described
 from ur5lib.recordings.checks import MOVES, misread_velocities, recorded
 from ur5lib.recordings.current_checks import (
     delayed,
