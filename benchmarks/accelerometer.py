@@ -34,7 +34,7 @@ from ur5lib.identification.samples import Record, path_of
 from ur5lib.pipeline.carried import Carried, carried
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.fused_motion import fused_record, imu_model
 from ur5lib.pipeline.records.currents import Currents
@@ -236,7 +236,8 @@ def judged(runs: Sequence[Run], fitted: Fitted) -> Iterator[dict[str, Any]]:
         row["moving_nm"] = rms(own.external_torque[moves])
         row["moving_false_n"] = rms(inverted(own.external_torque[moves], run.jacobian[moves]))
         if touched.any():
-            fmap = direct_problems(motion, own, residuals)["Fmap"]
+            fmap = fmap_problem(motion, own, residuals)
+            assert fmap is not None
             found = fmap.solve(run.jacobian[fmap.rows], PRIOR).wrench
             row["contact_n"] = rms((found - run.wrench)[touched, :3])
         if TRUE in run.motions:

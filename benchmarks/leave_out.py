@@ -36,7 +36,7 @@ from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.pipeline.contacts import alarms_by_odds, strongest
-from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces
@@ -211,7 +211,6 @@ class Fold:
             | {"study": self.study.arm.parents[2].name},
         )
         everything = [*self.fitted, *tested]
-        touched = [own for own in tested if own.entry["role"] == "contact"]
         for own in everything:
             self.payload(own)
         for own in everything:
@@ -231,7 +230,7 @@ class Fold:
             },
         )
         for own in everything:
-            self.forces(own, [one for one in everything if one not in (own, *touched)])
+            self.forces(own)
         self.run(
             "set_threshold",
             {
@@ -269,7 +268,7 @@ class Fold:
             self.study.lowpass | {"recording": own.name, "role": role},
         )
 
-    def forces(self, own: Recording, others: list[Recording]) -> None:
+    def forces(self, own: Recording) -> None:
         """All estimates of a recording's forces."""
         self.run(
             "estimate_forces",
@@ -278,11 +277,7 @@ class Fold:
                 "contradictions": own.file("contradictions.json"),
                 "kinematics": own.file("kinematics.parquet"),
                 "currents": self.own(own, "currents.parquet"),
-                "load": self.own(own, "currents.json"),
                 "residuals": self.shared("residuals.json"),
-                "free_loads": [self.own(other, "currents.json") for other in others],
-                "free_currents": [self.own(other, "currents.parquet") for other in others],
-                "free_motion": [other.file("motion.parquet") for other in others],
             },
             {"forces": self.own(own, "forces.parquet")},
             {
@@ -425,11 +420,11 @@ def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
     """Return slope and coverage of each push that is added to a recording."""
     motion, settings = Motion.read(own.file("motion.parquet")), fold.study.settings
     currents = Currents.read(fold.own(own, "currents.parquet"))
-    found = direct_problems(motion, currents, read_record(Residuals, fold.shared("residuals.json")))
+    problem = fmap_problem(motion, currents, read_record(Residuals, fold.shared("residuals.json")))
     time = motion.time - motion.time[0]
-    if "Fmap" not in found or time[-1] < START + SHORTEST + MARGIN:
+    if problem is None or time[-1] < START + SHORTEST + MARGIN:
         return
-    problem, kinematics = found["Fmap"], Kinematics.read(own.file("kinematics.parquet"))
+    kinematics = Kinematics.read(own.file("kinematics.parquet"))
     run = problem.input
     jacobian, prior = kinematics.jacobian, ContactPrior(force=settings.contact.force_n)
     lowpass = settings.lowpass.currents

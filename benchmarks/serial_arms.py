@@ -26,7 +26,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarm_threshold, alarms, match, spans
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.currents import BETWEEN_DAYS, BETWEEN_RUNS
-from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import Motor, Robot
@@ -131,7 +131,8 @@ def figures(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]
         residuals = residual_models(recordings, friction, CURRENTS.cutoff)
 
         def estimated(own: Taken) -> WrenchEstimate:
-            found = direct_problems(own.motion, known[id(own)], residuals)["Fmap"]
+            found = fmap_problem(own.motion, known[id(own)], residuals)
+            assert found is not None
             return found.solve(own.kinematics.jacobian[found.rows], PRIOR)
 
         rate = SETTINGS.alarms.false_per_min

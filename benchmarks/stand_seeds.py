@@ -28,7 +28,7 @@ from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.imu_samples import imu_samples
 from ur5lib.pipeline.records.currents import Currents
@@ -233,9 +233,9 @@ def residuals_of(friction: Friction, free: list[Taken]) -> Residuals:
 def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterator[Row]:
     """F^map beside the truth, over all of a recording and over what is in contact."""
     residuals = residuals_of(friction, free)
-    found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
+    fmap = fmap_problem(pushed.motion, currents(friction, pushed), residuals)
+    assert fmap is not None
     prior = ContactPrior(force=SETTINGS.contact.force_n)
-    fmap = found["Fmap"]
     estimate = fmap.solve(pushed.kinematics.jacobian[fmap.rows], prior)
     forces = Forces.of(pushed.motion, {"Fmap": estimate}, background=None, causal=None)
     true = pushed.truth.at(pushed.signals.time)

@@ -34,12 +34,11 @@ def motion_of(time: Array, q: Array, qd: Array, qdd: Array | None = None) -> Mot
 def torques_of(
     time: Array, target: Mapping[str, Array], measured: Mapping[str, Array] | None = None
 ) -> Torques:
-    """By link model; of the other terms nothing."""
+    """By link model; with no payload beyond the one that the controller was given."""
     known = {"target": {**target}, "measured": {**(measured or {})}}
     nothing = 0 * next(iter((known["target"] | known["measured"]).values()))
-    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
     lost = np.zeros(len(time), bool)
-    return Torques(**stretch(time), interpolated=lost, **known, **dict.fromkeys(terms, nothing))
+    return Torques(**stretch(time), interpolated=lost, **known, payload_torque=nothing)
 
 
 def same(own: Table, other: Table) -> None:

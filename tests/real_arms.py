@@ -28,7 +28,7 @@ from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.force_estimates import Problem, direct_problems
+from ur5lib.pipeline.force_estimates import Problem, fmap_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
@@ -263,7 +263,9 @@ class Fitted:
 
     def problem(self, one: RealRecording) -> Problem:
         """Of Fmap."""
-        return direct_problems(one.motion, self.currents(one), self.residuals)["Fmap"]
+        found = fmap_problem(one.motion, self.currents(one), self.residuals)
+        assert found is not None
+        return found
 
     def torque(self, one: RealRecording) -> Array:
         """External torque (N, 6) [Nm]."""

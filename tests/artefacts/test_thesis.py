@@ -292,9 +292,7 @@ def test_currents_are_predicted_better_than_by_a_plain_fit(
 
 
 FORCE_LIMITS = {  # MAE in x, y, z over the whole run [N]
-    ("repeat", TABLE_6_1): [1.9, 2.2, 2.7],
     ("Fmap", TABLE_6_1): [2.2, 2.5, 2.8],
-    ("observer", TABLE_6_1): [2.2, 2.5, 2.8],
     ("Fmap", "Movement_No10_Standstill_ForceSensor_All"): [4.3, 5.8, 2.6],
     ("Fmap", "Movement_No10_Standstill_ForceSensor_Fx"): [2.3, 5.5, 1.9],
 }
@@ -416,7 +414,7 @@ def test_contacts_are_found_and_none_made_up(study: FinishedStudy) -> None:
     ("estimate", "roles"),
     [
         *product(PUBLISHED, [["fit"]]),
-        *product(["Fmap", "observer", "repeat"], [["fit", "validate"]]),
+        ("Fmap", ["fit", "validate"]),
     ],
 )
 def test_alarms_are_as_few_as_asked(study: FinishedStudy, estimate: str, roles: list[str]) -> None:
@@ -424,7 +422,7 @@ def test_alarms_are_as_few_as_asked(study: FinishedStudy, estimate: str, roles: 
     all contact-free recordings, each by a fit without its path.
     """
     rows = study.table("detection").query("estimate == @estimate")
-    assert {*WITH_SENSOR} <= {*rows["recording"]} or estimate == "repeat"  # of repeated paths
+    assert {*WITH_SENSOR} <= {*rows["recording"]}
     stated = yaml.safe_load((PROJECT / "workflow/studies/thesis.yaml").read_text())
     free = [own["name"] for own in stated["recordings"] if own["role"] in roles]
     rows = rows[rows["recording"].isin(free)]
@@ -608,7 +606,6 @@ def test_table_5_6_shows_the_numbers_of_the_csv(page: HtmlElement, torque: pd.Da
 
 
 LABELS = {"F̂ᵘ": "Fu", "F̂": "F", "F̂*": "F*", "F̂ᵐᵃᵖ": "Fmap", "least squares": "least_squares"}
-LABELS |= {"observer": "observer", "repeat-aware": "repeat"}
 DURING = {"in contact": "contact", "free": "free", "whole run": "all"}
 
 

@@ -4,30 +4,41 @@ import numpy as np
 import pytest
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.force.observer import momentum_rate, observe
+from ur5lib.leaderboard.estimators.momentum_observer import observe
+from ur5lib.leaderboard.momentum import momentum_rate
 from ur5lib.robots.description import Robot
 
 PERIOD = 0.004
 TIME = np.arange(0, 6, PERIOD)[:, None]
 PUSH = np.exp(-(((TIME - 3) / 0.4) ** 2)) * np.array([20.0, -15, 10, 3, -2, 1])
-FRICTION = 2.0
 ONE = np.zeros(len(TIME), int)
 
 
 @pytest.fixture(scope="module")
 def arm(ur5: Robot) -> LinkModel:
-    return LinkModel(ur5, "C+rotors")
+    return LinkModel(ur5.mounted([0, 0, 0]), "C+rotors")
+
+
+def swing() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rate = np.linspace(0.8, 2.0, 6)
+    angle = rate * TIME + np.arange(6.0)
+    return np.sin(angle), rate * np.cos(angle), -(rate**2) * np.sin(angle)
 
 
 def observed(arm: LinkModel, segment: np.ndarray, bandwidth: float) -> np.ndarray:
-    """Of an arm that swings against friction and is pushed; it knows no acceleration."""
-    rate = np.linspace(0.8, 2.0, 6)
-    angle = rate * TIME + np.arange(6.0)
-    q, qd, qdd = np.sin(angle), rate * np.cos(angle), -(rate**2) * np.sin(angle)
-    friction = FRICTION * np.tanh(qd)
-    motor = arm.inverse_dynamics(q, qd, qdd) + friction - PUSH
-    known = momentum_rate(motor, friction, arm.coriolis_torque(q, qd), arm.gravity_torque(q))
+    """Of an arm that swings and is pushed."""
+    q, qd, qdd = swing()
+    known = momentum_rate(arm, q, qd, qdd, PUSH)
     return observe(arm.momentum(q, qd), known, segment, PERIOD, bandwidth)
+
+
+def test_the_rate_without_contact_is_that_of_motors_and_gravity(ur5: Robot, arm: LinkModel) -> None:
+    """As published: τ_m + Cᵀ q̇ - g, whatever the acceleration."""
+    q, qd, qdd = swing()
+    heavy = LinkModel(ur5, "C+rotors")
+    motor = heavy.inverse_dynamics(q, qd, qdd) - PUSH
+    published = motor + heavy.coriolis_torque(q, qd) - heavy.gravity_torque(q)
+    np.testing.assert_allclose(momentum_rate(arm, q, qd, qdd, PUSH), published, atol=1e-9)
 
 
 def test_the_push_is_seen_and_nothing_else(arm: LinkModel) -> None:

@@ -163,10 +163,9 @@ def torque_tables() -> tuple[Signals, Torques, ClosedLoop]:
     moment[3] = 99.0
     grid = {"time": 0.008 * np.arange(10), "segment": np.zeros(10, np.int64)}
     flags = grid | {"interpolated": np.arange(10) == 3}
-    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
     return (
         Signals(**flags, actual_q=ones, target_moment=moment),
-        Torques(**flags, target=off, measured=off, **dict.fromkeys(terms, 0 * ones)),
+        Torques(**flags, target=off, measured=off, payload_torque=0 * ones),
         ClosedLoop(**grid),
     )
 
@@ -471,12 +470,12 @@ def test_parts_left_out_stand_beside_the_whole() -> None:
     bands = {"coverage95": [0.9, 0.9, 0.9], "interval_score95": [9.0, 9.0, 9.0]}
     whole = bands | {"mae": [1.0, 2.04, 3.0]}
     found = {
-        "pushed": {"whole": whole, "repeat": whole, "least_squares": whole},
+        "pushed": {"whole": whole, "no background": whole, "least_squares": whole},
         "held": {"whole": whole, "least_squares": bands | {"mae": [9.0, 8.0, 7.0]}},
     }
     results = Results({}, {"ablation": table("ablation", ablation=found)}, Path())
     small = "1.0, 2.0, 3.0"
-    held = {"whole": small, "least_squares": "9.0, 8.0, 7.0", "repeat": "–, –, –"}
+    held = {"whole": small, "no background": "–, –, –", "least_squares": "9.0, 8.0, 7.0"}
     assert shown("forces.ablation", results) == [
         {"variant": names("variant")[name], "pushed": small, "held": errors}
         for name, errors in held.items()

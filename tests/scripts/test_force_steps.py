@@ -1,4 +1,4 @@
-"""The steps of the force estimates, on made-up torques: loads, templates, rates, alarms."""
+"""The steps of the force estimates, on made-up torques: loads, rates, alarms."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,11 +10,10 @@ import pytest
 
 from tests.library.current_study import CONSTANT, make_record, prior, smooth, with_noise
 from tests.library.made_up_torques import MODEL, Free, between, free_run
-from tests.made_records import motion_of, same, signals_of, stretch, torques_of
+from tests.made_records import motion_of, signals_of, stretch, torques_of
 from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
-from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
@@ -22,8 +21,7 @@ from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, jud
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.estimators import GATED
-from ur5lib.pipeline.force_estimates import is_fitted, may_be_template
-from ur5lib.pipeline.force_input import passed
+from ur5lib.pipeline.force_estimates import is_fitted
 from ur5lib.pipeline.records.contacts import Alarm, Detected
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.dynamics import Kinematics
@@ -63,7 +61,7 @@ class Recording:
         grid, nothing = stretch(run.time), 0 * run.q
         motion = motion_of(run.time, run.q, run.qd)
         motion.write(self.motion)
-        torques = dict.fromkeys(("external_torque", "observed_torque", "causal_torque"), run.torque)
+        torques = dict.fromkeys(("external_torque", "causal_torque"), run.torque)
         currents = Currents(**grid, load_doubt=nothing, **torques)
         currents.write(self.currents)
         signals = signals_of(run.time, run.q, wrench_calc_from_currents=controller)
@@ -72,14 +70,14 @@ class Recording:
         PublishedForces(**grid).write(self.published)
         frames = run.rotation, nothing[:, :3], run.jacobian
         Kinematics.of(run.time, *frames).write(self.kinematics)
-        write_json(Prediction(True, {}, load, passed(motion, currents)), self.load)
-        write_json(Residuals(MODEL, MODEL, MODEL), self.residuals)
+        write_json(Prediction(True, {}, load), self.load)
+        write_json(Residuals(MODEL, MODEL), self.residuals)
         write_json(Friction(from_=["free"]), self.friction)
         write_json(Contradictions(), self.contradictions)
         return self
 
-    def estimate(self, *others: "Recording") -> Forces:
-        """What estimate_forces makes of it, beside other contact-free recordings."""
+    def estimate(self) -> Forces:
+        """What estimate_forces makes of it."""
         names = [
             "motion",
             "residuals",
@@ -91,39 +89,8 @@ class Recording:
             "signals",
         ]
         input = SimpleNamespace(**{name: getattr(self, name) for name in names})
-        input.free_loads = [other.load for other in others]
-        input.free_currents = [other.currents for other in others]
-        input.free_motion = [other.motion for other in others]
         script("estimate_forces").estimate_forces(input, self, SETTINGS)
         return Forces.from_table(read_table(self.forces))  # another estimate may replace the file
-
-
-def estimates(forces: Forces) -> set[str]:
-    return {*forces.wrench} - {"least_squares"}
-
-
-# Which runs may be the template of which
-
-
-@pytest.mark.parametrize(
-    ("own", "other", "alike"),
-    [
-        (BARE, BARE, True),
-        (BARE, LOADED, False),
-        (LOADED, LOADED, True),
-        (BARE, None, False),
-        (None, None, False),
-        (replace(BARE, std_error=1.0), replace(LOADED, std_error=1.0), True),  # may be the same
-        (replace(BARE, std_error=0.0), replace(BARE, std_error=0.0), True),
-    ],
-)
-def test_runs_are_alike_that_may_carry_the_same(own: Any, other: Any, alike: bool) -> None:
-    """Of one motion."""
-    motion = np.linspace(0, 1, 50)[:, None] + np.zeros(6)
-    states = np.zeros((50, 6), dtype=np.int64)
-    run = ForceInput(motion, motion, motion, states, np.zeros(50, np.int64), 0.008)
-    one, two = (Prediction(False, {}, load, extent(run)) for load in (own, other))
-    assert may_be_template(run, one, two) == may_be_template(run, two, one) == alike
 
 
 @pytest.fixture(scope="module")
@@ -143,24 +110,6 @@ def load_torque(ur5: Robot, run: Free, mass: float) -> np.ndarray:
     return bare - loaded
 
 
-def test_a_template_is_of_the_same_payload(weighty: tuple[Free, Free], tmp_path: Path) -> None:
-    """The only other run of its path carried 2.7 kg: an unloaded arm that nothing touches."""
-    bare, loaded = weighty
-    own = Recording(tmp_path / "own").write(bare, BARE)
-    alike = Recording(tmp_path / "alike").write(bare, BARE)
-    heavy = Recording(tmp_path / "heavy").write(loaded, LOADED)
-    forces = own.estimate(heavy)
-    assert estimates(forces) == {"Fmap", "observer"}
-    for name in ("Fmap", "observer"):
-        assert forces.log_odds[name].max() < 0
-        assert np.abs(forces.wrench[name][:, :3]).max() < 0.5
-    assert estimates(own.estimate(alike)) == estimates(forces) | {"repeat"}
-    both = own.estimate(heavy, alike)
-    alone = own.estimate(alike)
-    same(both, alone)  # the loaded one has no part in it
-    assert estimates(heavy.estimate(own)) == estimates(forces)
-
-
 def test_every_estimate_has_its_band_and_its_odds(
     weighty: tuple[Free, Free], tmp_path: Path
 ) -> None:
@@ -171,7 +120,7 @@ def test_every_estimate_has_its_band_and_its_odds(
     forces = Recording(tmp_path).write(bare, BARE, wrench).estimate()
     np.testing.assert_array_equal(forces.wrench[own], wrench)
     assert forces.wrench.keys() - {own} == forces.std.keys()
-    assert forces.std.keys() >= {"Fmap", "observer", "least_squares"}
+    assert forces.std.keys() >= {"Fmap", "least_squares"}
     assert forces.log_odds.keys() == forces.wrench.keys() & {*GATED}
     shapes = [
         (forces.wrench, (count, 6)),
@@ -349,7 +298,7 @@ def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction, tmp_pa
     assert (models[1].spread > models[5].spread).any()
     assert found[1].remarks[0] == remark("one path of all")
     assert [len(found[paths].remarks) for paths in (1, 2, 5)] == [2, 1, 0]
-    assert found[5].tau_observer is not None
+    assert found[5].tau_causal is not None
     np.testing.assert_array_equal(models[5].breakaway, breakaway_torque(friction.fit))
 
 
@@ -401,10 +350,9 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
     for period, peaks in ((0.002, [2.0, 4.0, 6.0]), (0.01, [3.0, 5.0, 7.0])):
         odds = np.full(round(60 / period), -5.0)
         odds[[round(second / period) for second in (10, 30, 50)]] = peaks
-        known = {"Fmap": odds} if paths else {"Fmap": odds, "observer": odds + 1}
         grid = {"time": period * np.arange(len(odds)), "segment": np.zeros(len(odds), np.int64)}
         paths.append(str(tmp_path / f"{len(paths)}.parquet"))
-        Forces(**grid, log_odds=known, causal_log_odds=odds - 1).write(paths[-1])
+        Forces(**grid, log_odds={"Fmap": odds}, causal_log_odds=odds - 1).write(paths[-1])
         published.append(str(tmp_path / f"published_{len(paths)}.parquet"))
         force = np.outer(odds + 5, [0, 1, 0, 9, 9, 9])  # N, Nm
         PublishedForces(**grid, corrected={"Fu": 2 * force}).write(published[-1])
@@ -413,11 +361,10 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
     params = SimpleNamespace(false_alarms_per_min=1)
     script("set_threshold").set_threshold(input, output, params)
     found = read_json(output.threshold)
-    assert found.keys() == {"Fmap", "observer", "Fu", "causal"}
+    assert found.keys() == {"Fmap", "Fu", "causal"}
     assert found["causal"] == pytest.approx(found["Fmap"] - 1)
     assert 20 < found["Fu"] <= 20.5  # N, of 14, 16, 18, 20, 22, 24
     assert 5.0 < found["Fmap"] < 5.01  # two minutes allow two alarms: 6 and 7
-    assert 5.0 < found["observer"] < 5.01  # one minute allows one: 7
 
 
 def detect(recording: Recording, run: Free, ur5: Robot) -> list[Alarm]:

@@ -90,4 +90,4 @@ def _near(where: Mask, seconds: float, period: float) -> Mask:
 
 def is_still(states: States) -> Mask:
     """Return the samples (N,) in which no joint moves."""
-    return np.asarray((states % STATES == STILL).all(axis=1))
+    return np.asarray((states == STILL).all(axis=1))

@@ -5,9 +5,8 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.force.external_torque import REVERSING, STATES, States, finite_rows, is_still
+from ur5lib.force.external_torque import REVERSING, States
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.trajectories import SAME, place
 
 MEAN = 0.5  # of what dry friction may take of a contact at rest: anything from nothing to all
 
@@ -38,7 +37,7 @@ class Gears:
 
         states: of the joints (N, 6). Unknown friction counts as none.
         """
-        moves = states % STATES <= REVERSING
+        moves = states <= REVERSING
         loss, friction = (
             np.where(moves, np.nan_to_num(own), 0.0) for own in (self.loss, self.friction)
         )
@@ -90,14 +89,6 @@ class ForceInput:
     doubt: Array | None = None
     gears: Gears | None = None
 
-    def moves(self) -> Mask:
-        """Return the samples (N,) in which the arm moves and its motion is known."""
-        return finite_rows(self.q) & finite_rows(self.qd) & ~is_still(self.states)
-
-    def offered(self) -> Mask:
-        """Return the samples (N,) that may serve as template: those in motion, of known torque."""
-        return self.moves() & finite_rows(self.torque)
-
     def load_std(self) -> Array:
         """Return the standard deviation (N, 6) [Nm] of an estimated load's torque, 0 without."""
         return np.zeros(self.states.shape) if self.doubt is None else np.nan_to_num(self.doubt)
@@ -112,20 +103,3 @@ class ForceInput:
             doubt=None if self.doubt is None else self.doubt[rows],
             gears=None if self.gears is None else self.gears.at(rows),
         )
-
-
-def extent(run: ForceInput) -> Array | None:
-    """Return the lowest and the highest `place` (2, 12) that a run offers to templates, if any."""
-    passed = place(run.q, run.qd)[run.offered()]
-    return np.array([passed.min(axis=0), passed.max(axis=0)]) if len(passed) else None
-
-
-def may_repeat(run: ForceInput, extent: Array) -> bool:
-    """Return whether a contact-free run of this extent can be of the same trajectory.
-
-    A quick necessary condition of `same_trajectory`: a sample near one of the other run lies within
-    its extent, widened by the distance that counts as near.
-    """
-    states = place(run.q, run.qd)[run.moves()]
-    inside = ((states >= extent[0] - 1) & (states <= extent[1] + 1)).all(axis=1)
-    return bool(len(states) and inside.mean() >= SAME)

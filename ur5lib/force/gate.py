@@ -13,7 +13,7 @@ import numpy as np
 
 from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
+from ur5lib.force.external_torque import STILL, States, finite_rows
 from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
@@ -84,7 +84,7 @@ class Noise:
     @classmethod
     def of(cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array) -> "Noise":
         """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
-        still = states % STATES == STILL
+        still = states == STILL
         held = np.where(still, HELD * model.breakaway, 0.0) ** 2
         taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
         return cls(

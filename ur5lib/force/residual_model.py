@@ -95,15 +95,6 @@ class ResidualModel:
         inside = min(factor, few_paths(ENOUGH))
         return replace(self.wider(inside), doubt=factor / inside)
 
-    def beside(self, repeated: "ResidualModel") -> "ResidualModel":
-        """Return both models as one: the states of `repeated` follow this model's."""
-        return replace(
-            self,
-            spread=np.concatenate([self.spread, repeated.spread]),
-            change=np.concatenate([self.change, repeated.change]),
-            rate=np.concatenate([self.rate, repeated.rate]),
-        )
-
 
 @dataclass(frozen=True)
 class Residuals:
@@ -114,7 +105,6 @@ class Residuals:
     """
 
     tau_ext: ResidualModel | None = None
-    tau_observer: ResidualModel | None = None
     tau_causal: ResidualModel | None = None
     refused: Remark | None = None
     remarks: tuple[Remark, ...] = ()

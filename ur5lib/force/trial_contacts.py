@@ -8,7 +8,7 @@ import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import PAUSE, PUSH, Span, alarms, overlap, pushes
-from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
+from ur5lib.force.external_torque import STILL, States, finite_rows
 from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.gate import Observations
 from ur5lib.force.missed_contacts import largest_missed
@@ -66,7 +66,7 @@ def felt_push(
     bears = random.uniform(size=(push.max(initial=0) + 1, len(most)))[push] * most
     resting = torque - np.clip(torque, -bears, bears)
     moving = torque if gears is None else gears.where_moving(states).felt(torque)
-    return np.where(states % STATES == STILL, resting, moving)
+    return np.where(states == STILL, resting, moving)
 
 
 def try_each_place(

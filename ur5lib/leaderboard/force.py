@@ -1,11 +1,14 @@
-"""From an external torque to a force with its band, by least squares; the same for all rivals."""
+"""From an external torque to a force with its band: by least squares, or as F̂ᵐᵃᵖ."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import least_squares_wrench
+from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
@@ -14,7 +17,7 @@ TorqueEstimate = Callable[[Run], Array]
 """Returns the external torque (N, 6) [Nm] of a run, NaN where unknown."""
 
 NOTHING = np.zeros(6)  # Nm
-CUTOFF = 2.0  # Hz; it enters only figures of the residual model that are not used here
+CUTOFF = 2.0  # Hz, of the study's low-pass
 
 
 def learned_noise(
@@ -48,3 +51,19 @@ def force(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
     wrench[known], variance = least_squares_wrench(torque[known], run.jacobian[known], covariance)
     std[known] = np.sqrt(variance)
     return Estimate(wrench, std)
+
+
+def breakaway_of(runs: Sequence[Run]) -> Array:
+    """Return the runs' median of the torque (6,) [Nm] up to which dry friction holds a joint."""
+    return np.asarray(np.median([run.breakaway for run in runs], axis=0))
+
+
+def most_probable(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
+    """Return F̂ᵐᵃᵖ, its gate and background included, of another external torque (N, 6) [Nm].
+
+    noise: of that torque without contact, with the breakaway torque.
+    """
+    given = run.q, run.qd, torque, run.states, run.segment, run.period, None, run.gears
+    jacobian = run.jacobian[used_rows(run.segment, run.period)]
+    found = estimate_wrench(ForceInput(*given), jacobian, noise, ContactPrior())
+    return Estimate(found.wrench, found.std)

@@ -16,8 +16,21 @@ from abc import ABC, abstractmethod
 import numpy as np
 from scipy.signal import lfilter
 
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.leaderboard.run import Run
 from ur5lib.timeseries.arrays import Array
+
+
+def momentum_rate(weightless: LinkModel, q: Array, qd: Array, qdd: Array, torque: Array) -> Array:
+    """Return the rate τ_m - τ_f + Cᵀ q̇ - g (N, 6) [Nm] of an arm without contact.
+
+    weightless: its model without gravity, with what it carries; q, qd, qdd: (N, 6) [rad, rad/s,
+    rad/s²]; torque: external, τ_ext (N, 6) [Nm], as what the inverse dynamics at this motion and
+    the friction leave of τ_m. So the rate is that of the momentum, D q̈ + C q̇ + Cᵀ q̇, less τ_ext,
+    and q̈ cancels.
+    """
+    rate = weightless.inverse_dynamics(q, qd, qdd) + weightless.coriolis_torque(q, qd)
+    return rate - torque
 
 
 def added_momentum(run: Run, rows: slice) -> Array:

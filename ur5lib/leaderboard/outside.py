@@ -104,7 +104,7 @@ def learn(own: Any, place: str, runs: Sequence[Run]) -> Learned:
 
 def shown(run: Run) -> Run:
     """Return a copy of what every rival may use of a run."""
-    return deepcopy(replace(run, sensor=None, ready={}))
+    return deepcopy(replace(run, sensor=None, ready={}, repeats=()))
 
 
 def check(found: Any, run: Run, place: str) -> None:

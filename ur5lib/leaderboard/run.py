@@ -31,7 +31,8 @@ class Run:
     low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
     tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction holds a joint;
     gears: unfiltered; position_error: target less actual angles [rad], None where the target was
-    not recorded; ready: estimates that the study already holds; sensor: the force sensor's wrench
+    not recorded; repeats: other runs of its path without contact; ready: estimates that the study
+    already holds; sensor: the force sensor's wrench
     less bias and tool weight, as in `Estimate`.
     """
 
@@ -52,6 +53,7 @@ class Run:
     breakaway: Array
     gears: Gears
     position_error: Array | None = None
+    repeats: tuple["Run", ...] = ()
     ready: dict[str, Estimate] = field(default_factory=dict)
     sensor: Array | None = None
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.force.force_input import Gears
-from ur5lib.force.observer import momentum_rate
 from ur5lib.identification.currents import (
     breakaway_torque,
     friction_current,
@@ -17,7 +17,9 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.samples import path_of
+from ur5lib.leaderboard.momentum import momentum_rate
 from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
@@ -90,12 +92,22 @@ def read_arm(folder: Path, entries: Sequence[Mapping[str, Any]], name: str) -> A
         and (run := read_run(folder / "recordings" / entry["name"], robot, friction)) is not None
     ]
     roles, runs = [role for role, _ in found], label_paths([run for _, run in found])
+    free = [run for role, run in zip(roles, runs, strict=True) if role != "contact"]
+    runs = [replace(run, repeats=repeats_of(run, free)) for run in runs]
     by_role = {
         role: [run for own, run in zip(roles, runs, strict=True) if own == role]
         for role in ("fit", "contact", "validate")
     }
     sensed = [run for run in by_role["contact"] if run.sensor is not None]
     return Arm(folder.name, name, by_role["fit"], sensed, by_role["validate"])
+
+
+def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
+    """Return the other runs along a run's path, each with the others but this one."""
+    same = [other for other in free if other.path == run.path and other.name != run.name]
+    return tuple(
+        replace(one, repeats=tuple(other for other in same if other is not one)) for one in same
+    )
 
 
 def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
@@ -111,7 +123,9 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
     fit = fitted.fit_for(folder.name)
     constant = torque_constants(fit)
     assert currents.predicted_current is not None
-    friction = constant * currents.predicted_current - record.torque
+    torque = constant * (currents.predicted_current - record.current)
+    payload = read_record(Carried, folder / "torques.json").payload
+    weightless = LinkModel(robot.mounted([0, 0, 0]).carrying(payload), robot.fullest_model())
     return Run(
         name=folder.name,
         path=0,
@@ -121,17 +135,12 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
         q=motion.q,
         qd=motion.qd,
         model=record.torque,
-        friction=friction,
+        friction=constant * currents.predicted_current - record.torque,
         jacobian=Kinematics.read(folder / "kinematics.parquet").jacobian,
-        torque=constant * (currents.predicted_current - record.current),
+        torque=torque,
         smoothed=currents.external_torque,
-        momentum=torques.momentum,
-        rate=momentum_rate(
-            motor=constant * record.current,
-            friction=friction,
-            coriolis=torques.coriolis_torque,
-            gravity=torques.gravity_torque,
-        ),
+        momentum=weightless.momentum(motion.q, motion.qd),
+        rate=momentum_rate(weightless, motion.q, motion.qd, motion.qdd, torque),
         breakaway=breakaway_torque(fit),
         gears=Gears(
             record.torque, load_loss(fit, record), constant * friction_current(fit, record)

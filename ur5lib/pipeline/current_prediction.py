@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.force.external_torque import external_torque, without_edges
-from ur5lib.force.observer import momentum_rate, observe
 from ur5lib.identification.currents import (
     CurrentFit,
     band,
@@ -42,14 +41,6 @@ def predicted_currents(
     """
     predicted, constant = predict(fit, record), torque_constants(fit)
     external = external_torque(constant, record.current, predicted)
-    # by the generalised momentum, which needs no accelerations but of an estimated load
-    rate = momentum_rate(
-        motor=constant * record.current - load_torque,
-        friction=constant * predicted - record.torque,
-        coriolis=torques.coriolis_torque,
-        gravity=torques.gravity_torque,
-    )
-    observed = observe(torques.momentum, rate, record.segment, record.period, smooth.cutoff)
     return Currents(
         time=torques.time,
         segment=torques.segment,
@@ -58,7 +49,6 @@ def predicted_currents(
         external_torque=inner(smooth(external, record), record, smooth.cutoff),
         causal_torque=causally_smoothed(external, record, smooth.cutoff),
         load_doubt=LEFT * np.abs(smooth(load_torque, record)),
-        observed_torque=inner(observed, record, smooth.cutoff),
         gear_torque=smooth(record.torque, record),
         friction_torque=constant * smooth(friction_current(fit, record), record),
         load_loss=smooth(load_loss(fit, record), record),

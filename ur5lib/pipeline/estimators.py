@@ -5,8 +5,8 @@ ESTIMATORS as they stand here; the first that a recording has leads its figures 
 """
 
 import re
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
@@ -46,23 +46,23 @@ class Run:
 
     motion: smoothed, with its `time` (N,); currents: predicted, and the external torques from them;
     kinematics: of the flange at that motion; controller: the wrench (N, 6) [N, Nm] that the
-    controller computes from currents, where it was recorded. solved: the most probable wrenches by
-    the external torque, the observer's, and less that of other runs; causal_odds: log-odds (N,) of
-    contact from past currents; static: the estimate without any fit, where there is none.
+    controller computes from currents, where it was recorded; fmap: the most probable wrench;
+    causal_odds: log-odds (N,) of contact from past currents; static: the estimate without any fit,
+    where there is none.
     """
 
     motion: "Motion"
     currents: "Currents"
     kinematics: "Kinematics"
     controller: Array | None = None
-    solved: "Mapping[str, WrenchEstimate]" = field(default_factory=dict)
+    fmap: "WrenchEstimate | None" = None
     causal_odds: Array | None = None
     static: Stated | None = None
 
     @property
     def background(self) -> Array | None:
         """Return the slow external torque (N, 6) [Nm] that is no contact, by F̂ᵐᵃᵖ."""
-        return self.solved["Fmap"].background if "Fmap" in self.solved else None
+        return None if self.fmap is None else self.fmap.background
 
 
 @dataclass(frozen=True)
@@ -79,14 +79,9 @@ class Estimator:
     article: str = ""
 
 
-def solved(name: str) -> Callable[[Run], Answer]:
-    """Return an estimator: the most probable wrench by the torque of a name in `Run.solved`."""
-    return lambda run: run.solved.get(name)
-
-
 def least_squares(run: Run) -> Answer:
     """Return the wrench by least squares, in the contacts of F̂ᵐᵃᵖ."""
-    fmap = run.solved.get("Fmap")
+    fmap = run.fmap
     return None if fmap is None else Stated(fmap.least_squares, fmap.least_squares_std)
 
 
@@ -140,10 +135,8 @@ def checked(estimator: Estimator, place: str, run: Run) -> Answer:
 
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's
 ESTIMATORS = {  # by their names in records and tables
-    "Fmap": Estimator("F̂ᵐᵃᵖ", solved("Fmap")),
+    "Fmap": Estimator("F̂ᵐᵃᵖ", lambda run: run.fmap),
     "least_squares": Estimator("least squares", least_squares, gated=False),
-    "observer": Estimator("observer", solved("observer")),
-    "repeat": Estimator("repeat-aware", solved("repeat")),
     "static": Estimator("uncalibrated static estimate", lambda run: run.static, False, "the "),
     "controller_currents": Estimator(
         "controller, from currents", controller, False, "the force by the "

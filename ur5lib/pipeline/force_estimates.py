@@ -1,17 +1,13 @@
-"""Contact wrenches from the external torque: each estimate's problem, and its solution."""
+"""The contact wrench from the external torque: the problem, and its solution."""
 
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
-
-import numpy as np
 
 from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows, past_states
-from ur5lib.force.force_input import ForceInput, may_repeat
+from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Residuals
-from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import (
     NOTHING_LEFT_OUT,
     Ablation,
@@ -19,14 +15,12 @@ from ur5lib.force.wrench_estimate import (
     estimate_wrench,
     used_rows,
 )
-from ur5lib.pipeline.force_input import force_input, inputs
+from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.metrics import NORMAL95
 
 
 class Problem(NamedTuple):
@@ -58,19 +52,15 @@ def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
     )
 
 
-def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) -> dict[str, Problem]:
-    """Return the problems of Fmap, by the external torque, and of the observer, by its own.
+def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Problem | None:
+    """Return the problem of F̂ᵐᵃᵖ.
 
-    Without those whose torque is not known, as throughout a recording of half a second.
+    None where its torque is not known, as throughout a recording of half a second.
     """
-    found = {}
-    for name, torque, model in (
-        ("Fmap", currents.external_torque, residuals.tau_ext),
-        ("observer", currents.observed_torque, residuals.tau_observer),
-    ):
-        if torque is not None and model is not None and finite_rows(torque).any():
-            found[name] = Problem(force_input(motion, torque, currents), model)
-    return found
+    torque, model = currents.external_torque, residuals.tau_ext
+    if torque is None or model is None or not finite_rows(torque).any():
+        return None
+    return Problem(force_input(motion, torque, currents), model)
 
 
 def causal_odds(
@@ -88,28 +78,3 @@ def causal_odds(
         return None
     run = force_input(motion, currents.causal_torque, currents, past_states)
     return causal_log_odds(run, jacobian, residuals.tau_causal, prior)
-
-
-def repeat_problem(
-    fmap: Problem, alike: Iterable[tuple[Currents, Motion]], cutoff: float
-) -> dict[str, Problem]:
-    """Return the problem "repeat": Fmap less the external torque of the same trajectory without
-    contact.
-
-    alike: contact-free recordings that `may_be_template`; cutoff: of the torques [Hz]. Empty where
-    none of them is of the same trajectory.
-    """
-    repeated = repeat_aware(fmap.input, inputs(alike), fmap.model, cutoff)
-    return {} if repeated is None else {"repeat": Problem(*repeated)}
-
-
-def may_be_template(run: ForceInput, own: Prediction, other: Prediction) -> bool:
-    """Return whether a contact-free run may be of the same trajectory and load as another.
-
-    It passes where the other moves, and the masses agree within their 95 % band.
-    """
-    if own.load is None or other.load is None or other.extent is None:
-        return False
-    error = np.hypot(own.load.std_error, other.load.std_error)
-    alike = abs(other.load.carried - own.load.carried) <= NORMAL95 * error
-    return bool(alike) and may_repeat(run, other.extent)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 
 from ur5lib.force.external_torque import States, joint_states
-from ur5lib.force.force_input import ForceInput, Gears, extent
+from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels
@@ -48,9 +48,3 @@ def gears(currents: Currents) -> Gears | None:
     if load is None or loss is None or friction is None:
         return None
     return Gears(load, loss, friction)
-
-
-def passed(motion: Motion, currents: Currents) -> Array | None:
-    """Return the extent (2, 12) of the motion in which the external torque is known, if any."""
-    torque = currents.external_torque
-    return None if torque is None else extent(force_input(motion, torque, currents))

@@ -32,7 +32,7 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.samples import LEAST_PATHS
-from ur5lib.pipeline.force_estimates import Problem, direct_problems
+from ur5lib.pipeline.force_estimates import Problem, fmap_problem
 from ur5lib.pipeline.force_input import inputs
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
@@ -42,7 +42,6 @@ from ur5lib.timeseries.segments import unbroken
 
 TORQUES = {
     "tau_ext": ("external_torque", joint_states),
-    "tau_observer": ("observed_torque", joint_states),
     "tau_causal": ("causal_torque", past_states),
 }
 REST = 10.0  # s, below which hardly anything shows what friction holds at rest
@@ -155,7 +154,7 @@ def with_trials(
         return residuals
     random, tried = np.random.default_rng(0), []
     for currents, motion, jacobian in recordings:
-        if (fmap := direct_problems(motion, currents, residuals).get("Fmap")) is not None:
+        if (fmap := fmap_problem(motion, currents, residuals)) is not None:
             tried.append(_tried(fmap, jacobian, prior, random))
     missed_to = largest_of_trials(tried)
     known = {name: getattr(residuals, name) for name in TORQUES}

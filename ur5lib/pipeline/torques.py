@@ -17,7 +17,7 @@ from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
 
 
 def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion) -> Torques:
-    """Return the torques of all link models, and the momentum terms of the fullest one.
+    """Return the torques of all link models.
 
     robot: under the recording's gravity; load: what it carries.
     """
@@ -26,10 +26,10 @@ def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion)
     measured = {name: model.inverse_dynamics(*states) for name, model in given.items()}
     target = signals.target_q, signals.target_qd, signals.target_qdd
     known = [values for values in target if values is not None]
-    true = LinkModel(robot.carrying(load.payload), fullest)
     # what the payload adds to the one that the controller was given
     added = np.zeros_like(motion.q)
     if load.payload != load.configured:
+        true = LinkModel(robot.carrying(load.payload), fullest)
         added = true.inverse_dynamics(*states) - measured[fullest]
     return Torques(
         time=signals.time,
@@ -40,9 +40,6 @@ def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion)
         },
         measured=measured,
         payload_torque=added,
-        momentum=true.momentum(motion.q, motion.qd),
-        coriolis_torque=true.coriolis_torque(motion.q, motion.qd),
-        gravity_torque=true.gravity_torque(motion.q),
     )
 
 

@@ -72,8 +72,8 @@ class Batches:
     """The steps of each recording, in levels and batches.
 
     results: the study's folder; steps: those of each recording; of_arms: those of each arm;
-    samples: a recording of each kind, whose inputs show what waits for what; recordings: all, so
-    ordered that they wait for those that are near.
+    samples: a recording of each kind, whose inputs show what waits for what; recordings: all, those
+    of an arm after one another.
     """
 
     results: str

@@ -75,7 +75,7 @@ if len(RECORDINGS) > MOST_ALONE or BY_PATTERN & RECORDINGS.keys():
         {step.name: declared(step) for step in each},
         {step.name: declared(step) for step in arms},
         [*one_of_each_kind.values()],
-        sorted(RECORDINGS, key=lambda name: (RECORDINGS[name].arm.known_as, date_of(name))),
+        sorted(RECORDINGS, key=lambda name: RECORDINGS[name].arm.known_as),
     )
     if workflow.is_main_process:
         BATCHES.forget_incomplete()

@@ -3,7 +3,6 @@ import json
 import os
 import re
 import tempfile
-from bisect import bisect_left
 from functools import cache
 from hashlib import sha256
 
@@ -43,7 +42,6 @@ STUDY_TEXT = study_text(STUDY)
 ENTRIES = {recording.name: recording for recording in STUDY.recordings}
 AT_REST = [name for name, entry in ENTRIES.items() if entry.at_rest]  # postures, without time
 RECORDINGS = {name: entry for name, entry in ENTRIES.items() if name not in AT_REST}
-PLACES = {name: place for place, name in enumerate(RECORDINGS)}
 PRINTED = sorted(PUBLISHED.recordings() & RECORDINGS.keys())
 EXPLAINED = sorted(PUBLISHED.explained() & RECORDINGS.keys())
 OLDER_MODEL = sorted(PUBLISHED.of_older_model() & RECORDINGS.keys())
@@ -60,7 +58,6 @@ TRUTHS = {name: f"{RESULTS}/truth/{name}" for name in SIMULATED} | {  # without 
 }
 BY_PATTERN = names_by_pattern(config["recordings"])
 MOST_ALONE = 100  # recordings whose steps are jobs of their own
-MOST_TEMPLATES = 16  # contact-free recordings that may be the template of another one
 MOST_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
 BATCHES = None  # of more recordings than that
 SETTINGS = STUDY.settings
@@ -176,29 +173,9 @@ def results_of(names, file):
     return lambda wildcards: results(file, names(wildcards))
 
 
-@cache
-def by_date(robot):
-    """Return an arm's contact-free recordings by their date, then by their order in the study."""
-    return sorted(names_of(robot, "fit", "validate"), key=date_of)
-
-
 def date_of(name):
     """Return the date of a recording; empty where the study gives none."""
     return str(RECORDINGS[name].date or "")
-
-
-def templates_of(wildcards):
-    """Return the contact-free recordings of a recording's arm that may be its template.
-
-    Of many, those that are nearest in time: friction changes, and each would be read for each.
-    """
-    names = by_date(arm_of(wildcards))
-    place = bisect_left(names, date_of(wildcards.recording), key=date_of)
-    if recording_of(wildcards).role != "contact":
-        place = names.index(wildcards.recording, place)
-    first = max(0, min(place - MOST_TEMPLATES // 2, len(names) - MOST_TEMPLATES - 1))
-    near = {*names[first : first + MOST_TEMPLATES + 1]} - {wildcards.recording}
-    return sorted(near, key=PLACES.get)
 
 
 @cache

@@ -6,7 +6,7 @@ from typing import Any
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder
-from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.observability import by_axis, pushed
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.dynamics import Kinematics
@@ -32,7 +32,8 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
         summary["Fmap"] = replace(summary["Fmap"], causal=causal)
     if params.tries and "Fmap" in summary:
         motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
-        problem = direct_problems(motion, currents, residuals)["Fmap"]
+        problem = fmap_problem(motion, currents, residuals)
+        assert problem is not None
         known = thresholds["Fmap"], forces.log_odds["Fmap"], TRIALS
         trials = pushed(problem, jacobian, prior, *known)
         summary["Fmap"] = replace(summary["Fmap"], smallest_force_95=[*by_axis(trials)])

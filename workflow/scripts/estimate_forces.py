@@ -12,7 +12,6 @@ from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
@@ -43,18 +42,8 @@ def _static(input: Any, params: Any) -> dict[str, Any]:
 def _fitted(input: Any, params: Any) -> dict[str, Any]:
     motion, currents = Motion.read(input.motion), Currents.read(input.currents)
     residuals = read_record(Residuals, input.residuals)
-    found = force_estimates.direct_problems(motion, currents, residuals)
+    problem = force_estimates.fmap_problem(motion, currents, residuals)
     jacobian = Kinematics.read(input.kinematics, used_rows(motion.segment, motion.period)).jacobian
-    if "Fmap" in found:
-        own, load = found["Fmap"].input, read_record(Prediction, input.load)
-        files = zip(input.free_loads, input.free_currents, input.free_motion, strict=True)
-        runs = (
-            (Currents.read(free), Motion.read(moved))
-            for other, free, moved in files
-            if force_estimates.may_be_template(own, load, read_record(Prediction, other))
-        )
-        found |= force_estimates.repeat_problem(found["Fmap"], runs, params.cutoff_hz)
     prior = ContactPrior(force=params.contact_force_n)
     causal = force_estimates.causal_odds(motion, currents, residuals, jacobian, prior)
-    solved = {name: own.solve(jacobian, prior) for name, own in found.items()}
-    return {"solved": solved, "causal_odds": causal}
+    return {"fmap": problem and problem.solve(jacobian, prior), "causal_odds": causal}

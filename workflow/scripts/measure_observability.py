@@ -4,7 +4,7 @@ from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
-from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.observability import judged, observability, pushed
 from ur5lib.pipeline.records.arm_state import Observed
 from ur5lib.pipeline.records.currents import Currents
@@ -28,8 +28,8 @@ def measure_observability(input: Any, output: Any, params: Any) -> None:
             continue
         motion = Motion.read(paths[0])
         errors.append(judged(motion, currents, friction.fit_for(name)))
-        if "Fmap" in thresholds and (found := direct_problems(motion, currents, residuals)):
+        if "Fmap" in thresholds and (found := fmap_problem(motion, currents, residuals)):
             jacobian = Kinematics.read(paths[2]).jacobian
             odds = Forces.read(paths[3]).log_odds["Fmap"]
-            trials.append(pushed(found["Fmap"], jacobian, prior, thresholds["Fmap"], odds))
+            trials.append(pushed(found, jacobian, prior, thresholds["Fmap"], odds))
     write_rows(Observed, [*observability(trials, errors)], output.observability)

@@ -7,7 +7,6 @@ from ur5lib.identification.payload import PayloadEstimate, judged_load
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.current_prediction import baselines, predicted_currents, scores, with_load
 from ur5lib.pipeline.current_samples import Smoother, current_record
-from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
@@ -42,6 +41,6 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         currents = predicted_currents(record, fit, load_torque, Torques.read(input.torques), smooth)
         known_maps = baselines(record, robot, friction.least_squares, signals)
         judged = scores(record, currents, known_maps, smooth)
-        summary = replace(summary, load=load, extent=passed(motion, currents), scores=judged)
+        summary = replace(summary, load=load, scores=judged)
     currents.write(output.currents)
     write_json(summary, output.summary)

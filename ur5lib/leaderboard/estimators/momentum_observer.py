@@ -2,7 +2,7 @@
 
     r = K (p - ∫ (τ_m - τ_f + Cᵀ q̇ - g + r) dt),   dr/dt = K (τ_ext - r)
 
-Causal, and offline as `ur5lib.force.observer` runs it forwards and backwards with the same K.
+Causal, and offline: forwards and backwards with the same K, by least squares and as F̂ᵐᵃᵖ.
 
 A. De Luca, R. Mattone: Actuator failure detection and isolation using generalized momenta. ICRA
 (2003). A. De Luca, A. Albu-Schäffer, S. Haddadin, G. Hirzinger: Collision detection and safe
@@ -13,13 +13,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import signal
 
-from ur5lib.force.observer import observe
+from ur5lib.force.external_torque import finite_rows, without_edges
 from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.ours import OURS
+from ur5lib.leaderboard.force import CUTOFF, breakaway_of, learned_noise, most_probable
 from ur5lib.leaderboard.momentum import LinearObserver
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned, untuned
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import extrapolated, unbroken
 
 GAINS = (10.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 40.0, 60.0)  # 1/s
 
@@ -33,6 +37,34 @@ class FirstOrder(LinearObserver):
     def gains(self, period: float) -> tuple[float, float]:
         """ẑ = z; r_k = r_k-1 + K T (τ_ext - r_k), solved for r_k."""
         return 1.0, self.gain / (1 + self.gain * period)
+
+
+def observe(
+    momentum: Array, rate: Array, segment: Labels, period: float, bandwidth: float
+) -> Array:
+    """Return the external torque r (N, 6) [Nm], the environment acting on the arm.
+
+    momentum: p = D(q) qd, (N, 6) [Nm s], rotors included; rate: (N, 6) [Nm]; segment: (N,); period:
+    [s]; bandwidth: K / (2 pi) [Hz]. The residual r(t) = K (p - integral of (rate + r)) is computed
+    forwards and backwards over each unbroken stretch, so that it has no delay. NaN rows divide a
+    stretch.
+    """
+    result = np.full_like(momentum, np.nan)
+    # r_k+1 = r_k + K T (dp/dt - rate - r_k+1), an exponential average of dp/dt - rate
+    step = 2 * np.pi * bandwidth * period
+    share = step / (1 + step)
+    finite = finite_rows(momentum + rate)
+    for rows in unbroken(segment, finite):
+        if finite[rows.start] and rows.stop - rows.start > 4:
+            # joint by joint, which takes less memory
+            for own, p, change in zip(result[rows].T, momentum[rows].T, rate[rows].T, strict=True):
+                # dp/dt - rate at the middle of each step
+                growth = np.diff(p) / period - (change[1:] + change[:-1]) / 2
+                torque = signal.filtfilt([share], [1, share - 1], growth, padlen=3)
+                # back to the samples: the mean of both neighbouring steps
+                steps = np.pad(torque, 1, mode="edge")
+                own[:] = (steps[:-1] + steps[1:]) / 2
+    return result
 
 
 def learn_causal(runs: Sequence[Run]) -> Learned:
@@ -51,8 +83,20 @@ def learn_offline(runs: Sequence[Run]) -> Learned:
     return untuned(both_ways, runs)._replace(constants={"gain": gain})
 
 
+def learn_gated(runs: Sequence[Run]) -> Learned:
+    """Take the bandwidth of the study's low-pass; the noise is learnt."""
+
+    def observed(run: Run) -> Array:
+        found = observe(run.momentum, run.rate, run.segment, run.period, CUTOFF)
+        return without_edges(found, run.segment, extrapolated(CUTOFF, run.period))
+
+    noise = learned_noise(observed, runs, breakaway_of(runs))
+    return Learned(lambda run: most_probable(run, observed(run), noise), {})
+
+
 SOURCE = "De Luca and Mattone 2003; De Luca et al. 2006"
 ESTIMATORS = [
     Estimator("momentum observer", SOURCE, True, learn_causal),
     Estimator("momentum observer, zero-phase", SOURCE, False, learn_offline),
+    Estimator(f"{OURS}, observer", "ours", False, learn_gated),
 ]

@@ -23,7 +23,7 @@ from ur5lib.force.gate import Noise, log_density
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard.estimator import Estimator, Learned
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
-from ur5lib.leaderboard.force import learned_noise
+from ur5lib.leaderboard.force import breakaway_of, learned_noise
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.leaderboard.tuning import least_false
 from ur5lib.timeseries.arrays import Array
@@ -81,7 +81,7 @@ def mixed_wrench(torque: Array, jacobian: Array, noise: Noise) -> Wrench:
 
 def learn(runs: Sequence[Run]) -> Learned:
     """Tune the gain by the rule for all."""
-    breakaway = np.median([run.breakaway for run in runs], axis=0)
+    breakaway = breakaway_of(runs)
     tried = [
         CausalMap(gain, learned_noise(FirstOrder(gain).torque, runs, breakaway)) for gain in GAINS
     ]

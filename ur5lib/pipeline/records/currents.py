@@ -10,20 +10,18 @@ from ur5lib.timeseries.arrays import Array
 class Currents(SegmentedTable):
     """The current that motion without contact needs, and the external torque, (N, 6) each.
 
-    predicted_current and current_band, half its 95 % band [A]; external_torque: from the inverse
-    dynamics, observed_torque: by the momentum observer, the environment acting on the arm [Nm];
-    causal_torque: as external_torque, low-passed from past samples only [Nm];
-    load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque, friction_torque:
-    what the gears transmit, and their friction, in that motion without contact [Nm]; load_loss:
-    friction per torque transmitted, with its sign [Nm/Nm]; all three low-passed as the external
-    torque. All None where no currents were recorded, or no recording could be fitted.
+    predicted_current and current_band, half its 95 % band [A]; external_torque:
+    the environment acting on the arm [Nm]; causal_torque: the same, low-passed from past samples
+    only [Nm]; load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque,
+    friction_torque: what the gears transmit, and their friction, in that motion without contact
+    [Nm]; load_loss: friction per torque transmitted, with its sign [Nm/Nm]; all three low-passed as
+    the external torque. All None where no currents were recorded, or no recording could be fitted.
     """
 
     predicted_current: Array | None = channel("predicted_current", "A", JOINTS, optional=True)
     current_band: Array | None = channel("current_band", "A", JOINTS, optional=True)
     external_torque: Array | None = channel("tau_ext", "Nm", JOINTS, optional=True)
     load_doubt: Array | None = channel("load_doubt", "Nm", JOINTS, optional=True)
-    observed_torque: Array | None = channel("tau_observer", "Nm", JOINTS, optional=True)
     causal_torque: Array | None = channel("tau_causal", "Nm", JOINTS, optional=True)
     gear_torque: Array | None = channel("tau_gears", "Nm", JOINTS, optional=True)
     friction_torque: Array | None = channel("tau_friction", "Nm", JOINTS, optional=True)

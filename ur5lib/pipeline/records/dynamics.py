@@ -46,14 +46,10 @@ class Torques(SegmentedTable):
     """Inverse dynamics and its parts, (N, 6) [Nm] each.
 
     target, measured: by link model, at the targets and at the measured motion, with the payload
-    that the controller was given; payload_torque: what the true payload adds to that; momentum: D q̇
-    [Nm s], coriolis_torque: Cᵀ q̇ and gravity_torque: g of the fullest model with the true payload.
+    that the controller was given; payload_torque: what the true payload adds to that.
     """
 
     interpolated: Mask = channel("interpolated", "1", dtype=np.bool_)
     target: dict[str, Array] = channel("tau_target_{}", "Nm", JOINTS)
     measured: dict[str, Array] = channel("tau_measured_{}", "Nm", JOINTS)
     payload_torque: Array = channel("payload_torque", "Nm", JOINTS)
-    momentum: Array = channel("momentum", "Nm s", JOINTS)
-    coriolis_torque: Array = channel("coriolis_torque", "Nm", JOINTS)
-    gravity_torque: Array = channel("gravity_torque", "Nm", JOINTS)

@@ -4,21 +4,18 @@ from dataclasses import dataclass, field
 
 from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.validation import Scores
-from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)
 class Prediction:
     """currents.json: how well the currents of a recording are predicted, and what the arm carried.
 
-    fitted: whether it is a recording of the fit; scores: by model; extent: (2, 12), of the motion
-    in which the external torque is known, as by `force_input.extent`.
+    fitted: whether it is a recording of the fit; scores: by model.
     """
 
     fitted: bool
     scores: dict[str, Scores] = field(default_factory=dict)
     load: JudgedLoad | None = None
-    extent: Array | None = None
 
     @property
     def is_loaded(self) -> bool:

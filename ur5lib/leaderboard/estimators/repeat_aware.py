@@ -1,0 +1,81 @@
+"""F̂ᵐᵃᵖ less what contact-free runs of the same trajectory show.
+
+Friction depends on position and direction in a way that no formula describes, but it repeats. Where
+a run passes the configuration of a contact-free one at the same velocity, the external torque of
+that one is subtracted. How well it repeats, contact-free runs tell that are subtracted from one
+another.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.force.external_torque import RESTING, finite_rows, is_still
+from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimators.ours import OURS
+from ur5lib.leaderboard.force import CUTOFF, breakaway_of, learned_noise, most_probable
+from ur5lib.leaderboard.run import Estimate, Run
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import unbroken
+from ur5lib.timeseries.trajectories import nearest, place
+
+
+def repeated(run: Run) -> Array:
+    """Return the external torque (N, 6) [Nm] less that of the nearest sample of the other runs in
+    (q, qd): as it is where the run rests, or none is near.
+    """
+    pairs = [(free, _moves(free) & finite_rows(free.smoothed)) for free in run.repeats]
+    places = np.concatenate([place(free.q, free.qd)[rows] for free, rows in pairs])
+    torques = np.concatenate([free.smoothed[rows] for free, rows in pairs])
+    result, moves = run.smoothed.copy(), np.flatnonzero(_moves(run))
+    if len(places) and len(moves):
+        near, index = nearest(place(run.q, run.qd)[moves], places)
+        result[moves[near]] -= torques[index[near]]
+    return result
+
+
+def _moves(run: Run) -> Mask:
+    return finite_rows(run.q) & finite_rows(run.qd) & ~is_still(run.states)
+
+
+def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel:
+    """Return the noise in motion of runs of one trajectory, each less the others, at rest as it is.
+
+    With a single run, the repeatability is unknown. Wider by Student's t for few runs.
+    """
+    if len(runs) < 2:
+        return noise
+    stretches = [
+        Stretch(torque[rows], run.states[rows], run.period)
+        for run in runs
+        for torque in [repeated(run)]
+        for rows in unbroken(run.segment)
+    ]
+    own = fit_residual_model(stretches, CUTOFF, noise.breakaway).wider(few_paths(len(runs)))
+
+    def joined(moving: Array, resting: Array) -> Array:
+        return np.concatenate([moving[:RESTING], resting[RESTING:]])
+
+    return replace(
+        noise,
+        spread=joined(own.spread, noise.spread),
+        change=joined(own.change, noise.change),
+        rate=joined(own.rate, noise.rate),
+    )
+
+
+def learn(runs: Sequence[Run]) -> Learned:
+    """The noise without other runs is learnt; that with them is each trajectory's own."""
+    noise = learned_noise(lambda run: run.smoothed, runs, breakaway_of(runs))
+
+    def estimate(run: Run) -> Estimate | None:
+        if not run.repeats:
+            return None
+        return most_probable(run, repeated(run), noise_of_repeats(noise, run.repeats))
+
+    return Learned(estimate, {})
+
+
+ESTIMATORS = [Estimator(f"{OURS}, repeat-aware", "ours", False, learn)]
