@@ -4,8 +4,8 @@
 
 Prints the tables of results/<study> as built, by default of `thesis` and `ur10e`, as `ur5
 leaderboard` does, and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too, with
-the tables of `simulated_contacts`, `contact_link`, `current_prediction` and `learning_curve` as
-these left them in results/, or as the page already has them.
+the tables of `simulated_contacts`, `current_prediction` and `learning_curve` as these left them in
+results/, or as the page already has them.
 `--estimator` adds one that is not among them; with it, or with estimators of the working folder,
 the page is results/benchmark.md. `--quick` takes four estimators: it only shows that it runs.
 """

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import jinja2
 import pandas as pd
 
-from ur5lib.force import contact_figures, contact_link, detection
+from ur5lib.force import contact_figures, detection
 from ur5lib.leaderboard import tuning
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.study import Arm
@@ -28,7 +28,6 @@ FIGURES = {  # what the sentences are about: component and figure, and how it is
 
 MEASURED = {  # sections by the name of what other benchmarks measure
     "simulated": "Simulated arms",
-    "links": "Which link was touched",
     "currents": "Currents along paths that no fit has seen",
     "curve": "Currents by few recordings",
     "curve_forces": "Forces by few recordings",
@@ -113,7 +112,6 @@ def rule() -> dict[str, str]:
         "apart": f"{detection.CLEAR:g} s",
         "touch": f"{detection.TOUCH:g} N",
         "draws": f"{contact_figures.DRAWS}",
-        "sure": f"{contact_link.SURE:.0%}".replace("%", " %"),
     }
 
 

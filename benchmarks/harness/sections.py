@@ -1,7 +1,6 @@
 """The page's sections that other benchmarks measure, from their tables in results/."""
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +22,12 @@ from ur5lib.report.results import Results
 from ur5lib.tables import read_csv
 
 Section = dict[str, Any]
-FORCE_EDGES = (5, 10, 20, 40, 80)  # N
-LINK_COLUMNS = ["contact", "contacts", "named right", "named wrong", "cannot tell",
-           "likeliest link: stated probability", "right", "likely links", "hold it"]  # fmt: skip
 
 
 def sections(results: Path) -> dict[str, Section | None]:
     """Return what each section holds, None where its table is missing."""
     made: dict[str, tuple[str, Callable[[pd.DataFrame], Section]]] = {
         "simulated": ("simulated_contacts", simulated),
-        "links": ("contact_link", links),
         "currents": ("current_prediction", currents),
         "curve": ("learning_curve", few_recordings),
         "days": ("days_left_out", lambda table: {"table": days_table(table)}),
@@ -58,14 +53,6 @@ def simulated(table: pd.DataFrame) -> Section:
     }
 
 
-def links(table: pd.DataFrame) -> Section:
-    """Return the section on the link that was touched."""
-    title = (
-        f"{len(table)} contacts with a simulated UR5 in motion, {table['seed'].nunique()} seeds."
-    )
-    return {"title": title, "table": link_table(table)}
-
-
 def currents(table: pd.DataFrame) -> Section:
     """Return the section on predicted currents."""
     return {"findings": [*prediction_findings(table)], "table": prediction_table(table)}
@@ -74,25 +61,6 @@ def currents(table: pd.DataFrame) -> Section:
 def few_recordings(table: pd.DataFrame) -> Section:
     """Return the section on currents by few recordings."""
     return {"findings": [*learning_findings(table)], "table": learning_table(table)}
-
-
-def link_table(table: pd.DataFrame) -> str:
-    """Return a row for each range of forces and for each link, and one for all."""
-    rows = [
-        link_cells(f"{low} to {high} N", own)
-        for low, high in pairwise(FORCE_EDGES)
-        if len(own := table[table["force"].between(low, high, inclusive="left")])
-    ]
-    rows += [link_cells(f"on link {link}", own) for link, own in table.groupby("link")]
-    return markdown(LINK_COLUMNS, [*rows, link_cells("all", table)])
-
-
-def link_cells(title: str, own: pd.DataFrame) -> list[str]:
-    """Return the cells of some contacts."""
-    named, right, held = (own[name].astype(bool) for name in ("named", "right", "held"))
-    counts = (len(own), (named & right).sum(), (named & ~right).sum(), (~named).sum())
-    shares = f"{own['stated'].mean():.0%}", f"{right.mean():.0%}"
-    return [title, *map(str, counts), *shares, f"{own['likely'].mean():.1f}", f"{held.mean():.0%}"]
 
 
 def detection_tables(folders: Sequence[Path]) -> str:

@@ -60,10 +60,10 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def table(results: Path, name: str, recording: str) -> pd.DataFrame:
-    """As the report's, without the links that are touched."""
+    """As the report's."""
     folder = results / "recordings" / recording
     kinds = {k: lazy_results(k, [str(folder / f"{k}.json")]) for k in ("detection", "currents")}
-    return make_table(name, kinds | {"links": {recording: {}}})
+    return make_table(name, kinds)
 
 
 def gated(results: Path, name: str, recording: str) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""The benchmark's tables of simulated arms, touched links and predicted currents, by identity."""
+"""The benchmark's tables of simulated arms and predicted currents, by identity."""
 
 from collections.abc import Collection, Iterator
 from contextlib import nullcontext
@@ -17,7 +17,7 @@ from benchmarks.current_prediction import Known, Own, pair_rows
 from benchmarks.harness import curve
 from benchmarks.harness.prediction import FLOOR, prediction_findings, prediction_table
 from benchmarks.harness.pushes import PLACES
-from benchmarks.harness.sections import detection_tables, link_table
+from benchmarks.harness.sections import detection_tables
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
 from benchmarks.simulated_contacts import force_at
 from ur5lib.identification.samples import Record
@@ -127,16 +127,6 @@ def test_a_push_acts_at_its_place_and_time() -> None:
     time = np.array([0.5, 1.5, 2.0, 3.5])
     assert force_at("elbow", time, [push])[:, 2] == pytest.approx([0, 4, 8, 0])
     assert not force_at("flange", time, [push]).any()
-
-
-def test_contacts_are_counted_by_force_and_link() -> None:
-    unsure = {"stated": 0.6, "right": False, "named": False, "likely": 4, "held": True}
-    sure = {"stated": 1.0, "right": True, "named": True, "likely": 1, "held": True}
-    rows = [{"link": 6, "force": 7.0} | unsure, {"link": 6, "force": 30.0} | sure]
-    lines = link_table(pd.DataFrame(rows)).splitlines()
-    assert lines[2] == "| 5 to 10 N | 1 | 0 | 0 | 1 | 60% | 0% | 4.0 | 100% |"
-    assert lines[-2] == "| on link 6 | 2 | 1 | 0 | 1 | 80% | 50% | 2.5 | 100% |"
-    assert lines[-1] == "| all | 2 | 1 | 0 | 1 | 80% | 50% | 2.5 | 100% |"
 
 
 def test_contacts_found_are_those_of_the_study(tmp_path: Path) -> None:

@@ -25,7 +25,6 @@ PRINTED = {  # what each prints at least
     "long_recording": ["1 min", "processor time", "wall s"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "accelerometer": ["virtual test stand, 1 seeds", "true motion", "F^map in contact"],
-    "contact_link": ["1 seeds", "| all | 6 |"],
     "drawn_arms": ["coulomb, found (true): of arms", "of days", "named on", "of 4 arms"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],

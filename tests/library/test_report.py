@@ -38,7 +38,6 @@ from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_referenc
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import cell, names
-from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.tabulated import extremes
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.arm_state import velocities
@@ -51,7 +50,7 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import loaded, remarks
 from ur5lib.report.views.first_screen import _each, left_out_fits
-from ur5lib.report.views.forces import PUSHES, likely, pushes_found
+from ur5lib.report.views.forces import PUSHES, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
 
@@ -232,9 +231,8 @@ def searched(name: str, contacts: pd.DataFrame) -> Results:
     return Results({"recordings": [{"name": name, "role": "contact"}]}, tables, Path())
 
 
-def contact_rows(name: str, alarms: list, links: list | None = None) -> pd.DataFrame:
-    places = {name: {"Fmap": links}} if links else {}
-    return table("contacts", detection={name: {"Fmap": {"raised": alarms}}}, links=places)
+def contact_rows(name: str, alarms: list) -> pd.DataFrame:
+    return table("contacts", detection={name: {"Fmap": {"raised": alarms}}})
 
 
 def test_a_recording_without_contacts_is_told_too() -> None:
@@ -261,31 +259,16 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     assert second["Fx [N]"] == "1.0 ± 1.0"
 
 
-def on_links(*probabilities: list[float]) -> Results:
-    """Contacts of 5 N, one after the other, with the probabilities of the links."""
-    alarms = [alarm(float(k), [5.0, 0, 0]) for k in range(len(probabilities))]
-    links = [{"start": float(k), "links": own} for k, own in enumerate(probabilities)]
-    return searched("pushed", contact_rows("pushed", alarms, links))
-
-
-FLANGE, OPEN = [0.0, 0, 0, 0, 0.02, 0.98], [0.0, 0, 0.1, 0.2, 0.3, 0.4]
-FOREARM = [0.0, 0.01, 0.98, 0.01, 0, 0]
-
-
-def test_a_link_is_stated_only_where_the_torques_tell_it() -> None:
-    results = on_links(FLANGE, OPEN, FOREARM)
-    rows = results.tables["contacts"]
-    assert rows["link"].fillna(0).tolist() == [6, 0, 3]
-    assert rows["on_link_6"].tolist() == [0.98, 0.4, 0.0]
+def test_contacts_off_the_flange_are_marked_and_counted() -> None:
+    rows = [alarm(float(k), [5.0 + k, 0, 0], off_flange=k == 1) for k in range(2)]
+    results = searched("pushed", contact_rows("pushed", rows))
     lines = shown("forces.contacts", results, "pushed")
-    assert [line["on link"] for line in lines] == ["6", "3 to 6", "3"]
-    assert likely(pd.Series(dict.fromkeys(LINKS, math.nan))) == []
-
-
-def test_contacts_off_the_flange_are_counted() -> None:
-    assert [*elsewhere(on_links(FLANGE, OPEN))] == []
-    (told,) = elsewhere(on_links(FLANGE, FOREARM, FOREARM))
-    assert "2 of 3" in told
+    assert [line["not at the flange"] for line in lines] == ["–", "×"]
+    (told,) = elsewhere(results)
+    assert "1 of 2" in told
+    (largest,) = largest_contacts(results)
+    assert "not on the flange" in largest
+    assert [*elsewhere(searched("held", contact_rows("held", rows[:1])))] == []
 
 
 def test_a_load_taken_up_is_no_contact() -> None:

@@ -14,6 +14,7 @@ from tests.made_records import motion_of, signals_of, stretch, torques_of
 from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
+from ur5lib.force.flange_contact import lever
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
@@ -31,6 +32,7 @@ from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.residual_fit import usual_residuals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path
+from ur5lib.robots.statics import link_frames
 from ur5lib.tables import read_json, read_record, read_table, write_json
 from ur5lib.timeseries.arrays import Array
 
@@ -50,6 +52,8 @@ class Recording:
     folder: Path
 
     def __getattr__(self, name: str) -> str:
+        if name == "arm":
+            return str(robot_path("ur5"))
         suffix = "json" if name in SUMMARIES else "parquet"
         return str(self.folder / f"{name}.{suffix}")
 
@@ -398,6 +402,17 @@ def test_a_push_is_no_load(ur5: Robot, tmp_path: Path) -> None:
     found = detect(Recording(tmp_path), run.pushed(run.wrench(force)), ur5)
     assert [own.kind for own in found] == ["contact"]
     assert np.linalg.norm(found[0].force) == pytest.approx(40, rel=0.25)
+    assert not found[0].off_flange
+
+
+def test_a_push_on_the_forearm_is_not_at_the_flange(ur5: Robot, tmp_path: Path) -> None:
+    """It loads no joint of the wrist."""
+    run = free_run(ur5, 6, seconds=16, period=PERIOD, scale=0.2)
+    frames = link_frames(ur5, run.q)
+    force = 60.0 * between(run.time, 6.0, 11.0)[:, None] * np.array([0.3, 0.8, 0.5, 0, 0, 0])
+    touched = np.matvec(lever(*frames, 3, frames[1][:, 3]).mT, force)
+    found = detect(Recording(tmp_path), replace(run, torque=run.torque + touched), ur5)
+    assert [own.off_flange for own in found] == [True]
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def test_batches_repeat_what_changed(in_batches: Workflow, tmp_path: Path) -> No
     """All at once, as each run takes its time; a batch repeats steps, not recordings."""
     workflow = in_batches.copied(tmp_path / "project")
     folder = workflow.folder / "results" / "small"
-    assert {"repair_frames still", "locate_contacts pushed"} <= {*steps_run(folder)}
+    assert {"repair_frames still", "detect_contacts pushed"} <= {*steps_run(folder)}
     before = results(workflow)
     append(workflow.folder / "ur5lib" / "identification" / "closed_loop.py", "\n# edited\n")
     (folder / "recordings" / "pushed" / "torques.parquet").unlink()

@@ -26,7 +26,7 @@ SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
 TABULATED = "tabulate_recording"
-FROM_ALARMS = ["detect_contacts", "locate_contacts", TABULATED]
+FROM_ALARMS = ["detect_contacts", TABULATED]
 FROM_SENSOR = ["compare_forces", *FROM_ALARMS, "draw_figures", "ablate_forces"]
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
@@ -190,7 +190,7 @@ def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
         ("ur5lib/force/residual_model.py",
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
-        ("ur5lib/force/contact_link.py", jobs("locate_contacts", TABULATED) | REPORT),
+        ("ur5lib/force/flange_contact.py", jobs(*FROM_ALARMS) | REPORT),
         ("ur5lib/identification/payload.py",
          jobs(*FROM_CURRENTS) | RESIDUALS | HEALTH | REPORT),
         ("ur5lib/timeseries/changes.py", TRACKED | REPORT),

@@ -21,7 +21,7 @@ from ur5lib.strict import read_yaml
 
 FILTERS = (
     *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joined", "joints"),
-    *("numbered", "percent", "power", "rounded", "signed", "significant", "to"),
+    *("percent", "power", "rounded", "signed", "significant", "to"),
 )
 
 

@@ -147,6 +147,7 @@ rule detect_contacts:
         regressor=result("load_regressor.parquet"),
         residuals=parameter_of("residuals.json"),
         threshold=parameter_of("threshold.json"),
+        arm=arm_file,
     output:
         detection=result("detection.json"),
     log:
@@ -157,25 +158,6 @@ rule detect_contacts:
         code=code("detect_contacts"),
         tries=is_tried,
         contact_force_n=SETTINGS.contact.force_n,
-    run:
-        run_step(rule, input, output, params, log)
-
-
-rule locate_contacts:
-    input:
-        motion=result("motion.parquet"),
-        currents=result("currents.parquet"),
-        residuals=parameter_of("residuals.json"),
-        detection=result("detection.json"),
-        arm=arm_file,
-    output:
-        links=result("links.json"),
-    log:
-        **traces("locate_contacts", "{recording}"),
-    group:
-        in_cluster("document")
-    params:
-        code=code("locate_contacts"),
     run:
         run_step(rule, input, output, params, log)
 

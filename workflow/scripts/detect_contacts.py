@@ -6,12 +6,14 @@ from typing import Any
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder
+from ur5lib.pipeline.flange_contacts import judged_by_torques
 from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.observability import by_axis, pushed
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 
 TRIALS = 120  # pushes
@@ -27,14 +29,20 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     named = load_finder(currents, forces, regressor, residuals.tau_ext)
     found = all_alarms(forces, PublishedForces.read(input.published), thresholds)
     summary = detected(found, sensor, thresholds, named)
-    if "Fmap" in summary:
-        causal = causally(forces, sensor, thresholds)
-        summary["Fmap"] = replace(summary["Fmap"], causal=causal)
-    if params.tries and "Fmap" in summary:
-        motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
-        problem = fmap_problem(motion, currents, residuals)
-        assert problem is not None
-        known = thresholds["Fmap"], forces.log_odds["Fmap"], TRIALS
-        trials = pushed(problem, jacobian, prior, *known)
-        summary["Fmap"] = replace(summary["Fmap"], smallest_force_95=[*by_axis(trials)])
+    motion = Motion.read(input.motion)
+    problem = fmap_problem(motion, currents, residuals)
+    if problem is not None and (fmap := summary.get("Fmap")):
+        known = load_robot(input.arm), problem, motion.time, prior
+        fmap = replace(
+            fmap,
+            raised=judged_by_torques(*known, fmap.raised),
+            causal=causally(forces, sensor, thresholds),
+        )
+        if params.tries:
+            jacobian = Kinematics.read(input.kinematics).jacobian
+            trials = pushed(
+                problem, jacobian, prior, fmap.threshold, forces.log_odds["Fmap"], TRIALS
+            )
+            fmap = replace(fmap, smallest_force_95=[*by_axis(trials)])
+        summary["Fmap"] = fmap
     write_json(summary, output.detection)

@@ -1,4 +1,4 @@
-"""The contacts that each estimate detects, and the links on which they may be."""
+"""The contacts that each estimate detects."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -9,7 +9,8 @@ from ur5lib.timeseries.arrays import Array
 @dataclass(frozen=True)
 class Alarm:
     """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
-    deviation; whether it is a contact or a load, and the mass of a load [kg].
+    deviation; whether it is a contact or a load, and the mass of a load [kg]; whether the torques
+    exclude that the contact is at the flange.
     """
 
     start: float
@@ -20,6 +21,7 @@ class Alarm:
     kind: Literal["contact", "load"] = "contact"
     load_mass: float | None = None
     load_mass_std: float | None = None
+    off_flange: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,11 +98,3 @@ class Detected(Matched):
     roc_area: float | None = None
     causal: Matched | None = None
     smallest_force_95: list[SmallestPush] = field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class TouchedLinks:
-    """A contact in links.json: its start [s], and the probability of each link (6,)."""
-
-    start: float
-    links: list[float]

@@ -1,15 +1,12 @@
 """Rows of tables about forces: errors beside a sensor, alarms, contacts, the wrist sensor."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from ur5lib.channels import MOST_JOINTS
-from ur5lib.force.contact_link import touched_link
-from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
+from ur5lib.pipeline.records.contacts import Detected
 from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Row, transposed
 
-LINKS = [f"on_link_{link}" for link in range(1, MOST_JOINTS + 1)]
 FORCES = ("Fx", "Fy", "Fz")
 STDS = ("Fx_std", "Fy_std", "Fz_std")
 
@@ -98,26 +95,16 @@ def fixed_threshold(detection: dict[str, Detected]) -> Iterator[Row]:
             yield vars(own) | about
 
 
-def contacts(detection: dict[str, Detected], links: dict[str, list[TouchedLinks]]) -> Iterator[Row]:
-    """Yield each alarm: times, largest force, mass of a load, probabilities of the links."""
+def contacts(detection: dict[str, Detected]) -> Iterator[Row]:
+    """Yield each alarm: times, largest force, mass of a load, whether the flange is excluded."""
     for estimate, found in detection.items():
-        touched = {one.start: one.links for one in (links or {}).get(estimate, [])}
         for alarm in found.raised:
             yield vars(alarm) | {
                 "estimate": estimate,
                 **{f"{name}_s": getattr(alarm, name) for name in ("start", "end", "peak")},
-                **_place(touched.get(alarm.start)),
                 **dict(zip(FORCES, alarm.force, strict=True)),
                 **dict(zip(STDS, alarm.force_std, strict=True)),
             }
-
-
-def _place(probabilities: Sequence[float] | None) -> Row:
-    """Return the probability of each link, and the link, None where the torques leave it open."""
-    if probabilities is None:
-        return {}
-    link = touched_link(dict(enumerate(probabilities, start=1)))
-    return {"link": link, **dict(zip(LINKS, probabilities, strict=False))}
 
 
 def audit(audit: Audit) -> Iterator[Row]:

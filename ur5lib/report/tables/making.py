@@ -15,7 +15,6 @@ import pandas as pd
 from ur5lib.pipeline.records.table import Table
 from ur5lib.report.reference import Printed, Published
 from ur5lib.report.tables import Row, files, forces, friction, models, motion
-from ur5lib.report.tables.forces import LINKS
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.strict import read_yaml
 from ur5lib.tables import ByKey, read_cells, read_record
@@ -98,8 +97,7 @@ def make_table(
         for owner in owners
         for row in rows_of(*(given(need, owner) for need in needs))
     ]
-    more = sorted({name for row in rows for name in row if name in LINKS} - {*columns})
-    return pd.DataFrame(rows, columns=[*columns, *more])
+    return pd.DataFrame(rows, columns=columns)
 
 
 def joined(parts: Sequence[str]) -> pd.DataFrame:
@@ -112,17 +110,12 @@ def joined(parts: Sequence[str]) -> pd.DataFrame:
 
 
 def joined_texts(parts: Sequence[str]) -> str:
-    """Return a table as CSV from those of each recording; some may have more columns at the end.
+    """Return a table as CSV from those of each recording.
 
     Thousands of tables are joined as text, since parsing takes a hundred times as long.
     """
-    split = [part.partition("\n")[::2] for part in parts]
-    longest = max((header for header, _ in split), key=len)
-    rows = (
-        body.replace("\n", "," * (longest.count(",") - header.count(",")) + "\n")
-        for header, body in split
-    )
-    return "".join([longest, "\n", *rows])
+    header = parts[0].partition("\n")[0]
+    return "".join([header, "\n", *(part.partition("\n")[2] for part in parts)])
 
 
 def _in_words(value: Any) -> Any:

@@ -13,9 +13,8 @@ from ur5lib.report.formats import Sentence, joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import FORCES, PUSHES, leading, likely, pushes_found, searched
+from ur5lib.report.views.forces import FORCES, PUSHES, leading, pushes_found, searched
 
-FLANGE = 6  # the link that carries flange and tool
 CLAIMED, OURS, AXIS = "F*", "Fmap", "Fz"
 TOPIC = "Force in contact"
 UNCALIBRATED = "static"  # the estimate without any fit
@@ -107,17 +106,14 @@ def largest_contacts(results: Results) -> Iterator[Sentence]:
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         if len(rows):
             largest = rows.loc[(rows[FORCES] ** 2).sum(axis="columns").idxmax()]
-            links = likely(largest)
-            yield say("contacts.largest", name=name, row=largest, links=links, flange=FLANGE)
+            yield say("contacts.largest", name=name, row=largest)
 
 
 def elsewhere(results: Results) -> Iterator[Sentence]:
     """Report the contacts that are not on the flange: stated forces hold only for the flange."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
-        links = [likely(row) for _, row in rows.iterrows()]
-        others = [likely for likely in links if likely and FLANGE not in likely]
-        if others:
-            yield say("contacts.elsewhere", name=name, count=len(others), total=len(links))
+        if count := int((rows["off_flange"] == "yes").sum()):
+            yield say("contacts.elsewhere", name=name, count=count, total=len(rows))
 
 
 def detection(results: Results) -> Iterator[Sentence]:

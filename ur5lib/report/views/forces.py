@@ -1,16 +1,13 @@
 """Contact forces compared with the force sensor, their bands, and detected contacts."""
 
-import math
 from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.force.contact_link import likely_links
 from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED
-from ur5lib.report.formats import Sentence, numbered
+from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.views.currents import loaded
 
 FORCES = ["Fx", "Fy", "Fz"]
@@ -74,16 +71,8 @@ def contact_errors(results: Results, recording: str) -> pd.DataFrame:
 
 
 def contacts(results: Results, recording: str) -> pd.DataFrame:
-    """Return the contacts that F̂ᵐᵃᵖ finds, with their likely links."""
-    rows = results.rows("contacts", recording=recording, estimate="Fmap")
-    return rows.assign(links=[numbered(likely(row)) or "–" for _, row in rows.iterrows()])
-
-
-def likely(row: "pd.Series[float]") -> list[int]:
-    """Return the links that a contact may touch; empty where that was not estimated."""
-    probabilities = {link: row[name] for link, name in enumerate(LINKS, start=1) if name in row}
-    known = {link: value for link, value in probabilities.items() if not math.isnan(value)}
-    return likely_links(known) if known else []
+    """Return the contacts that F̂ᵐᵃᵖ finds."""
+    return results.rows("contacts", recording=recording, estimate="Fmap")
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:

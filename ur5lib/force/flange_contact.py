@@ -1,9 +1,10 @@
-"""Which link of the arm a force acts on, by the torques alone, if they determine it.
+"""Whether a contact may be at the flange, by the torques alone.
 
 A force F at a place p of link k loads joints 1 to k: τ = J_pᵀ F + e, with no torque beyond. Links
 are compared by p(τ | link), the mean over places along the link and over sizes s of F ~ N(0, s² I),
 e ~ N(0, S). Place and size are left open: otherwise, a contact elsewhere on the arm, or a weak one,
-would be ascribed to the place that happens to explain it best.
+would be ascribed to the place that happens to explain it best. Torques hardly tell other links
+apart, but well where the flange is not touched: then, joints of the wrist carry nothing.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +16,7 @@ from ur5lib.force.contact_prior import wrench_covariance
 from ur5lib.force.gate import diagonal, log_density
 from ur5lib.timeseries.arrays import Array
 
-SURE = 0.95  # least probability of what is named
+SURE = 0.95  # least probability of the other links, where a contact at the flange is excluded
 STEP = 0.1  # m, largest distance of neighbouring places along a link
 TOOL = 0.2  # m, beyond the flange, of which link 6 may be touched
 SURFACE = 0.05  # m, of a link's surface from the line between its frames
@@ -52,14 +53,14 @@ def lever(rotation: Array, origin: Array, link: int, point: Array) -> Array:
     return columns.mT
 
 
-def link_probabilities(
+def flange_probability(
     torque: Array,
     levers: Mapping[int, Sequence[Array]],
     noise: Array,
     sizes: Sequence[float],
     loss: float = LOSS,
-) -> dict[int, float]:
-    """Return the probability that one contact is on each of the links, equal beforehand.
+) -> float:
+    """Return the probability that one contact is on the last link, all equal beforehand.
 
     torque: external, of the contact's samples, (n, 6) [Nm]; levers: J_g of the places of each link,
     (n, 6, 6) each, which are equally likely, too; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally
@@ -75,20 +76,4 @@ def link_probabilities(
         covariances = [loaded + J.mT @ wrench @ J for J in places for wrench in wrenches]
         each = [log_density(torque, covariance).mean() for covariance in covariances]
         evidence.append(logsumexp(each) - np.log(len(places)))
-    return dict(zip(levers, np.asarray(softmax(evidence)).tolist(), strict=True))
-
-
-def likely_links(probability: Mapping[int, float]) -> list[int]:
-    """Return the fewest links that hold the contact with a probability of SURE, in order."""
-    found, held = list[int](), 0.0
-    for link in sorted(probability, key=probability.__getitem__, reverse=True):
-        if held >= SURE:
-            break
-        found, held = [*found, link], held + probability[link]
-    return sorted(found)
-
-
-def touched_link(probability: Mapping[int, float]) -> int | None:
-    """Return the link of a contact, None where the torques do not determine it."""
-    links = likely_links(probability)
-    return links[0] if len(links) == 1 else None
+    return float(softmax(evidence)[[*levers].index(max(levers))])
