@@ -76,6 +76,7 @@ def judged(study: Study, fitted: list[Recording]) -> str:
         fold = Fold(study, fitted, Path(folder))
         if why := refusal(fold, touched):
             return f"no forces: {why}"
+        fold.estimate(touched)
         return told([result(fold, own) for own in touched])
 
 

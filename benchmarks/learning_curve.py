@@ -219,6 +219,7 @@ def forces_of(
         if why := refusal(fold, [*touched, *untouched]):
             print(f"{arm.name}, {size} recordings, no forces: {why}", flush=True)
             return
+        fold.estimate([*touched, *untouched])
         about = {"arm": arm.name, "fitted": size}
         for own in touched:
             error, half, force = in_contact_of(fold, own)

@@ -1,4 +1,4 @@
-"""False alarms and pushes along paths and on days that no fit has seen.
+"""False alarms and currents along paths and on days that no fit has seen.
 
     python -m benchmarks.leave_out [<study> [<robot>]] [--quick]
 
@@ -8,9 +8,8 @@ model and threshold come from the other recordings, by the workflow's own steps,
 out is treated as a recording to validate on. Then each recording to fit on is the only one. Alarms
 are counted on recordings without contact, loaded or not: all of them are false. The largest force
 in an alarm is given in its standard deviations. Of each joint, the share of the current inside its
-band, and by how much friction in motion differs from the predicted one. Sustained pushes are put
-onto the external torque of each recording, too, under the fit that has not seen its path. The
-rigid-body model stays the study's: the controller's own torque tells it, not the currents.
+band, and by how much friction in motion differs from the predicted one. The rigid-body model stays
+the study's: the controller's own torque tells it, not the currents.
 `--quick` does a part of all this.
 """
 
@@ -18,7 +17,6 @@ import runpy
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,15 +28,11 @@ import yaml
 
 from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
-from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import SLOW, is_still
-from ur5lib.force.force_input import ForceInput
+from ur5lib.force.external_torque import SLOW
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.pipeline.contacts import alarms_by_odds, strongest
-from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
@@ -48,7 +42,6 @@ from ur5lib.robots.population import population_files
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.trajectories import group_by_path
 
 STEPS = [
@@ -59,14 +52,11 @@ STEPS = [
     "estimate_forces",
     "set_threshold",
 ]
-SIZES, LEVERS = (5.0, 30.0, 80.0), (0.0, 0.15)  # N, m
-START, SHORTEST, LONGEST = 5.0, 10.0, 15.0  # s: of a push
-MARGIN = 0.5  # s at the end of a recording, of which a low-pass knows one side only
 TABLES = ("signals", "motion", "torques")
+CHECKED = ("contradictions", "quality")
 PAYLOAD = {"payload": "payload.json", "regressor": "load_regressor.parquet"}
 ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations"]
 MOVES = 2.0  # s, for which a joint moves at least where its friction is judged
-INSIDE = 0.9  # share of a push above which it has come on
 
 
 @dataclass(frozen=True)
@@ -115,7 +105,7 @@ Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
 
 
 def main() -> None:
-    """Print alarms a minute and the estimates of trial pushes."""
+    """Print alarms a minute, and how currents are predicted."""
     given = arm_options(__doc__).parse_args()
     [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
@@ -132,14 +122,11 @@ def compare(title: str, known: Study, quick: bool) -> None:
         for own in known.fit[:few]
     ]
     print(f"{title}: {len(known.fit)} recordings to fit on")
-    rows: list[dict[str, Any]] = []
     joints: list[dict[str, Any]] = []
     for fold, tested in built_folds("paths and days left out", known, folds):
         joints += [row for own in tested for row in predicted(fold, own)]
-        rows += [row for own in tested for row in pushed(fold, own, quick)]
     with pd.option_context("display.max_rows", None, "display.width", 120):
         report_joints(pd.DataFrame(joints))
-        report_pushes(pd.DataFrame(rows))
     for _ in built_folds("one recording to fit on", known, alone):
         pass
 
@@ -193,14 +180,14 @@ class Fold:
         """A file that this fold makes of all."""
         return str(self.folder / name)
 
-    def build(self, tested: list[Recording]) -> None:
-        """Fit, and estimate the forces of all recordings; raises InputError where it is refused."""
+    def predict(self, tested: list[Recording]) -> None:
+        """Fit, and predict the currents of all recordings; raises InputError if it is refused."""
         settings, lowpass = self.study.settings, self.study.lowpass
         self.run(
             "fit_friction",
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
             | {"arm": str(self.study.arm)}
-            | {"contradictions": [own.file("contradictions.json") for own in self.fitted]}
+            | {n: [own.file(f"{n}.json") for own in self.fitted] for n in CHECKED}
             | {"postures": []}
             | {"population": population_files(settings.friction.population)},
             {"friction": self.shared("friction.json")},
@@ -210,11 +197,28 @@ class Fold:
             | {"dates": [own.day for own in self.fitted]}
             | {"study": self.study.arm.parents[2].name},
         )
-        everything = [*self.fitted, *tested]
-        for own in everything:
+        for own in [*self.fitted, *tested]:
             self.payload(own)
-        for own in everything:
+        for own in [*self.fitted, *tested]:
             self.currents(own, "fit" if own in self.fitted else "validate")
+        self.residuals()
+
+    def estimate(self, tested: list[Recording]) -> None:
+        """Estimate the forces of all recordings, whose currents are predicted."""
+        for own in [*self.fitted, *tested]:
+            self.forces(own)
+        self.run(
+            "set_threshold",
+            {
+                "forces": [self.own(own, "forces.parquet") for own in self.fitted],
+                "published": [own.file("published_forces.parquet") for own in self.fitted],
+            },
+            {"threshold": self.shared("threshold.json")},
+            {"false_alarms_per_min": self.study.settings.alarms.false_per_min},
+        )
+
+    def residuals(self) -> None:
+        """What the external torque of the fitted recordings is without contact."""
         self.run(
             "fit_residuals",
             {
@@ -225,20 +229,9 @@ class Fold:
             },
             {"residuals": self.shared("residuals.json")},
             {
-                "cutoff_hz": lowpass["cutoff_hz"],
-                "contact_force_n": settings.contact.force_n,
+                "cutoff_hz": self.study.lowpass["cutoff_hz"],
+                "contact_force_n": self.study.settings.contact.force_n,
             },
-        )
-        for own in everything:
-            self.forces(own)
-        self.run(
-            "set_threshold",
-            {
-                "forces": [self.own(own, "forces.parquet") for own in self.fitted],
-                "published": [own.file("published_forces.parquet") for own in self.fitted],
-            },
-            {"threshold": self.shared("threshold.json")},
-            {"false_alarms_per_min": settings.alarms.false_per_min},
         )
 
     def payload(self, own: Recording) -> None:
@@ -339,9 +332,9 @@ def report_alarms(label: str, found: pd.DataFrame) -> None:
 
 
 def refusal(fold: Fold, tested: list[Recording]) -> str | None:
-    """Build a fold; return why it made nothing, None where it did."""
+    """Predict a fold's currents; return why there are no forces, None where there are."""
     try:
-        fold.build(tested)
+        fold.predict(tested)
     except (InputError, np.linalg.LinAlgError) as error:
         return str(error)
     friction = read_record(Friction, fold.shared("friction.json"))
@@ -360,6 +353,7 @@ def built_folds(
             if why := refusal(fold, tested):
                 print(f"{label}\n{'':>14}no forces: {why}", flush=True)
                 continue
+            fold.estimate(tested)
             found.append(fold.alarms(tested))
             report_alarms(label, found[-1])
             yield fold, tested
@@ -414,100 +408,6 @@ def report_joints(rows: pd.DataFrame) -> None:
         f"different day by {of_days.max():.1%}, at most by {rows['excess'].abs().max():.1%}",
         flush=True,
     )
-
-
-def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
-    """Return slope and coverage of each push that is added to a recording."""
-    motion, settings = Motion.read(own.file("motion.parquet")), fold.study.settings
-    currents = Currents.read(fold.own(own, "currents.parquet"))
-    problem = fmap_problem(motion, currents, read_record(Residuals, fold.shared("residuals.json")))
-    time = motion.time - motion.time[0]
-    if problem is None or time[-1] < START + SHORTEST + MARGIN:
-        return
-    kinematics = Kinematics.read(own.file("kinematics.parquet"))
-    run = problem.input
-    jacobian, prior = kinematics.jacobian, ContactPrior(force=settings.contact.force_n)
-    lowpass = settings.lowpass.currents
-    profile = sustained(time, run.period, lowpass.order, lowpass.cutoff_hz)
-    where = (profile > INSIDE) & np.isfinite(run.torque).all(axis=1)
-    few = 1 if quick else None
-    for axis, lever, size in product("zyx"[:few], LEVERS[:few], SIZES[::-1][:few]):
-        wrench = wrench_of(profile, "xyz".index(axis), size, lever, kinematics.rotation)
-        pushed = problem.pushed((jacobian.mT @ wrench[..., None])[..., 0])
-        estimate = pushed.solve(jacobian[problem.rows], prior)
-        push = {"recording": own.name, "axis": axis, "lever": lever, "size": size}
-        yield push | figures(estimate.wrench, estimate.std, wrench, where, run)
-
-
-def sustained(time: Array, step: float, order: int, cutoff: float) -> Array:
-    """Return a push of height 1 from START on (N,), low-passed like the torques."""
-    end = min(START + LONGEST, time[-1] - MARGIN)
-    box = ((time >= START) & (time < end)).astype(float)[:, None]
-    return zero_phase_lowpass(box, rate=1 / step, order=order, cutoff=cutoff)[:, 0]
-
-
-def wrench_of(profile: Array, axis: int, size: float, lever: float, rotation: Array) -> Array:
-    """Wrench (N, 6) of a force along an axis of the base, at a point off the flange.
-
-    The point lies `lever` [m] along x of frame 6; rotation: R_6, (N, 3, 3).
-    """
-    force = profile[:, None] * size * np.eye(3)[axis]
-    point = lever * np.nan_to_num(rotation)[:, :, 0]
-    return np.concatenate([force, np.cross(point, force)], axis=1)
-
-
-def figures(
-    wrench: Array, std: Array, true: Array, where: Array, run: ForceInput
-) -> dict[str, float]:
-    """Of the force in its direction: mean share that is told, in motion and at rest; coverage."""
-    axis = int(np.argmax(np.abs(true[where][0, :3])))
-    inside = np.abs(wrench - true)[:, :3] <= 1.96 * std[:, :3]
-    still = is_still(run.states)
-    found = {}
-    for name, rows in (("moving", where & ~still), ("still", where & still)):
-        share = wrench[rows, axis] / true[rows, axis]
-        found[f"{name}_s"] = rows.sum() * run.period
-        found[f"{name}_share"] = share.mean() if rows.any() else np.nan
-        found[f"{name}_along"] = inside[rows, axis].mean() if rows.any() else np.nan
-        found[f"{name}_all"] = inside[rows].mean() if rows.any() else np.nan
-    return found
-
-
-def report_pushes(rows: pd.DataFrame) -> None:
-    """Slopes over the sizes, and the share of samples in their band by size."""
-    for name in ("moving", "still"):
-        part = rows[rows[f"{name}_s"] >= 1]
-        if part.empty:
-            continue
-        print(f"\nsustained pushes, {name}, {len(set(part['recording']))} recordings")
-        print_slopes(part, name)
-        print("share inside the 95 % band, along the push and on all axes, by lever and size")
-        print(part.groupby(["lever", "size"])[[*part.columns]].apply(held, name).round(3))
-        print("by recording and size")
-        print(part.groupby(["recording", "size"])[[*part.columns]].apply(held, name).round(3))
-
-
-def held(part: pd.DataFrame, name: str) -> pd.Series:
-    """Share of the time in which the band holds."""
-    seconds = part[f"{name}_s"]
-    return part[[f"{name}_along", f"{name}_all"]].mul(seconds, axis=0).sum() / seconds.sum()
-
-
-def print_slopes(part: pd.DataFrame, name: str) -> None:
-    """Least squares through the origin: pooled, and each recording and direction on its own."""
-
-    def slope(own: pd.DataFrame) -> float:
-        weight = own["size"] ** 2 * own[f"{name}_s"]
-        return float((weight * own[f"{name}_share"]).sum() / weight.sum())
-
-    each = part.groupby(["recording", "axis", "lever"])[[*part.columns]].apply(slope)
-    print(f"slope over the sizes: pooled {slope(part):.3f}, each: median {each.median():.3f}, "
-          f"from {each.min():.3f} to {each.max():.3f}, within 0.9 to 1.1: "
-          f"{((each > 0.9) & (each < 1.1)).mean():.0%}")  # fmt: skip
-    print(each.groupby(["axis", "lever"]).agg(["median", "min", "max"]).round(3).to_string())
-    print("lowest\n" + each.nsmallest(5).round(2).to_string())
-    by_size = part.groupby(["lever", "size"])[f"{name}_share"].agg(["median", "min", "max"])
-    print("share of a push that is told\n" + by_size.round(2).to_string())
 
 
 if __name__ == "__main__":

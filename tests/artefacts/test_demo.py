@@ -45,7 +45,8 @@ def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
 @pytest.mark.parametrize(
     ("name", "given", "texts"),
     [
-        ("leave_out", [], ["alarms a minute", "slope over the sizes: pooled"]),
+        ("leave_out", [], ["alarms a minute", "friction differs by"]),
+        ("worth", [], ["| nothing |", "| cross-fitting |"]),
         # the last subset that is drawn, of all paths but one or more: bands and contacts
         ("few_recordings", [], ["inside", "in motion"]),
         # without any recording, and with all

@@ -48,6 +48,7 @@ OF_A_BUILT_STUDY = {
     "leaderboard",
     "learning_curve",
     "current_prediction",
+    "worth",
 }  # in tests/artefacts/test_demo.py
 
 

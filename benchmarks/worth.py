@@ -1,0 +1,219 @@
+"""What each part of F̂ᵐᵃᵖ earns: its scores without the part, beside those with all of them.
+
+    python -m benchmarks.worth [<study> [<robot>]] [--quick]
+
+Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings to
+fit on is left out in turn, with its day if other days have enough paths, and judged; before, all
+are fitted, and what shares neither path nor day with them is judged. In contact by the force
+sensor, and in pushes that are drawn with a seed and put onto recordings without contact: RMSE of
+the force, share of samples inside its 95 % band, contacts found. Without contact: false alarms.
+PARTS says what stands in the place of a part. `--quick` does the first fold alone.
+"""
+
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+from unittest.mock import patch
+
+import numpy as np
+import pandas as pd
+import torch
+
+from benchmarks.few_recordings import sensed
+from benchmarks.harness.drawn_pushes import drawn_pushes
+from benchmarks.harness.options import arm_options, built
+from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
+from ur5lib.force import residual_model
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.detection import alarm_threshold, alarms, compare, contacts, in_contact
+from ur5lib.force.force_input import Gears
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
+from ur5lib.leaderboard.tables import markdown
+from ur5lib.pipeline import force_input
+from ur5lib.pipeline.force_estimates import fmap_problem
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.tables import read_record
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.kalman import Gaussians
+from ur5lib.timeseries.metrics import NORMAL95
+
+COLUMNS = ["without", "RMSE [N]", "inside", "found", "RMSE of pushes [N]", "inside", "found",
+           "false alarms a minute"]  # fmt: skip
+
+
+class Part(NamedTuple):
+    """A part left out: what stands in the place of functions and constants, by their names; fields
+    of the prior; whether currents of the fit change, too, as for all parts after this one.
+    """
+
+    instead: Mapping[str, Any] = {}
+    prior: Mapping[str, Any] = {}
+    refits: bool = False
+
+
+def without_gears(field: str) -> Mapping[str, Any]:
+    """What gives the gears with zero in one field."""
+    original = force_input.gears
+
+    def gears(currents: Currents) -> Gears | None:
+        own = original(currents)
+        return own and replace(own, **{field: 0 * getattr(own, field)})
+
+    return {"ur5lib.pipeline.force_input.gears": gears}
+
+
+def pooled(stretches: Any, joints: int, moments: Any = residual_model._moments) -> Array:
+    """Moments (S, n) of the states that were met, each the mean of these."""
+    found = moments(stretches, joints)
+    return np.where(np.isnan(found), np.nan, np.nanmean(found, axis=0))
+
+
+def unknown_background(torque: Array, _: Array, spread: Array, *__: Any) -> Gaussians:
+    """A background of which nothing is known but its spread."""
+    return Gaussians(np.zeros_like(torque), spread)
+
+
+def of_a_free_arm(_: Array, missed: Array, free: Array) -> Array:
+    """The deviation (N, 6) of a free arm's force, no contact being missed."""
+    return np.broadcast_to(np.sqrt(free), missed.shape)
+
+
+ESTIMATE, GATE = "ur5lib.force.wrench_estimate", "ur5lib.force.gate"
+PARTS = {
+    "nothing": Part(),
+    "friction of the run": Part(without_gears("friction")),
+    "joint states": Part({"ur5lib.force.residual_model._moments": pooled}),
+    "load friction of gears": Part(without_gears("loss")),
+    "background": Part({f"{GATE}.smooth": unknown_background}),
+    "hunting": Part(prior={"hunting": (0.0,)}),
+    "stiction given back": Part({f"{ESTIMATE}.held": lambda torque, *_: 0 * torque}),
+    "margin and hysteresis": Part({f"{ESTIMATE}.MARGIN": 0.0, f"{ESTIMATE}.CLOSES": OPENS}),
+    "friction at rest": Part({f"{GATE}.HELD": 0.0}, {"stiction": 0.01}),
+    "mixture band": Part({f"{ESTIMATE}.mixture_std": of_a_free_arm}),
+    "cross-fitting": Part(
+        {"ur5lib.pipeline.records.friction.Friction.fit_for": lambda own, _: own.fit}, refits=True
+    ),
+}
+
+
+def main() -> None:
+    """Print a line for each part."""
+    given = arm_options(__doc__).parse_args()
+    [folder] = built([Path("results") / given.study])
+    torch.set_num_threads(1)
+    study = read_study(folder, given.robot, ("fit", "validate", "contact"))
+    rows: list[dict[str, Any]] = []
+    for fitted, tested in folds(study)[: 1 if given.quick else None]:
+        with tempfile.TemporaryDirectory() as kept:
+            rows += without_parts(Fold(study, fitted, Path(kept)), tested)
+    print(table(pd.DataFrame(rows)))
+
+
+def folds(study: Study) -> list[tuple[list[Recording], list[Recording]]]:
+    """What to fit on, and what this has not seen of the recordings that can be judged."""
+    found = [(study.fit, unseen(study, study.fit)), *(own[1:] for own in without_each(study))]
+    judged = [(fitted, [*filter(is_judged, tested)]) for fitted, tested in found]
+    return [own for own in judged if own[1]]
+
+
+def is_judged(own: Recording) -> bool:
+    """Whether nothing touches the arm, or a sensor feels what does."""
+    return own.entry["role"] != "contact" or len(sensed(own)) > 0
+
+
+def without_parts(fold: Fold, tested: list[Recording]) -> Iterator[dict[str, Any]]:
+    """Yield what is counted in recordings without each of the parts."""
+    if why := refusal(fold, tested):
+        print(f"{', '.join(own.name for own in tested)}: {why}", file=sys.stderr)
+        return
+    for name, part in PARTS.items():
+        with ExitStack() as changed:
+            for place, other in part.instead.items():
+                changed.enter_context(patch(place, other))
+            for own in fold.fitted if part.refits else ():
+                fold.currents(own, "fit")
+            fold.residuals()
+            usual = ContactPrior(force=fold.study.settings.contact.force_n)
+            for counted in counts(fold, tested, replace(usual, **part.prior)):
+                yield {"part": name} | counted
+
+
+def counts(fold: Fold, tested: list[Recording], prior: ContactPrior) -> Iterator[dict[str, Any]]:
+    """Yield what is counted in recordings, with the threshold of those that are fitted on."""
+    periods = [Motion.read(own.file("motion.parquet")).period for own in fold.fitted]
+    odds = [estimate(fold, own, prior).log_odds for own in fold.fitted]
+    least = alarm_threshold(odds, periods, fold.study.settings.alarms.false_per_min)
+    for own in tested:
+        motion, found = Motion.read(own.file("motion.parquet")), estimate(fold, own, prior)
+        if own.entry["role"] == "contact":
+            yield {"by": "sensor"} | in_contacts(found, sensed(own), least, motion.period)
+            continue
+        minutes = len(motion.time) * motion.period / 60
+        yield {"by": "alarms", "found": len(alarms(found.log_odds, least)), "minutes": minutes}
+        for pushes in drawn_pushes(motion.time, fold.study.settings.lowpass.currents):
+            found = estimate(fold, own, prior, pushes)
+            yield {"by": "pushes"} | in_contacts(found, pushes, least, motion.period)
+
+
+def estimate(
+    fold: Fold, own: Recording, prior: ContactPrior, pushes: Array | None = None
+) -> WrenchEstimate:
+    """F̂ᵐᵃᵖ of a recording, with pushes (N, 6) [N, Nm] on its flange."""
+    motion = Motion.read(own.file("motion.parquet"))
+    currents = Currents.read(fold.own(own, "currents.parquet"))
+    residuals = read_record(Residuals, fold.shared("residuals.json"))
+    problem = fmap_problem(motion, currents, residuals)
+    assert problem is not None
+    jacobian = Kinematics.read(own.file("kinematics.parquet")).jacobian
+    if pushes is not None:
+        problem = problem.pushed((jacobian.mT @ pushes[..., None])[..., 0])
+    return problem.solve(jacobian[problem.rows], prior)
+
+
+def in_contacts(
+    found: WrenchEstimate, true: Array, least: float, period: float
+) -> dict[str, float]:
+    """Sums over the samples in contact, and the contacts, of a true wrench (N, 6) [N, Nm]."""
+    size, error = np.linalg.norm(true[:, :3], axis=1), (found.wrench - true)[:, :3]
+    during = in_contact(size) & np.isfinite(error).all(axis=1)
+    inside = np.abs(error) <= NORMAL95 * found.std[:, :3]
+    matched = compare(alarms(found.log_odds, least), contacts(size), period)
+    sums = {"square": (error[during] ** 2).sum(), "inside": inside[during].mean(axis=1).sum()}
+    return sums | {"samples": during.sum(), "contacts": matched.contacts, "found": matched.found}
+
+
+def table(rows: pd.DataFrame) -> str:
+    """A line for each part, over all recordings."""
+    sums = rows.groupby(["part", "by"], sort=False).sum()
+    lines = [
+        [part, *figures(sums, part, "sensor"), *figures(sums, part, "pushes"), alarmed(sums, part)]
+        for part in rows["part"].unique()
+    ]
+    return markdown(COLUMNS, lines)
+
+
+def figures(sums: pd.DataFrame, part: str, by: str) -> list[str]:
+    """RMSE, share inside the band, and contacts found; empty where there are none."""
+    if (part, by) not in sums.index:
+        return [""] * 3
+    own = sums.loc[part, by]
+    rmse, inside = np.sqrt(own["square"] / own["samples"]), own["inside"] / own["samples"]
+    return [f"{rmse:.2f}", f"{inside:.3f}", f"{own['found']:.0f} of {own['contacts']:.0f}"]
+
+
+def alarmed(sums: pd.DataFrame, part: str) -> str:
+    """False alarms a minute, empty where every recording is in contact."""
+    if (part, "alarms") not in sums.index:
+        return ""
+    return f"{sums.loc[part, 'alarms']['found'] / sums.loc[part, 'alarms']['minutes']:.2f}"
+
+
+if __name__ == "__main__":
+    main()
