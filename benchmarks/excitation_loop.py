@@ -84,10 +84,7 @@ def recording(number: int) -> dict[str, Any]:
 
 def built(recordings: list[dict[str, Any]]) -> None:
     """Simulate and identify, without what forces and the report need."""
-    # no other arms: all that is known comes from the maker and the motions
-    settings = {"friction": {"population": "none"}}
     study = {"study": STUDY, "title": "Designed recordings", "recordings": recordings}
-    study["settings"] = settings
     file = RESULTS / "configuration.yaml"  # where `ur5 excite` looks for it
     file.write_text(yaml.safe_dump(study, sort_keys=False, default_flow_style=None))
     snakemake(study, "--until", IDENTIFIED)

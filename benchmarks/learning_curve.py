@@ -5,8 +5,8 @@
 Takes results/<study> as built, by default thesis and ur10e. Subsets of the recordings to fit on are
 drawn with a seed; each fit is judged on the recordings without contact that share neither path nor
 day with it (path alone where the study has one day). Of the motor currents below the study's
-low-pass: the error, and the share inside the 95 % band, for the fit with other arms as known before
-it, for the same without other arms, and for least squares. Terms of friction are Coulomb, viscous
+low-pass: the error, and the share inside the 95 % band, for the fit with typical friction as known
+before it, for the same without, and for least squares. Terms of friction are Coulomb, viscous
 and load friction. Then each day is left out, where a study has several: currents inside the band of
 the fit to other days, and the torque constants of the day's own fit beside those of the others.
 `--forces` does instead, by the workflow's own steps, forces where a force sensor felt contacts, and
@@ -39,12 +39,9 @@ from benchmarks.leave_out import Fold, read_study, refusal, unseen
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.current_regression import expected_fit, fit_currents
 from ur5lib.identification.currents import CurrentFit, band, parameters, predict
-from ur5lib.identification.population import fit_population
 from ur5lib.identification.samples import Record, record_days
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
 from ur5lib.pipeline.current_samples import prior_of
-from ur5lib.robots.description import POPULATION
-from ur5lib.robots.population import read_measured
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
 
@@ -135,16 +132,14 @@ def subsets(arm: Known, draws: int) -> Iterator[tuple[str, Subset, list[int]]]:
 
 
 def fits(arm: Known, chosen: Subset) -> dict[str, CurrentFit]:
-    """Return the fit to some recordings with other arms, and without them."""
-    study = arm.folder.parents[1].name
-    ratios = [arm.runs[n].ratio for n in chosen]
-    prior = prior_of(arm.robot, ratios, fit_population(read_measured(POPULATION).without(study)))
+    """Return the fit to some recordings with typical friction as known before, and without."""
+    prior = prior_of(arm.robot, [arm.runs[n].ratio for n in chosen])
     if not chosen:
         return {OURS: expected_fit(prior)}
     seen = records(arm, chosen)
     return {
         OURS: fit_currents(seen, arm.smooth, prior, []),
-        ALONE: fit_currents(seen, arm.smooth, prior_of(arm.robot, ratios), []),
+        ALONE: fit_currents(seen, arm.smooth, replace(prior, typical={}), []),
     }
 
 

@@ -38,7 +38,6 @@ from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.report.findings import in_words
-from ur5lib.robots.population import population_files
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
@@ -188,14 +187,12 @@ class Fold:
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
             | {"arm": str(self.study.arm)}
             | {n: [own.file(f"{n}.json") for own in self.fitted] for n in CHECKED}
-            | {"postures": []}
-            | {"population": population_files(settings.friction.population)},
+            | {"postures": []},
             {"friction": self.shared("friction.json")},
             lowpass
             | {"terms": settings.friction.terms}
             | {"recordings": [own.name for own in self.fitted]}
-            | {"dates": [own.day for own in self.fitted]}
-            | {"study": self.study.arm.parents[2].name},
+            | {"dates": [own.day for own in self.fitted]},
         )
         for own in [*self.fitted, *tested]:
             self.payload(own)

@@ -200,25 +200,6 @@ def _print(lines: Iterable[object]) -> None:
 
 
 @app.command()
-def population(
-    results: Annotated[
-        list[Path] | None,
-        typer.Argument(help="results of studies whose arms are added: results/<study>"),
-    ] = None,
-    file: Annotated[
-        Path | None, typer.Option(help="measured arms; default: those that come with the project")
-    ] = None,
-    write: Annotated[
-        Path | None, typer.Option(help="file to write the arms of these studies to")
-    ] = None,
-) -> None:
-    """Show what measured arms tell of a joint's torque constant and friction, by joint size."""
-    from ur5lib.commands.population import population_lines
-
-    _print(population_lines(results or [], file, write))
-
-
-@app.command()
 def compare(
     before: Results,
     after: Annotated[Path, typer.Argument(help="results to compare with these")],

@@ -12,7 +12,7 @@ from ur5lib.identification.current_regression import MOVING
 from ur5lib.leaderboard.tables import markdown, number
 from ur5lib.timeseries.arrays import Array
 
-OURS, ALONE, LEAST_SQUARES = MODELS = ("ours", "without other arms", "least squares")
+OURS, ALONE, LEAST_SQUARES = MODELS = ("ours", "without typical friction", "least squares")
 DRAWS, SEED = 1000, 0
 ARMS, JOINTS = 10_000, 6  # drawn, to know what a right band holds
 AIM = 0.90, 0.99  # of the share inside a 95 % band
@@ -21,7 +21,7 @@ MOST_DRAWN = 5.0  # relative error, above which a figure shows none
 
 def learning_table(table: pd.DataFrame) -> str:
     """Return a row for each arm and number of recordings: errors relative to ours of all, ours less
-    that without other arms, and shares inside the bands.
+    that without typical friction, and shares inside the bands.
     """
     rows = []
     for arm, own in table.groupby("arm", sort=False):
@@ -32,7 +32,12 @@ def learning_table(table: pd.DataFrame) -> str:
             shares = [share_and_worst(by_model[name]) for name in (OURS, ALONE)]
             difference = interval(by_model, whole) if len(by_model[ALONE]) else ""
             rows.append([str(arm), str(size), *errors, difference, *shares])
-    heads = [*MODELS, "ours less without other arms", "inside our band", "inside band without"]
+    heads = [
+        *MODELS,
+        "ours less without typical friction",
+        "inside our band",
+        "inside band without",
+    ]
     return markdown(["arm", "recordings", *heads], rows)
 
 
@@ -60,7 +65,7 @@ def share_and_worst(table: pd.DataFrame) -> str:
 
 
 def interval(by_model: dict[str, pd.DataFrame], whole: pd.Series) -> str:
-    """Return ours less that without other arms, with the 95 % interval over drawn recordings."""
+    """Return ours less that without it, with the 95 % interval over drawn recordings."""
     sums = {
         name: by_model[name].pivot_table(
             ["square", "samples"], index="recording", columns="joint", aggfunc="sum"

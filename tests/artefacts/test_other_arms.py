@@ -7,7 +7,6 @@ import pytest
 import yaml
 
 from tests.conftest import build_once
-from tests.library.test_benchmarks import run_benchmark
 from ur5lib.force.detection import in_contact
 from ur5lib.identification.currents import parameters
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
@@ -70,12 +69,3 @@ TOO_WIDE = pytest.mark.xfail(strict=True, reason="all of its 8 s in contact are 
 def test_bands_of_forces_are_no_wider_than_promised(unfitted: Path, name: str) -> None:
     _, error, half = errors_in_contact(unfitted, name)
     assert (error <= half).mean() <= 0.99
-
-
-def test_each_arm_is_judged_by_the_others(thesis_results: Path) -> None:
-    printed = run_benchmark("population", thesis_results.parents[1])
-    [ur5] = [line for line in printed.splitlines() if line.startswith("ur5 of thesis")]
-    ratio = float(ur5.split("expected ")[1].split(";")[0])
-    without = float(ur5.split("no friction ")[1].split(";")[0])
-    assert ratio < without
-    assert "ur10e of ur10e: not built" in printed

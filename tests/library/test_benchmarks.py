@@ -25,7 +25,6 @@ PRINTED = {  # what each prints at least
     "long_recording": ["1 min", "processor time", "wall s"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "accelerometer": ["virtual test stand, 1 seeds", "true motion", "F^map in contact"],
-    "drawn_arms": ["coulomb, found (true): of arms", "of days", "named on", "of 4 arms"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
     "warming": ["| joint 6 | -1.1", "| all | -1.0", "± 0.04 %/K"],  # made up: -1 %/K
@@ -39,7 +38,6 @@ ELSEWHERE = {  # run by tests of their own, here and in tests/
     "seven_joints",
     "serial_arms",  # library/test_stand_of_other_arms.py
     "serial_excitation",  # library/test_excite_other_arms.py
-    "population",  # artefacts/test_other_arms.py
     "excitation_loop",  # artefacts/test_next_recording.py
 }
 OF_A_BUILT_STUDY = {

@@ -13,13 +13,13 @@ from ur5lib.identification.currents import (
     friction_current,
     parameters,
     predict,
-    torque_constants,
 )
 from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import Scores, baseline_current, score
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 
 UR10E_FITTED = ["ur-20_02_12-50sec_12harm", "ur-20_02_19_14harm50sec"]
 UR10E_LEFT_OUT = "ur-20_02_12-40sec_12harm"
@@ -100,11 +100,12 @@ def test_neither_constants_nor_friction_of_the_ur3_contradict_its_maker(
     fit, known = fitted.whole, fitted.friction.known_constants
     rows = [row for row in parameters(fit) if row.name == "torque_constant"]
     for row, value, width in zip(rows, known.value, known.std_error, strict=True):
-        assert row.interval[0] - width < value < row.interval[1] + width
+        half = NORMAL95 * width
+        assert row.interval[0] - half < value < row.interval[1] + half
     robot = fitted.recordings[0].robot
     largest = [robot.motor(joint).torque_max for joint in range(1, 7)]
     for one in fitted.recordings:
-        friction = torque_constants(fit) * friction_current(fit, one.record)
+        friction = known.value * friction_current(fit, one.record)
         assert (np.abs(friction) < 0.4 * np.array(largest)).all()
     assert fit.joints[0].contradicted is not None
     assert not rows[0].determined

@@ -25,11 +25,9 @@ from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, TORQUE_NOISE, nom
 from ur5lib.excitation.trajectory import Cell, Path
 from ur5lib.identification.current_regression import expected_fit
 from ur5lib.identification.currents import parameters
-from ur5lib.identification.population import fit_population
 from ur5lib.pipeline.current_samples import prior_of
 from ur5lib.robots.collisions import Box, Surroundings
-from ur5lib.robots.description import POPULATION, load_robot, robot_path
-from ur5lib.robots.population import read_measured
+from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import coloured
 
@@ -216,9 +214,9 @@ BANDS = ("force", "current", "mass")
 
 def outlook(recordings: int, days: int) -> Outlook:
     """Of a UR5e that was fitted to as many recordings, which told what other arms have."""
-    arm, population = load_robot(robot_path("ur5e")), fit_population(read_measured(POPULATION))
-    fit = replace(expected_fit(prior_of(arm, [], population)), days=days)
-    return Outlook(arm, Earlier(fit, parameters(fit), None, recordings, [], population))
+    arm = load_robot(robot_path("ur5e"))
+    fit = replace(expected_fit(prior_of(arm, [])), days=days)
+    return Outlook(arm, Earlier(fit, parameters(fit), None, recordings, []))
 
 
 @pytest.fixture(scope="module")

@@ -20,12 +20,10 @@ from ur5lib.excitation import design as search
 from ur5lib.excitation.design import Effort, design, free_postures, random_path
 from ur5lib.excitation.objective import Task
 from ur5lib.excitation.outlook import feels_forces
-from ur5lib.excitation.problem import build_problem, nominal_maps
-from ur5lib.identification.population import fit_population
+from ur5lib.excitation.problem import nominal_maps
 from ur5lib.robots.collisions import Capsules, Surroundings
-from ur5lib.robots.description import POPULATION, Motor, Robot, load_robot, robot_path
+from ur5lib.robots.description import Motor, Robot, load_robot, robot_path
 from ur5lib.robots.from_urdf import robot_from_urdf
-from ur5lib.robots.population import read_measured
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.study.reading import read_study
@@ -127,20 +125,13 @@ def test_the_table_is_level_and_what_stands_on_it_does_not_touch_it(tmp_path: Pa
     assert up.pairs == []
 
 
-def test_sensors_are_known_better_than_currents_and_no_population_is_theirs(
-    tmp_path: Path,
-) -> None:
+def test_sensors_are_known_better_than_currents(tmp_path: Path) -> None:
     own, motors = (task(arm(7, tmp_path, currents)).problem for currents in (False, True))
     gains, constants = (one.standard_errors(one.prior)[one.of_currents] for one in (own, motors))
     assert (gains[::5] < 0.05).all()
     assert (constants[::5] > 0.2 / motors.theta[motors.of_currents][::5]).all()
     assert own.names()[own.of_currents][:2] == ["gain of joint 1", "bias of joint 1"]
     assert np.isinf(own.noise.torque).all()
-    robot = arm(7, tmp_path)
-    measured = fit_population(read_measured(POPULATION))
-    model = task(robot).cell.model
-    informed = build_problem(robot, model, nominal_maps(robot), False, measured)
-    np.testing.assert_array_equal(informed.prior, own.prior)
 
 
 def test_an_arm_without_torque_constants_is_told(tmp_path: Path) -> None:

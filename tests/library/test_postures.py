@@ -17,7 +17,6 @@ from ur5lib.errors import InputError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import Parameter, parameters
-from ur5lib.identification.population import population_of
 from ur5lib.pipeline.current_samples import Smoother, prior_of
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction
 from ur5lib.pipeline.postures import checked_postures, held_torque
@@ -26,7 +25,6 @@ from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.postures import read_postures
 from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
-from ur5lib.robots.population import population_files
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
@@ -63,8 +61,7 @@ def of_ur(name: str, **how: Any) -> Drawn:
 
 @cache
 def prior(name: str) -> Any:
-    files = [str(path) for path in population_files("shipped")]
-    return prior_of(described(name), [], population_of(files, ""))
+    return prior_of(described(name), [])
 
 
 def written(folder: Path, q: Array, current: Array) -> dict[str, Any]:
@@ -112,8 +109,8 @@ def test_gravity_tells_the_constants_of_the_joints_that_bear(tmp_path: Path, nam
     assert 0.7 < np.sqrt(np.mean(np.square(away))) < 1.3
 
 
-def test_friction_is_what_other_arms_have(tmp_path: Path) -> None:
-    """Of a recording at rest, it is unknown; without other arms, it is not stated at all."""
+def test_friction_is_what_is_typical(tmp_path: Path) -> None:
+    """Of a recording at rest, it is unknown; of unknown motors, it is not stated at all."""
     q, current, truth = of_ur("ur16e")
     friction = fitted(tmp_path, "ur16e", q, current)
     others = [row for row in friction.parameters if row.name != "torque_constant"]
@@ -121,7 +118,7 @@ def test_friction_is_what_other_arms_have(tmp_path: Path) -> None:
     assert all(row.prior_share > 0.999 for row in others)
     arm = described("ur16e")
     torque = gravity_torque(arm, arm.chosen_model, q)
-    alone = replace(prior_of(arm, []), at_rest=AtRest.of([(torque, current)]))
+    alone = replace(prior_of(arm, []), typical={}, at_rest=AtRest.of([(torque, current)]))
     friction = fitted_friction([], alone, Smoother(4, 2.0), [])
     assert not friction.fit.joints
     assert friction.refused is not None

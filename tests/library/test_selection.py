@@ -14,8 +14,7 @@ from tests.library.current_study import (
     prior,
     smooth,
 )
-from ur5lib.identification.population import Typical
-from ur5lib.identification.prior import Prior
+from ur5lib.identification.prior import Prior, Typical
 from ur5lib.identification.samples import (
     Record,
     Samples,
@@ -137,7 +136,7 @@ def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
     few = samples.where(np.flatnonzero(samples.moving)[:15])
     bent = replace(few, current=few.current + 0.01 * np.linspace(-1, 1, 15) ** 2)
     typical = {
-        name: Typical(np.array([mean]), np.array([[(0.2 * mean) ** 2]]))
+        name: Typical(np.array([mean]), np.array([0.2 * mean]))
         for name, mean in (("coulomb", 6.0), ("viscous", 4.0), ("load", 0.05))
     }
     prior = replace(known(1), typical=typical)

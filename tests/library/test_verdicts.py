@@ -462,12 +462,6 @@ def test_the_recording_that_narrows_forces_most_is_a_step(force: float, told: li
     assert all(one in step for one, step in zip(told, steps, strict=True))
 
 
-def test_a_joint_unlike_other_arms_is_a_finding() -> None:
-    row = {"robot": "ur5", "step": "friction", "joint": 3.0, "remark": "its friction is 2 times"}
-    found = findings(study(remarks=[row | {"code": "unlike other arms"}]))
-    assert "On ur5, joint 3: its friction is 2 times." in found
-
-
 def test_a_joint_that_never_moved_has_no_friction() -> None:
     known = {"robot": "ur5", "joint": 6, "value": 0.0, "std_error": 59.792, "prior_share": 1.0}
     known |= {"low": -100.0, "high": 100.0, "determined": "no", "thesis": np.nan}

@@ -19,7 +19,7 @@ from ur5lib.report.compose import compose
 from ur5lib.report.document import contents
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_csv
@@ -49,7 +49,7 @@ study: pressed
 title: Pressed at rest beside a force sensor, and nothing to fit
 recordings:
   - name: pressed
-    robot: ur5
+    robot: rebuilt
     format: thesis-csv
     role: contact
     simulate:
@@ -60,8 +60,6 @@ recordings:
         - {kind: push, start_s: 3, seconds: 2, force: [-30, 30, -60]}
         - {kind: push, start_s: 7, seconds: 2, force: [0, -90, 0]}
         - {kind: push, start_s: 11, seconds: 2, force: [60, 0, 30]}
-settings:
-  friction: {population: none}
 """
 AT_REST = """\
 study: postures
@@ -79,10 +77,13 @@ recordings:
 MANY = 200
 
 
-def built(folder: Path, study: str) -> Workflow:
-    """A study in a copy of the project, with its results."""
+def built(folder: Path, study: str, **arms: str) -> Workflow:
+    """A study in a copy of the project, with its results; arms: descriptions of its own."""
     workflow = Workflow(copy_project(folder / "project"))
     (workflow.folder / "config.yaml").write_text(study)
+    (workflow.folder / "robots").mkdir(exist_ok=True)
+    for name, description in arms.items():
+        (workflow.folder / "robots" / f"{name}.yaml").write_text(description)
     workflow.build()
     return workflow
 
@@ -121,9 +122,12 @@ def test_a_standstill_tells_no_models_apart_and_no_friction(tmp_path: Path) -> N
 def test_contacts_beside_a_sensor_are_shown_without_a_fit(tmp_path: Path) -> None:
     """The sensor's numbers, and the force from known torque constants, inside its wide band.
 
-    There is no recording to fit, nor other arms to expect friction from.
+    There is no recording to fit, and the friction of its motors is not known from others.
     """
-    folder, _ = checked(built(tmp_path, PRESSED))
+    described = yaml.safe_load(robot_path("ur5").read_text()) | {"name": "rebuilt"}
+    own = {f"own {size}": joint_sizes()[size] for size in ("big", "small")}
+    described |= {"joints": [f"own {size}" for size in described["joints"]], "motors": own}
+    folder, _ = checked(built(tmp_path, PRESSED, rebuilt=yaml.safe_dump(described)))
     (sensed,) = read_csv(folder / "tables" / "sensed.csv").itertuples()
     assert sensed.contacts == 3
     assert sensed.largest_force_n == pytest.approx(90, rel=0.1)

@@ -21,7 +21,6 @@ from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_f
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.population import population_of
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification
 from ur5lib.pipeline.records.motion import Motion
@@ -31,7 +30,6 @@ from ur5lib.report.render import write_html
 from ur5lib.report.torques import in_torques
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.robots.population import population_files
 from ur5lib.strict import read_yaml
 
 BEFORE = (
@@ -117,14 +115,12 @@ def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
     arm = study.arm(options.robot)
     friction = study.parameters(Friction, arm.name, "friction")
     base = study.parameters(Identification, arm.name, "identification")
-    known = study.configuration()
     return arm, Earlier(
         friction.fit,
         friction.parameters,
         base.noise,
         fitted=len(friction.from_),
         recordings=[_recorded(arm, study, n) for n in sorted({*friction.from_, *base.from_})],
-        population=population_of(population_files(known.settings.friction.population), known.study),
     )
 
 

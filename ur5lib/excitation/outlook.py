@@ -30,7 +30,6 @@ from ur5lib.excitation.problem import (
 )
 from ur5lib.identification.current_regression import MOVING
 from ur5lib.identification.currents import BETWEEN_DAYS, CurrentFit, Parameter
-from ur5lib.identification.population import Population
 from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
@@ -82,7 +81,6 @@ class Earlier:
     noise: Array | None
     fitted: int
     recordings: Sequence[Recorded]
-    population: Population | None
 
     def maps(self, arm: Robot) -> Maps:
         """Return the maps from torques and motion to currents, with noise; else nominal ones."""
@@ -114,7 +112,7 @@ def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Proble
     between recordings.
     """
     model = LinkModel(arm, arm.fullest_model())
-    problem = build_problem(arm, model, known.maps(arm), has_payload, known.population)
+    problem = build_problem(arm, model, known.maps(arm), has_payload, typical=True)
     if known.fitted:
         problem = _as_observed(problem, known.recordings, known.observed())
     return problem, _information(problem, known.recordings)

@@ -23,8 +23,7 @@ from ur5lib.identification.base_parameters import (
     prior_width,
 )
 from ur5lib.identification.excitation import candidate_motions
-from ur5lib.identification.population import Population, typical_of
-from ur5lib.identification.prior import Prior
+from ur5lib.identification.prior import Prior, typical_friction
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.robots.description import Robot
@@ -35,7 +34,8 @@ CORRELATED = 1.0  # s between errors of real arms that are independent, the long
 DIRECTION = 0.05  # rad/s, ε, over which dry friction reaches its full size
 TORQUE_NOISE = 0.02  # Nm, of target torques, unless a study has estimated it
 CURRENT_NOISE = 0.01  # relative to the current at the largest torque; likewise
-CONSTANT_WIDTH = 0.3  # relative standard deviation of the maker's torque constants
+CONSTANT_WIDTH = 0.3  # relative standard deviation of a maker's torque constants
+UR_CONSTANT_WIDTH = 0.1  # of those of a UR's motors
 NOMINAL = (0.06, 0.06, 0.05)  # Coulomb, viscous friction over the largest torque; load friction
 BEHIND = 0.05  # share of a joint's friction and offset that its torque sensor sees
 SENSOR_NOISE = 0.003  # relative to the largest torque: what two real arms' sensors leave of a fit
@@ -293,39 +293,32 @@ def random_states(robot: Robot, speed: float, acceleration: float) -> tuple[Arra
 
 
 def build_problem(
-    robot: Robot,
-    model: LinkModel,
-    maps: Maps,
-    has_payload: bool,
-    population: Population | None = None,
+    robot: Robot, model: LinkModel, maps: Maps, has_payload: bool, typical: bool = False
 ) -> Problem:
     """Return the problem of an arm with a link model.
 
-    has_payload: whether a load is estimated; population: from which friction is expected, if any.
+    has_payload: whether a load is estimated; typical: whether a UR's friction and constants are
+    expected as the fits expect them.
     """
     base = base_parameters(model.regressor(*random_states(robot, SPEED, ACCELERATION)))
     beta = base.groups @ model.parameters
     theta = np.concatenate([beta, maps.coefficients.ravel(), np.zeros(10 * has_payload)])
     spread = base.groups * prior_width(base.groups.shape[1])
-    blocks = [np.linalg.inv(spread @ spread.T), _prior_of_maps(robot, maps, population)]
+    blocks = [np.linalg.inv(spread @ spread.T), _prior_of_maps(robot, maps, typical)]
     blocks += [np.diag(LOAD_WIDTH**-2.0)] * has_payload
     prior = np.asarray(block_diag(*blocks))
     return Problem(base, theta, maps.noise, prior, has_payload, robot.senses_torque())
 
 
-def _prior_of_maps(robot: Robot, maps: Maps, population: Population | None) -> Array:
+def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
     """Return the information (5 n, 5 n) of the fits' prior on the joints' maps to currents.
 
     That of torque sensors is narrower: their gains are calibrated, and they see little friction.
     """
-    torque_max = _seen(robot) * np.array(robot.torque_limits())
-    typical, inverse = typical_of(robot, population), maps.coefficients[:, 0]
-    ratio = typical.pop("torque_constant", None)
-    if ratio is None:
-        width = GAIN_WIDTH if robot.senses_torque() else CONSTANT_WIDTH
-        precision = np.diag((width * inverse) ** -2.0)
-    else:
-        covariance = ratio.covariance * np.outer(inverse, inverse)
-        precision = np.asarray(np.linalg.inv(covariance), dtype=np.float64)
-    known = Normal(inverse, precision)
-    return Prior(known, torque_max, typical=typical).over([BASE] * len(inverse)).precision
+    torque_max, inverse = np.array(robot.torque_limits()), maps.coefficients[:, 0]
+    width, friction = GAIN_WIDTH if robot.senses_torque() else CONSTANT_WIDTH, {}
+    if typical and robot.has_ur_motors():
+        width, friction = UR_CONSTANT_WIDTH, typical_friction(torque_max)
+    known = Normal(inverse, np.diag((width * inverse) ** -2.0))
+    prior = Prior(known, _seen(robot) * torque_max, typical=friction)
+    return prior.over([BASE] * len(inverse)).precision

@@ -40,7 +40,6 @@ from ur5lib.identification.selection import (
     held_current,
     left_out_residuals,
 )
-from ur5lib.identification.unlike_others import unlike_others, without_others
 from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -109,7 +108,7 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
 
 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
-    """Return what a prior with a population expects of each joint, without any motion."""
+    """Return what a prior with typical friction expects of each joint, without any motion."""
     if prior.at_rest is None:
         return CurrentFit(tuple(map(_without_motion, *_of_prior(prior, seed))), 0)
     estimates, units = estimate_together((), [BASE] * len(prior.torque_max), prior, seed)
@@ -196,8 +195,6 @@ def _fit_with(
     estimates = [*map(beside_fuller, estimates, fuller_estimates)]
     each = zip(samples, terms, alone, estimates, errors, strict=True)
     joints = [_joint_fit(*joint) for joint in each]
-    for joint, found in unlike_others(without_others(joints, samples, prior, seed), prior):
-        joints[joint] = replace(joints[joint], remarks=(*joints[joint].remarks, found))
     return CurrentFit(tuple(joints), units, len(np.unique(record_days(records))))
 
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
-from ur5lib.identification.population import Typical
 from ur5lib.identification.regression import Normal
 from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array
@@ -19,6 +18,31 @@ NOISE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
 FRICTION_AT_REST = 0.05 / np.sqrt(3)
 PINNED = 1e-3  # of its standard deviation: what is left of it where a constant is pinned
+# Friction of a joint before any recording, mean and standard deviation, as on 20 joints of a UR3, a
+# UR5, a UR10 and a UR10e: relative to the motor's largest torque, load friction to the transmitted.
+COULOMB, VISCOUS, LOAD = (0.045, 0.011), (0.06, 0.014), (0.06, 0.04)
+BIAS = 0.005  # standard deviation of the offset, likewise
+
+
+@dataclass(frozen=True)
+class Typical:
+    """A coefficient of all joints before any recording: mean and standard deviation (n,), SI."""
+
+    mean: Array
+    std: Array
+
+
+def typical_friction(torque_max: Array) -> dict[str, Typical]:
+    """Return Coulomb [Nm], viscous [Nm s/rad] and load friction, and the offset [Nm], of motors
+    with these largest torques (n,) [Nm].
+    """
+    sized, one = torque_max, np.ones_like(torque_max)
+    return {
+        "coulomb": Typical(*(share * sized for share in COULOMB)),
+        "viscous": Typical(*(share * sized for share in VISCOUS)),
+        "load": Typical(*(share * one for share in LOAD)),
+        "offset": Typical(0.0 * sized, BIAS * sized),
+    }
 
 
 @dataclass(frozen=True)
@@ -26,7 +50,7 @@ class Prior:
     """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm].
 
     pinned: joints from 0 whose 1/k keeps the prior's mean, regardless of the data; typical:
-    friction and offset by the population of measured arms, none where each arm is judged alone;
+    friction and offset by their names, none where they are unknown;
     at_rest: postures of the arm, whose gravity tells 1/k beside its motions.
     """
 
@@ -57,13 +81,12 @@ class Prior:
         own = slice(joint, joint + 1)
         inverse = Normal(self.inverse_constant.mean[own], np.diag(self.std()[own] ** -2.0))
         typical = {
-            name: Typical(known.mean[own], known.covariance[own, own], known.arms)
-            for name, known in self.typical.items()
+            name: Typical(known.mean[own], known.std[own]) for name, known in self.typical.items()
         }
         return Prior(inverse, self.torque_max[own], typical=typical)
 
     def over(self, terms: Sequence[Sequence[Term]]) -> Normal:
-        """Return the prior of all joints' coefficients, correlated as arms differ as a whole.
+        """Return the prior of all joints' coefficients.
 
         They are, joint by joint, 1/k [A/Nm], an offset [A], and those of its terms. One without a
         typical value is 0 ± what its term is expected to be at most: of an offset, the motor's
@@ -85,8 +108,8 @@ class Prior:
             difference = np.zeros((len(starts), len(mean)))
             rows = np.arange(len(starts))
             difference[rows, places], difference[rows, starts] = 1.0, -value
-            covariance = known.covariance * np.outer(inverse, inverse)
-            precision += difference.T @ np.linalg.solve(covariance, difference)
+            weight = (known.std * inverse) ** -2.0
+            precision += (difference.T * weight) @ difference
             mean[places] = value * inverse
         return Normal(mean, precision)
 
@@ -114,7 +137,7 @@ def _expected(terms: Sequence[Term], torque_max: float) -> tuple[list[str], list
 
 
 STILL = 1e-3  # rad/s
-LOAD = 0.1  # Nm; least torque for a ratio
+LOADED = 0.1  # Nm; least torque for a ratio
 
 
 def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
@@ -126,7 +149,7 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
     rest = (np.abs(qd) < STILL).all(axis=1) & np.isfinite(moment * current).all(axis=1)
     constants = np.full(moment.shape[1], np.nan)
     for joint in range(len(constants)):
-        loaded = rest & (np.abs(moment[:, joint]) > LOAD) & (current[:, joint] != 0)
+        loaded = rest & (np.abs(moment[:, joint]) > LOADED) & (current[:, joint] != 0)
         if loaded.sum() > rest.sum() / 2:
             constants[joint] = np.median(moment[loaded, joint] / current[loaded, joint])
     return constants

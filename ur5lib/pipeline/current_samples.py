@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.identification.population import Population, typical_of
 from ur5lib.identification.prior import (
     Prior,
+    Typical,
     makers_covariance,
     standstill_ratio,
     torque_constant_prior,
+    typical_friction,
 )
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.records.dynamics import Torques
@@ -23,6 +24,7 @@ from ur5lib.timeseries.segments import by_segment
 
 # Relative: of the maker's constants, and among joints with motors of one size.
 MAKERS = 0.3, 0.1
+OF_URS = 0.0, 0.1  # the same of a UR's motors
 CONTROLLERS = 0.1  # relative, of the controller's ratio
 
 
@@ -72,26 +74,23 @@ def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ())
     return ratio
 
 
-def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | None = None) -> Prior:
-    """Return the prior of an arm, whose friction is that of a population, or unknown without one.
+def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
+    """Return the prior of an arm; friction is unknown but of a UR's motors.
 
-    Its torque constants come from the population, else from the manufacturer, and from the
-    controller's ratios (n,) [Nm/A] of recordings. Raises RefusalError if they do not suffice.
+    Torque constants come from the manufacturer, and from the controller's ratios (n,) [Nm/A] of
+    recordings. Raises RefusalError if they do not suffice.
     """
     joints = range(1, len(robot.joints) + 1)
     columns = [
         [own[joint - 1] for own in ratios if np.isfinite(own[joint - 1])] for joint in joints
     ]
     controller = np.array([np.median(column) if column else np.nan for column in columns])
-    torque_max = np.array(robot.torque_limits())
-    known = np.array(robot.maker_torque_constants())
-    typical = typical_of(robot, population)
-    if (ratio := typical.pop("torque_constant", None)) is not None:
-        family = np.array(robot.family_torque_constants()) * ratio.mean
-        measured = np.isfinite(family)
-        known = np.where(measured, family, known)
-    covariance = makers_covariance(known, controller, robot.joints, *MAKERS)
-    if ratio is not None:
-        covariance = np.where(np.outer(measured, measured), ratio.covariance, covariance)
+    torque_max, known = np.array(robot.torque_limits()), np.array(robot.maker_torque_constants())
+    typical, spreads = dict[str, Typical](), MAKERS
+    if robot.has_ur_motors():
+        typical, spreads = typical_friction(torque_max), OF_URS
+        family = np.array(robot.family_torque_constants())
+        known = np.where(np.isfinite(family), family, known)
+    covariance = makers_covariance(known, controller, robot.joints, *spreads)
     constants = torque_constant_prior(known, covariance, controller, CONTROLLERS)
     return Prior(constants, torque_max, typical=typical)

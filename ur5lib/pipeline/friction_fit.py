@@ -40,9 +40,9 @@ def fitted_friction(
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
     terms: of friction, from which the fit chooses; model: of the records' torques. Without records,
-    the fit is what the population expects, with torque constants by postures at rest if the prior
+    the fit is what is typical, with torque constants by postures at rest if the prior
     has any. Raises ContradictionError when the torque constants are not those of the arm,
-    RefusalError when there are neither records, nor postures, nor a population.
+    RefusalError when there are neither records, nor postures, nor typical friction.
     """
     if not records:
         return _expected_friction(prior, model)
@@ -67,7 +67,7 @@ def fitted_friction(
 
 
 def _expected_friction(prior: Prior, model: str) -> Friction:
-    """Return what is known without motion: without a population, torque constants alone."""
+    """Return what is known without motion: without typical friction, torque constants alone."""
     if not prior.typical and prior.at_rest is None:
         raise RefusalError("no fit recording")
     fit = fit_postures(prior)

@@ -15,7 +15,6 @@ from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
 JOINT_SIZES = FOLDER / "joint_sizes.yaml"
-POPULATION = FOLDER / "population.yaml"  # of measured arms
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
 INVALID = "is not a valid description of an arm (docs/robots.md)"
 
@@ -291,6 +290,10 @@ class Robot(Strict):
             for m in motors
         ]
 
+    def has_ur_motors(self) -> bool:
+        """Return whether its joints are of the manufacturer's sizes."""
+        return {*self.joints} <= {*joint_sizes()}
+
     def is_ur(self) -> bool:
         """Return whether its axes are a UR's: six, by their Denavit-Hartenberg parameters."""
         return len(self.joints) == 6 and bool(self.denavit_hartenberg)
@@ -366,7 +369,7 @@ def _is_by_joint(kind: Any) -> bool:
 
 def robot_names() -> list[str]:
     """Return the names of the arms described here, and in the folder `robots` of the project."""
-    described = [path for path in FOLDER.glob("*.yaml") if path not in (JOINT_SIZES, POPULATION)]
+    described = [path for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES]
     return sorted({path.stem for path in [*described, *PROJECT_FOLDER.glob("*.yaml")]})
 
 

@@ -24,7 +24,6 @@ from ur5lib.recordings.entries import (
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.robots.friction import CANDIDATES
-from ur5lib.robots.population import population_files
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import PathText, Strict, existing_file
@@ -260,12 +259,6 @@ FrictionTerm = Annotated[
 ]
 
 
-def _population(name: str) -> str:
-    for path in population_files(name):
-        existing_file(path)
-    return name
-
-
 class Friction(Strict):
     """The friction model that currents are fitted with."""
 
@@ -274,12 +267,6 @@ class Friction(Strict):
         description="candidate friction terms besides Coulomb, viscous, load-dependent and "
         "once-per-turn friction; only terms that improve cross-validation are used; warming: "
         "friction that changes with recorded temperatures",
-    )
-    population: Annotated[str, AfterValidator(_population)] = Field(
-        "shipped",
-        description="measured arms from which an arm's torque constants and friction are expected "
-        "before its recordings: shipped (`ur5 population` lists them), none, or a file that "
-        "this command wrote",
     )
 
 

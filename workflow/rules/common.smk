@@ -14,7 +14,6 @@ from ur5lib.lab.places import CITATION, PACKAGE, SCRIPTS, SNAKEFILE
 from ur5lib.report.document import MOST_SHOWN, Picture, contents
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import JOINT_SIZES, robot_path
-from ur5lib.robots.population import population_files
 from ur5lib.steps.batches import Batches, Step
 from ur5lib.steps.progress import show_progress
 from ur5lib.steps.workers import FAILED, run_batch, run_step

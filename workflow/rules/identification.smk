@@ -68,7 +68,6 @@ rule fit_friction:
         quality=results_of(fitted_on, "quality.json"),
         postures=postures_of,
         arm=parameter("arm.yaml"),
-        population=own(*population_files(SETTINGS.friction.population)),
     output:
         friction=parameter("friction.json"),
     log:
@@ -77,12 +76,10 @@ rule fit_friction:
         in_cluster("fits")
     params:
         **SETTINGS.lowpass.currents.model_dump(),
-        code=code("fit_friction", *shipped(*population_files(SETTINGS.friction.population))),
-        population=SETTINGS.friction.population,
+        code=code("fit_friction"),
         recordings=fitted_on,
         dates=lambda wildcards: [date_of(name) for name in fitted_on(wildcards)],
         terms=SETTINGS.friction.terms,
-        study=STUDY.study,
     run:
         run_step(rule, input, output, params, log)
 
@@ -94,7 +91,6 @@ rule rank_recordings:
         friction=parameter("friction.json"),
         identification=parameter("identification.json"),
         arm=parameter("arm.yaml"),
-        population=own(*population_files(SETTINGS.friction.population)),
     output:
         ranking=parameter("next_recordings.csv"),
     log:
@@ -102,11 +98,9 @@ rule rank_recordings:
     group:
         in_cluster("fits")
     params:
-        code=code("rank_recordings", *shipped(*population_files(SETTINGS.friction.population))),
-        population=SETTINGS.friction.population,
+        code=code("rank_recordings"),
         recordings=fitted_on,
         gravities=gravities_of(fitted_on),
-        study=STUDY.study,
     run:
         run_step(rule, input, output, params, log)
 

@@ -6,7 +6,6 @@ from typing import Any
 
 from ur5lib.errors import reason
 from ur5lib.identification.at_rest import AtRest
-from ur5lib.identification.population import population_of
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.friction_fit import (
     ContradictionError,
@@ -22,7 +21,6 @@ from ur5lib.pipeline.records.postures import Postures
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.robots.description import load_robot
-from ur5lib.robots.population import population_files
 from ur5lib.tables import read_record, write_json
 
 
@@ -44,12 +42,10 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
     at_rest = {Path(path).parent.name: read_record(Postures, path) for path in input.postures}
     contradictions |= {name: one.contradictions for name, one in at_rest.items()}
     held = [(held_torque(one, robot, model), one.current) for one in at_rest.values()]
-    population = input.population or population_files(params.population)
     try:
         require_no_stop_sign(contradictions)
         require_single_runs(dict(zip(params.recordings, qualities, strict=True)))
-        prior = prior_of(robot, ratios, population_of(population, params.study))
-        prior = replace(prior, at_rest=AtRest.of(held))
+        prior = replace(prior_of(robot, ratios), at_rest=AtRest.of(held))
         friction = fitted_friction(records, prior, smooth, params.terms, model)
         friction = replace(friction, at_rest=[*at_rest])
     except ContradictionError as sign:

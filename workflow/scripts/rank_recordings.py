@@ -3,13 +3,11 @@
 from typing import Any
 
 from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces
-from ur5lib.identification.population import population_of
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import load_robot
-from ur5lib.robots.population import population_files
 from ur5lib.tables import read_record, write_rows
 
 SECONDS = 20.0  # of the recordings that may come next, as `ur5 excite` designs them
@@ -18,7 +16,6 @@ SECONDS = 20.0  # of the recordings that may come next, as `ur5 excite` designs 
 def rank_recordings(input: Any, output: Any, params: Any) -> None:
     arm, friction = load_robot(input.arm), read_record(Friction, input.friction)
     base = read_record(Identification, input.identification)
-    population = input.population or population_files(params.population)
     rows = list[Bands]()
     if friction.fit.joints and feels_forces(arm):
         recordings = []
@@ -35,7 +32,6 @@ def rank_recordings(input: Any, output: Any, params: Any) -> None:
             base.noise,
             fitted=len(friction.from_),
             recordings=recordings,
-            population=population_of(population, params.study),
         )
         outlook = Outlook(arm, known)
         rows = outlook.ranked(outlook.candidates(SECONDS))

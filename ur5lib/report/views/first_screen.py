@@ -151,7 +151,6 @@ def findings(results: Results) -> list[Sentence]:
         *nearest_model(results),
         *comparison.rebuilt(results),
         *_each("findings.load", currents.loaded(results)),
-        *_each("findings.unlike", results.rows("remarks", code="unlike other arms")),
         *(
             say("findings.felt", name=name)
             for name in contacts.felt_while_fitted(results)[:MOST_SHOWN]
