@@ -287,9 +287,7 @@ def export(
         str | None,
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
-    to: Annotated[
-        str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json, direct-torque")
-    ] = "urdf",
+    to: Annotated[str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json")] = "urdf",
     results: Annotated[
         Path | None, typer.Option(help="results of a study that identified it: results/<study>")
     ] = None,

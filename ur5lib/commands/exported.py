@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.commands.friction_scales import direct_torque
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
@@ -33,7 +32,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "sdf": sdf,
     "isaac": isaac,
 }
-FORMATS = (*WRITERS, "json", "direct-torque")
+FORMATS = (*WRITERS, "json")
 FEWEST = 100  # samples in motion, from which a joint's friction is determined
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
 FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "contradicted")
@@ -47,8 +46,6 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     """
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
-    if to == "direct-torque":
-        return direct_torque(robot, results)
     study = None if results is None else FinishedStudy(results)
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:
@@ -100,12 +97,12 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
     fit = friction.fit
     qd = np.concatenate([study.record(Motion, name).qd for name in friction.from_])
     torque = np.concatenate([friction_torque(fit, study, name, model) for name in friction.from_])
-    fitted = [_coulomb_and_viscous(qd[:, j], torque[:, j]) for j in range(6)]
-    return JointFriction(*np.array(fitted).T)
+    fitted = map(_coulomb_and_viscous, qd.T, torque.T)
+    return JointFriction(*np.array([*fitted]).T)
 
 
 def friction_torque(fit: CurrentFit, study: FinishedStudy, recording: str, model: str) -> Array:
-    """Return the predicted torque of friction (N, 6) [Nm] in a recording, k i + b - τ."""
+    """Return the predicted torque of friction (N, n) [Nm] in a recording, k i + b - τ."""
     current = study.record(Currents, recording).predicted_current
     torques = study.record(Torques, recording)
     assert current is not None
@@ -113,7 +110,7 @@ def friction_torque(fit: CurrentFit, study: FinishedStudy, recording: str, model
 
 
 def motor_torque(fit: CurrentFit, current: Array) -> Array:
-    """Return the torque k i + b (N, 6) [Nm] of currents (N, 6) [A]."""
+    """Return the torque k i + b (N, n) [Nm] of currents (N, n) [A]."""
     constant = torque_constants(fit)
     offset = -constant * [joint.estimate.coefficients[1] for joint in fit.joints]
     return np.asarray(current * constant + offset)
