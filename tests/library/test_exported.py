@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import mujoco
@@ -14,10 +15,12 @@ from typer.testing import CliRunner
 from tests.library.test_from_urdf import made_up, saved
 from ur5lib.cli import app
 from ur5lib.commands.described import describe_urdf
-from ur5lib.commands.exported import exported
+from ur5lib.commands.exported import exported, simulator_friction
 from ur5lib.commands.replay import inverse_dynamics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
@@ -84,6 +87,25 @@ def test_its_friction_is_coulomb_and_viscous(tmp_path: Path) -> None:
     expected = FRICTION.coulomb * np.sign(qd) + FRICTION.viscous * qd
     moving = np.abs(qd) > 0.1  # at lower speeds, MuJoCo's dry friction gives way
     np.testing.assert_allclose(added[moving], expected[moving], atol=1e-3)
+
+
+def test_friction_is_that_of_all_joints() -> None:
+    """Of the predicted current, k⁻¹ (τ + friction) + offset, of seven joints."""
+    random, coulomb, viscous = np.random.default_rng(1), np.arange(1.0, 8.0), np.linspace(0.5, 3, 7)
+    qd, torque = random.normal(size=(2, 200, 7))
+    friction = coulomb * np.sign(qd) + viscous * qd
+    coefficients = SimpleNamespace(coefficients=[0.1, 0.2])
+    joints = [SimpleNamespace(estimate=coefficients)] * 7
+    records = {
+        Motion: SimpleNamespace(qd=qd),
+        Torques: SimpleNamespace(measured={"maker": torque}, payload_torque=torque),
+        Currents: SimpleNamespace(predicted_current=0.1 * (2 * torque + friction) + 0.2),
+    }
+    found = SimpleNamespace(from_=["run"], fit=SimpleNamespace(joints=joints))
+    study = SimpleNamespace(parameters=lambda *_: found, record=lambda kind, _: records[kind])
+    exported_friction = simulator_friction("mine", "maker", study)
+    assert exported_friction is not None
+    np.testing.assert_allclose([*vars(exported_friction).values()], [coulomb, viscous])
 
 
 def test_urdf_has_the_same_friction() -> None:

@@ -33,7 +33,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "isaac": isaac,
 }
 FORMATS = (*WRITERS, "json")
-FEWEST = 100  # samples in motion, from which a joint's friction is determined
+FEWEST_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
 FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "contradicted")
 
@@ -124,7 +124,7 @@ def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
     from scipy.optimize import nnls
 
     moving = (np.abs(qd) > DEAD_ZONE) & np.isfinite(torque)
-    if np.count_nonzero(moving) < FEWEST:
+    if np.count_nonzero(moving) < FEWEST_MOVING_SAMPLES:
         return np.full(2, np.nan)
     columns = np.column_stack([np.sign(qd), qd])[moving]
     return np.asarray(nnls(columns, torque[moving])[0])
