@@ -29,7 +29,7 @@ def write_recording(
     ur5 = load_robot(robot_path("ur5"))
     torque = gravity_torque(ur5, "C", q) + qdd
     channels = {
-        "q_actual": q,
+        "q_actual": q + 1e-5 * np.random.default_rng(seed + 1).normal(size=q.shape),
         "q_target": q,
         "qd_actual": qd,
         "qd_target": qd,

@@ -9,6 +9,7 @@ import pytest
 
 from tests.conftest import said
 from tests.entries import read_and_repair
+from ur5lib.force.sensor import fit_offset
 from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.sensors import FORCE_CHANNELS
@@ -101,3 +102,14 @@ def test_held_samples_are_left_out_wherever_they_are(
     intake = read_and_repair(recording(tmp_path, place), ur5, 0.1)
     check(intake)
     assert abs(intake.quality.starts["force"].seconds) < 1 / ROWS
+
+
+def test_the_interval_of_a_slow_sensors_bias_holds() -> None:
+    """At the robot's rate, twenty rows follow from one sample of the sensor's."""
+    when, each = sent(SLOW), []
+    for seed in range(12):
+        noise = np.random.default_rng(seed).normal(size=(len(when), 6)) * ([0.5] * 3 + [0.05] * 3)
+        reading = np.column_stack([np.interp(TIME, when, own) for own in noise.T])
+        offset = fit_offset(reading, np.tile([0.0, 0.0, -9.81], (len(TIME), 1)), 1 / ROWS)
+        each.append(offset.bias / offset.bias_std)
+    assert np.sqrt(np.mean(np.square(each))) < 1.2

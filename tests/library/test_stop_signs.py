@@ -490,8 +490,42 @@ def test_a_tool_that_leaves_the_flange_is_reported(made: Path) -> None:
     assert "the tool moves by" in sign
 
 
-def test_a_wrong_mounting_is_reported(made: Path) -> None:
-    taken = simulated(made, "fast", "ur5", "wall")
-    upright = Taken(taken.table, taken.arm.mounted(MOUNTINGS["floor"]), taken.entry)
-    (sign,) = upright.signs()
-    assert "correct `robot`, `gravity`" in sign
+@pytest.mark.parametrize(
+    ("mounting", "gravity"), [("ceiling", "0, 0, 9.81"), ("wall", "9.81, 0, 0")]
+)
+@pytest.mark.parametrize("role", ["fit", "validate", "contact"])
+@pytest.mark.parametrize("name", ["slow", "pushed"])
+def test_a_wrong_mounting_is_reported_with_the_right_one(
+    made: Path, name: str, mounting: str, gravity: str, role: str
+) -> None:
+    """By the controller's torque, and by currents alone, which at rest may be of another sign."""
+    taken = simulated(made, name, "ur5e", mounting)
+    entry = taken.entry.model_copy(update={"role": role})
+    upright = Taken(taken.table, taken.arm.mounted(MOUNTINGS["floor"]), entry)
+    (by_torque,) = upright.signs()
+    assert f"where `gravity: [{gravity}]` would fit; correct `robot`, `gravity`" in by_torque
+    bare = without("target_moment")(taken.table.copy(), taken.arm)
+    (by_currents,) = upright.signs(bare)
+    assert f"`gravity: [{gravity}]`" in by_currents
+    assert taken.signs(bare) == []
+    told = name == "slow" or mounting == "wall"
+    assert ("`actual_current: opposite`" in by_currents) is not told
+
+
+def test_currents_that_contradict_the_controllers_mounting_are_reported(made: Path) -> None:
+    """The controller and the study take the arm for upright; it hangs from a ceiling."""
+    hangs, stands = (simulated(made, "slow", "ur5e", own) for own in ("ceiling", "floor"))
+    table = hangs.table.assign(**{n: stands.table[n] for n in columns("target_moment")})
+    (sign,) = Taken(table, stands.arm, stands.entry).signs()
+    assert "with `gravity: [0, 0, 9.81]`; correct `gravity`" in sign
+
+
+@pytest.mark.parametrize("name", ["q", "current"])
+def test_the_log_of_a_simulator_is_reported(made: Path, name: str) -> None:
+    """Its measurements equal their targets to the last bit; at rest, rounded positions may, too."""
+    taken = simulated(made, "fast", "ur5e", "floor")
+    copied = {f"actual_{name}_{j}": taken.table[f"target_{name}_{j}"] for j in range(6)}
+    (sign,) = taken.signs(taken.table.assign(**copied))
+    assert sign.startswith(f"actual_{name} equals its target to the last bit")
+    rests = simulated(made, "pushed", "ur5e", "floor")
+    assert rests.signs(rests.table.round(dict.fromkeys(columns("actual_q"), 2))) == []

@@ -1,8 +1,8 @@
-"""Checks of the arm and of the order of its joints, by the gravity that currents hold.
+"""Checks of the arm, its mounting and the order of its joints, by the gravity that currents hold.
 
-What another arm or two exchanged joints would explain far better is a contradiction. So is a
-torque constant far from the maker's: of a right recording's joints that bear something, the
-current per torque of gravity is that constant but for the gears' losses.
+What another arm, another mounting or two exchanged joints would explain far better is a
+contradiction. So is a torque constant far from the maker's: of a right recording's joints that
+bear something, the current per torque of gravity is that constant but for the gears' losses.
 """
 
 import math
@@ -17,10 +17,12 @@ from ur5lib.errors import remark
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.current_checks import (
     BEARING,
+    BRAKES,
     ERRORS,
     IN_MA,
     OPPOSITE,
     UNEXPLAINED,
+    braking,
     foreign_currents,
     holding,
     moving,
@@ -38,8 +40,16 @@ BEARERS = 3  # joints from the base that bear others in every posture
 USUAL = 1.75
 NOTHING = 1e-3  # slope of a current that gravity does not show, relative to the maker's
 STICKING = 0.1  # share of a motor's largest torque that friction may hold at rest
+ALIKE = 0.5  # of the largest gain, from which on another mounting is not excluded
+STANDARD_GRAVITY = 9.81  # m/s²
+MOUNTINGS = [  # gravity in the base frame, of arms on floors, ceilings and walls
+    tuple(sign * STANDARD_GRAVITY if axis == own else 0.0 for own in range(3))
+    for axis in range(3)
+    for sign in (-1, 1)
+]
 
 Pair = tuple[int, int]  # of joints, from 0
+Gravity = tuple[float, ...]  # [m/s²], base frame
 
 
 class Cause(NamedTuple):
@@ -55,13 +65,13 @@ class Cause(NamedTuple):
 
 
 def contradictions_by_gravity(
-    means: BlockMeans, arm: Robot, others: Sequence[Robot], fitted: bool
+    means: BlockMeans, arm: Robot, others: Sequence[Robot], fitted: bool, driven: bool
 ) -> Iterator[Finding]:
-    """Find exchanged joints, another arm, foreign units and foreign torque constants.
+    """Find exchanged joints, another arm or mounting, foreign units and foreign torque constants.
 
     Where currents seem to be in a foreign unit, joints or arm are to blame if they explain that,
     too, better than the opposite sign does. arm, others: under their load; fitted: whether the
-    recording has the role `fit`.
+    recording has the role `fit`; driven: whether motors move the arm.
     """
     units = [*foreign_currents(means, arm)]
     if not any(one.code in IN_MA for one in units):
@@ -70,7 +80,7 @@ def contradictions_by_gravity(
             causes = [own for own in causes if not any(foreign_currents(own.means, own.arm))]
         if any(one.code == OPPOSITE for one in units):
             causes = [own for own in causes if own.gain > gain_of_sign(means, arm)]
-        yield from likeliest(causes)
+        yield from likeliest([*foreign_mountings(means, arm, driven), *causes])
     yield from units
     yield from foreign_constants(means, arm, others, fitted)
 
@@ -129,6 +139,39 @@ def foreign_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iter
         if gains[other.name] > SURE:
             finding = contradiction("other arm's currents", arm=arm.name, other=other.name)
             yield Cause(finding, gains[other.name], means, other)
+
+
+def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[Cause]:
+    """Find the mountings whose gravity explains the currents better by far, if any does.
+
+    Gravity from the other side is like currents of the opposite sign, which friction tells apart.
+    arm: with what it carries; driven: whether motors move it.
+    """
+    gains = gains_of_mountings(means, arm)
+    likely = [one for one in gains if gains[one] > max(SURE, ALIKE * max(gains.values()))]
+    turned = [one for one in likely if np.dot(arm.gravity, one) < 0]
+    friction = [*braking(means, arm).values()] if driven else []
+    if any(one < -BRAKES for one in friction):
+        likely = [one for one in likely if one not in turned]
+    if likely:
+        by_sign = turned and not any(one > BRAKES for one in friction)
+        code = "other mounting or sign" if by_sign else "other mounting"
+        fitting = [remark("mounting as cause", value=[*one]) for one in likely]
+        finding = contradiction(code, causes=fitting, name=CURRENT)
+        yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
+
+
+def gains_of_mountings(means: BlockMeans, arm: Robot) -> dict[Gravity, float]:
+    """Return how much likelier other mountings are that the torque constants confirm."""
+    measured, order = of_measured(means), [in_order(arm)]
+    own, *scores = (
+        readings(measured, [one], order)[0].score
+        for one in (arm, *(arm.mounted(gravity) for gravity in MOUNTINGS))
+    )
+    found = dict(zip(MOUNTINGS, scores, strict=True))
+    shown = {gravity: constants(means, arm.mounted(gravity)) for gravity in MOUNTINGS}
+    confirmed = [one for one, its in shown.items() if its.ratio and not its.off()]
+    return {one: found[one] - own for one in sorted(confirmed, key=lambda one: -found[one])}
 
 
 @dataclass(frozen=True)

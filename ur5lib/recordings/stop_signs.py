@@ -9,7 +9,14 @@ import pandas as pd
 
 from ur5lib.channels import MOST_JOINTS, columns, joint_count
 from ur5lib.errors import Remark, remark
-from ur5lib.recordings.arm_checks import SURE, contradictions_by_gravity
+from ur5lib.recordings.arm_checks import (
+    MOUNTINGS,
+    SURE,
+    constants,
+    contradictions_by_gravity,
+    foreign_mountings,
+    likeliest,
+)
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
 from ur5lib.recordings.checked import FEWEST, Checked, described
 from ur5lib.recordings.checks import MOVES, misread_velocities, recorded
@@ -20,6 +27,7 @@ from ur5lib.recordings.current_checks import (
     turned,
     undeclared_load,
 )
+from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.recordings.target_checks import scaled
 from ur5lib.robots.description import Payload, Robot, robot_names
@@ -41,6 +49,7 @@ DEGREES = 180 / np.pi  # of a radian
 FRAMES = 20  # in which a joint moves, from which its channels are compared
 CLOSER = 0.5  # a pair closer by this factor than the targets; in right recordings, none is by 0.95
 SMOOTHER = 0.3  # actual_current is at least 15 times as rough as target_current in right recordings
+EQUAL = 0.5  # share of changing values that equal their targets; in right recordings, 0.002 at most
 EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targets
     ("actual_q", "target_qd"): ("q",),
     ("target_q", "actual_qd"): ("qd",),
@@ -50,6 +59,8 @@ EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targ
 
 def stop_signs(checked: Checked) -> list[Finding]:
     """Return the stop signs of a recording, of which the columns CHECKED are enough."""
+    if copied := [*_equal_to_targets(checked.robot, checked.step)]:
+        return [contradiction("simulated", names=copied)]  # nothing else follows from it
     channels = [*_motion(checked.robot), *_current(checked.robot)]
     of_channels = [contradiction("exchanged channels", name=name) for name in channels]
     return [*of_channels, *islice(_contradictions(checked), 1)]  # others follow from the first
@@ -68,8 +79,10 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         yield from delayed(checked.answers, checked.driven)
         yield from exchanged_currents(checked.answers)
     if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints
-        yield from contradictions_by_gravity(means, loaded, checked.others, checked.fitted)
+        shown = means, loaded, checked.others, checked.fitted, checked.driven
+        yield from contradictions_by_gravity(*shown)
     else:
+        yield from _mounting(checked)
         yield from foreign_currents(means, loaded)
     if checked.answers is not None and checked.driven:
         yield from turned(means, loaded)
@@ -77,6 +90,28 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     if checked.fitted:  # elsewhere, the fit finds an undeclared load
         known = arm.carrying(checked.configured)
         yield from undeclared_load(means, known, loaded, checked.odd_targets)
+
+
+def _mounting(checked: Checked) -> Iterator[Finding]:
+    """Find another mounting; a push at rest is like one, but for torque constants that none has."""
+    means, loaded = checked.means, checked.loaded
+    if CURRENT not in means.currents or loaded.senses_torque():
+        return
+    if checked.tells_by_gravity() or constants(means, loaded).off():
+        yield from likeliest(foreign_mountings(means, loaded, checked.driven))
+
+
+def _equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
+    """Yield what equals its targets to the last bit: positions of moving joints, and currents.
+
+    At rest, coarse positions of a real arm may do so. step: between frames [s].
+    """
+    for name, least in (("q", MOVES * step), ("current", 0.0)):
+        if recorded(robot, f"actual_{name}", f"target_{name}"):
+            actual, target = (_received(robot, f"{kind}_{name}") for kind in ("actual", "target"))
+            changes = (np.abs(np.diff(target, axis=0)) > least) & (target[1:] != 0)
+            if changes.sum() >= FRAMES and np.mean((actual == target)[1:][changes]) > EQUAL:
+                yield f"actual_{name}"
 
 
 def _received(robot: pd.DataFrame, name: str) -> Array:
@@ -218,7 +253,7 @@ def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Rema
 def _other_causes(
     means: BlockMeans, torque: Array, residual: Array, arm: Robot
 ) -> Iterator[Remark]:
-    """Yield the payload, the unit of positions and the currents with which a torque is the arm's.
+    """Yield the payload, mounting, unit of positions and currents with which a torque is the arm's.
 
     residual: (M, 6) [Nm], what the arm leaves of the torque.
     """
@@ -227,6 +262,9 @@ def _other_causes(
     mass, left = fitted_load(np.stack(columns, axis=1), residual.ravel())
     if LIGHT < mass < HEAVY and left < EXPLAINED * size(torque):
         yield remark("load as cause", value=mass)
+    for gravity in MOUNTINGS:
+        if _fits(means, torque, arm.mounted(gravity)):
+            yield remark("mounting as cause", value=[*gravity])
     for unit, factor in (("rad", DEGREES), ("deg", 1 / DEGREES)):
         if _fits(replace(means, q=factor * means.q), torque, arm):
             yield remark("unit as cause", value=unit)
