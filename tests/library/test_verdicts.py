@@ -14,6 +14,7 @@ from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
+from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
 from ur5lib.report.views.currents import judge_constants, judge_currents, next_recordings
 from ur5lib.report.views.first_screen import drawn, findings, left_out, next_steps
@@ -24,8 +25,19 @@ from ur5lib.report.views.recordings import judge_files
 EVERY_JOINT = "1 2 3 4 5 6"
 COLUMNS = {name: own.columns for name, own in declarations().items()} | {  # and of steps
     "next_recordings": ["robot", "after", "force", "current", "mass"],
-    "health": ["robot", "date", "joint", "quantity", "value", "std_error", "temperature_c"],
-    "health_changes": ["robot", "joint", "quantity", "kind", "first", "last", "before", "size"],
+    "health": ["robot", "date", "joint", "quantity", "value", "std_error", "group"],
+    "health_changes": [
+        "robot",
+        "joint",
+        "quantity",
+        "kind",
+        "first",
+        "last",
+        "before",
+        "size",
+        "std_error",
+        "by_temperature",
+    ],
     "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
 }
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
@@ -92,11 +104,11 @@ def constant(joint: int, value: float, **more: Any) -> dict[str, Any]:
 
 
 REFUSED = {"determined": "no", "contradicted": 142.0, "prior_share": 1.0}
+UNKNOWN = {"determined": "no", "prior_share": 0.8}
 
 
 @pytest.mark.parametrize(
-    ("second", "expected"),
-    [({}, "good"), ({"determined": "no", "prior_share": 0.8}, "usable"), (REFUSED, "usable")],
+    ("second", "expected"), [({}, "good"), (UNKNOWN, "usable"), (REFUSED, "usable")]
 )
 def test_torque_constants_are_good_where_the_data_determine_them(
     second: dict[str, Any], expected: str
@@ -106,6 +118,22 @@ def test_torque_constants_are_good_where_the_data_determine_them(
     assert verdict.state == expected
     (number,) = verdict.numbers
     assert (number.place, number.value, number.baseline) == ("joint 1", 5.0, 10.0)
+
+
+def test_torque_constants_that_no_recording_determines_are_not_usable() -> None:
+    rows = [constant(joint, 10.0, **UNKNOWN) for joint in (1, 2)]
+    assert judge_constants(study(friction=rows)).state == "not determined"
+
+
+def test_a_torque_constant_that_contradicts_the_known_one_is_not_to_be_used() -> None:
+    """As the next step on the same screen says, although the data determine it well."""
+    rows = [constant(1, 10.0), constant(2, 19.8)]
+    doubt = {"robot": "ur5", "step": "friction", "joint": 2, "remark": "contradicts"}
+    results = study(friction=rows, remarks=[doubt | {"code": "unlikely constant"}])
+    verdict = judge_constants(results)
+    assert verdict.state == "do not use"
+    assert "constants of joint 2 contradict the known ones" in verdict.sentence
+    assert any("joint 2" in step for step in next_steps(results))
 
 
 def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
@@ -231,6 +259,18 @@ def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> N
     _, most, held = verdict.numbers
     assert (most.value, most.place) == (2.0, "joint 4 on seen")
     assert (held.value, held.place) == (86, "joint 3 on fitted")
+
+
+@pytest.mark.parametrize(("rival", "expected"), [(0.17, "usable"), (0.195, "good")])
+def test_currents_that_plain_least_squares_predicts_better_are_not_good(
+    rival: float, expected: str
+) -> None:
+    rows = predicted(0.2) + [row | {"model": "least_squares"} for row in predicted(0.5)]
+    rows[8] |= {"rmse_2hz": rival}
+    verdict = judge_currents(study(current_rmse=rows))
+    assert verdict.state == expected
+    told = "On joint 3, plain least squares errs less: 0.170 for 0.200 A."
+    assert (told in verdict.sentence) is (expected == "usable")
 
 
 def test_joints_at_rest_and_loaded_recordings_judge_no_currents() -> None:
@@ -367,6 +407,46 @@ def test_findings_count_contacts_false_alarms_and_the_smallest_push() -> None:
     contacts = [{"recording": name, "estimate": "Fmap", "kind": "contact"} for name in ROLES]
     found = [own.numbers for own in findings(study(detection=rows, contacts=contacts))]
     assert [[own.value for own in numbers] for numbers in found] == [[], [1], [6, 8], [0.5], [56]]
+
+
+@pytest.mark.parametrize(("force", "told"), [(60.0, "above 60 N"), (672.0, "above 100 N")])
+def test_no_smallest_push_beyond_the_tried_ones_is_stated(force: float, told: str) -> None:
+    """The trials end at 100 N; beyond, the logistic curve alone says something."""
+    pushes = {f"smallest_force_95_{axis}": force for axis in "xyz"}
+    row = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 0.0} | pushes
+    results = study(detection=[row | {name.replace("95", "std"): 820.0 for name in pushes}])
+    assert any(told in sentence for sentence in findings(results))
+    ((_, *cells),) = shown_table("forces.smallest_pushes", results).rows
+    assert {cell.text for cell in cells} == ({"above 100"} if force > 100 else {"60 ± 820"})
+
+
+# Drift
+
+
+@pytest.mark.parametrize(
+    ("groups", "expected"),
+    [
+        ([0] * 6, "good"),
+        ([0, 0, 0, 1, 1, 1], "good"),
+        ([0, 1, 2, 3, 4, 5], "not determined"),
+        ([0, 0, 1, 1, 2, 3], "not determined"),
+    ],
+)
+def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expected: str) -> None:
+    """Otherwise each date has a path of its own, which may explain any change."""
+    rows = [
+        {"robot": "ur5", "date": f"2020-0{month + 1}-01", "joint": 1, "quantity": "viscous",
+         "value": 1.0, "std_error": 0.1, "group": group}
+        for month, group in enumerate(groups)
+    ]  # fmt: skip
+    verdict = judge_drift(study(health=rows))
+    assert verdict.state == expected
+    assert ("Repeat one motion" in verdict.sentence) is (expected != "good")
+    change = {"robot": "ur5", "joint": 1, "quantity": "viscous", "kind": "jump", "size": 0.5}
+    change |= {"before": 1.0, "std_error": 0.1, "by_temperature": 0.0}
+    change |= {"first": "2020-03-01", "last": "2020-04-01"}
+    found = judge_drift(study(health=rows, health_changes=[change]))
+    assert found.state == "usable"
 
 
 # Motion

@@ -8,10 +8,11 @@ import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
 from ur5lib.report.baseline import bars
-from ur5lib.report.document import Verdict
+from ur5lib.report.document import State, Verdict
 from ur5lib.report.formats import Sentence, capital, day, days
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
+from ur5lib.timeseries.changes import FEWEST
 
 LEAST = 0.5  # %, smallest effect of temperature that is mentioned
 DRIFT = "Drift over time"  # topic
@@ -107,8 +108,17 @@ def velocities(results: Results) -> pd.DataFrame:
     return rows.join(parts.reindex(columns=columns), on=key).reset_index(drop=True)
 
 
+def repeated(dates: pd.DataFrame) -> int:
+    """Return on how many dates each arm at least moved along the same paths as on another date.
+
+    dates: of health.csv. On others, a change of a joint looks like another path.
+    """
+    days = dates.groupby(["robot", "group"])["date"].nunique()
+    return int(days.where(days > 1, 0).groupby("robot").sum().min())
+
+
 def judge_drift(results: Results) -> Verdict | None:
-    """Judge by whether anything changed; None with too few dates."""
+    """Judge by whether anything changed where paths were repeated; None with too few dates."""
     dates = results.tables["health"]
     if dates.empty:
         return None
@@ -118,12 +128,13 @@ def judge_drift(results: Results) -> Verdict | None:
     changes = ranked(results)
     worst = changes.groupby("joint")["share"].max()
     joints = range(1, int(dates["joint"].max()) + 1)
-    sentence = say("health.unchanged")
+    state: State = "good" if repeated(dates) >= FEWEST else "not determined"
+    sentence = say("health.unchanged" if state == "good" else "health.paths apart", least=FEWEST)
     if len(changes):
-        sentence = capital(change(next(changes.itertuples())))
+        state, sentence = "usable", capital(change(next(changes.itertuples())))
     return Verdict(
         topic=DRIFT,
-        state="usable" if len(changes) else "good",
+        state=state,
         sentence=sentence,
         evidence=say("health.evidence", changes=len(changes), **words),
         drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),

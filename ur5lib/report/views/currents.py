@@ -7,7 +7,7 @@ import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
 from ur5lib.report.baseline import HELD, AgainstBaseline, bars
-from ur5lib.report.document import Number, Verdict
+from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import names, say
@@ -20,6 +20,10 @@ MOST_COMPARED = 12  # columns that fit on a page
 PARAMETERS = {"torque_constant": "k", "offset": "b"}
 CONSTANTS, CURRENTS = "Torque constants", "Friction and currents"  # topics
 CONSTANT = "a constant current"
+RIVAL, LESS = (
+    "least_squares",
+    0.95,
+)  # without a prior; share of ours from which on its error is less
 
 
 def predicted(results: Results) -> list[str]:
@@ -194,7 +198,9 @@ def linear(results: Results, recording: str) -> Iterator[Sentence]:
 
 
 def judge_constants(results: Results) -> Verdict | None:
-    """Judge by the constants that the data determine; None where no friction was fitted."""
+    """Judge by the constants that the data determine, and by those that contradict the known ones;
+    None where no friction was fitted.
+    """
     rows = results.rows("friction", parameter="torque_constant")
     signs = results.rows("remarks", step=STOP)
     if len(signs):
@@ -208,14 +214,18 @@ def judge_constants(results: Results) -> Verdict | None:
     farthest = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     known, contradicted = ([*rows.loc[where, "joint"].unique()] for where in (determined, refused))
+    unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
+    state: State = "good" if determined.all() and not refused.any() else "usable"
+    if unlikely or not known:
+        state = "do not use" if unlikely else "not determined"
     number = Number(
         "torque constant", float(farthest["value"]), "Nm/A", f"joint {farthest['joint']}"
     )
     number = number.within(farthest["low"], farthest["high"], "95 %")
     return Verdict(
         topic=CONSTANTS,
-        state="good" if determined.all() and not refused.any() else "usable",
-        sentence=say("constants.verdict", known=known, refused=contradicted),
+        state=state,
+        sentence=say("constants.verdict", known=known, refused=contradicted, unlikely=unlikely),
         evidence=say("constants.evidence", row=farthest),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
@@ -223,9 +233,20 @@ def judge_constants(results: Results) -> Verdict | None:
     )
 
 
+def beaten(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the joints on which plain least squares errs less, and both errors, means over
+    recordings; rows: of `unseen`.
+    """
+    means = rows.pivot_table("rmse_2hz", "joint", "model").reindex(columns=["fitted", RIVAL])
+    return means[means[RIVAL] < LESS * means["fitted"]]
+
+
 def judge_currents(results: Results) -> Verdict:
-    """Judge the predicted currents by the worst joint, their band by the smallest coverage."""
+    """Judge the predicted currents by the worst joint, beside a constant current and plain least
+    squares, their band by the smallest coverage.
+    """
     rows = unseen(results)
+    better = beaten(rows)
     rows = rows[rows["model"] == "fitted"]
     against = AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT)
     if against.errors.empty:
@@ -238,8 +259,8 @@ def judge_currents(results: Results) -> Verdict:
     share = Number("least share in the 95 % band", 100 * held, "%", place)
     return Verdict(
         topic=CURRENTS,
-        state=against.state(held),
-        sentence=say("currents.verdict", against=against, hold=held >= HELD),
+        state=against.state(held, tested=better.empty),
+        sentence=say("currents.verdict", against=against, hold=held >= HELD, better=better),
         evidence=say("currents.evidence", against=against, least=least),
         drawing=against.drawing(),
         caption=say("error.bars", zero=CONSTANT),

@@ -6,6 +6,7 @@ from itertools import chain, islice
 import pandas as pd
 from scipy.special import bdtr, bdtrc
 
+from ur5lib.force.trial_contacts import MOST as MOST_TRIED
 from ur5lib.identification.samples import FEW
 from ur5lib.report.document import MOST_SHOWN, Verdict
 from ur5lib.report.formats import Sentence
@@ -225,7 +226,9 @@ def _detection(results: Results) -> Iterator[Sentence]:
         yield say("findings.false alarms", rate=free["alarms_per_min"].mean())
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
-        yield say("findings.hardest", axis=smallest.idxmax()[-1], force=smallest.max())
+        yield say(
+            "findings.hardest", axis=smallest.idxmax()[-1], force=smallest.max(), most=MOST_TRIED
+        )
 
 
 def beside_truth(truth: pd.DataFrame) -> Iterator[Sentence]:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ur5lib.force.trial_contacts import MOST
 from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
@@ -82,7 +83,7 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
     for prefix, state in (("", "in motion"), ("rest_", "at rest")):
         for axis in "xyz":
             force, std = (rows[f"smallest_force_{of}_{prefix}{axis}"] for of in ("95", "std"))
-            part = {"state": state, "axis": axis, "force": force, "std": std}
+            part = {"state": state, "axis": axis, "force": force, "std": std, "most": MOST}
             parts.append(rows[["recording"]].assign(**part))
     return pd.concat([part for part in parts if part["force"].notna().any()] or parts[:1])
 
