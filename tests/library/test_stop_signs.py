@@ -27,7 +27,7 @@ from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.current_checks import foreign_currents
 from ur5lib.recordings.innovations import innovation_likelihoods
-from ur5lib.recordings.stop_signs import stop_signs
+from ur5lib.recordings.stop_signs import foreign_torque, given_load, stop_signs
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import load_torque
 from ur5lib.stand.plan import SimulatedRecording
@@ -479,6 +479,28 @@ def test_a_similar_arm_that_fits_much_better_is_reported(made: Path) -> None:
     heavier = taken.arm.carrying(Payload(mass=0.5)).model_copy(update={"name": "heavier"})
     (sign,) = stop_signs(Checked(taken.table, heavier, None, None, fitted=True))
     assert "`robot: ur5` would fit" in said(sign)
+
+
+def test_a_load_that_the_study_does_not_know_is_told_by_the_controllers_torque(made: Path) -> None:
+    """It counts with 3 kg; a lighter unknown load makes no other torque, but link models wrong."""
+    taken = simulated(made, "reported", "ur5e", "floor")
+    found = {}
+    for mass in (3.0, 2.0):
+        known = Payload(mass=mass, center_of_mass=(0.0, 0.0, 0.06))
+        checked = Checked(taken.table, taken.arm, known, known, fitted=True)
+        assert not any(foreign_torque(checked.means, taken.arm, [known]))
+        found[mass] = [*given_load(checked)]
+    (load,) = found[2.0]
+    assert 0.8 < float(said(load).split("a load of ")[1].split()[0]) < 1.2  # kg
+    assert found[3.0] == []
+
+
+@pytest.mark.parametrize(("study", "name"), REAL)
+def test_no_right_torque_contains_an_unknown_load(study: str, name: str) -> None:
+    taken = real(study, name)
+    load = carried(taken.entry.known_payload(), Signals.from_table(taken.table))
+    checked = Checked(taken.table, taken.arm, load.configured, load.payload, fitted=True)
+    assert [*given_load(checked)] == []
 
 
 def test_a_tool_that_leaves_the_flange_is_reported(made: Path) -> None:

@@ -177,15 +177,15 @@ def test_the_most_serious_finding_decides() -> None:
 
 def torques(errors: dict[str, float], recordings: tuple[str, ...] = ("seen",)) -> list[dict]:
     return [
-        {"recording": name, "motion": "measured", "model": model, "joint": joint, "mae": error,
-         "zero_mae": 1.0}
+        {"recording": name, "motion": "measured", "model": model, "joint": joint, "mae": 2 * error,
+         "mae_2hz": error, "zero_mae_2hz": 1.0}
         for name in recordings for model, error in errors.items() for joint in range(1, 7)
     ]  # fmt: skip
 
 
 def test_a_link_model_is_judged_on_unseen_recordings() -> None:
     rows = torques({"A": 0.2, "B": 0.1}) + torques({"A": 0.0, "B": 0.9}, ("fitted",))
-    rows += [row | {"motion": "closed_loop", "mae": 0.3} for row in rows]
+    rows += [row | {"motion": "closed_loop", "mae_2hz": 0.3} for row in rows]
     verdict = judge_links(study(torque_mae=rows))
     assert verdict.state == "good"
     assert percents(verdict.sentence) == [10]
@@ -197,13 +197,27 @@ def test_a_link_model_is_judged_on_unseen_recordings() -> None:
 def test_a_link_model_is_said_to_be_as_far_off_as_it_is() -> None:
     """The mean over recordings on the worst joint, and the largest error on any of them."""
     rows = torques({"A": 0.4}) + torques({"A": 0.6}, ("pushed",)) + torques({"A": 0.8}, ("other",))
-    rows[7] |= {"mae": 3.0, "zero_mae": 20.0}  # the largest, though a small share
-    rows[12] |= {"mae": 0.95}
+    rows[7] |= {"mae_2hz": 3.0, "zero_mae_2hz": 20.0}  # the largest, though a small share
+    rows[12] |= {"mae_2hz": 0.95}
     verdict = judge_links(study({"other": EVERY_JOINT}, torque_mae=rows))
     assert (verdict.state, percents(verdict.sentence)) == ("usable", [65])
     mean, most = verdict.numbers
     assert (mean.value, mean.low, mean.high) == (pytest.approx(0.65), 0.4, 0.95)
     assert (most.value, most.place, most.baseline) == (3.0, "joint 2 on pushed", 20.0)
+
+
+@pytest.mark.parametrize(
+    ("error", "expected"), [(0.14, "good"), (0.16, "usable"), (1.0, "do not use")]
+)
+def test_half_of_zero_is_no_good_link_model(error: float, expected: str) -> None:
+    assert judge_links(study(torque_mae=torques({"A": error}))).state == expected
+
+
+def test_a_load_that_the_controller_counts_with_is_named_beside_the_link_model() -> None:
+    load = finding("warning", "given load", detail="it contains 0.40 kg")
+    verdict = judge_links(study(torque_mae=torques({"A": 0.05}), quality=[load]))
+    assert verdict.state == "usable"
+    assert "On seen, it contains 0.40 kg." in verdict.sentence
 
 
 def test_the_fit_recordings_alone_make_no_good_model() -> None:

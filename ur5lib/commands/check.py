@@ -22,7 +22,7 @@ from ur5lib.recordings.checks import too_short, touched
 from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
-from ur5lib.recordings.stop_signs import stop_signs
+from ur5lib.recordings.stop_signs import given_load, stop_signs
 from ur5lib.recordings.touch_checks import unfelt
 from ur5lib.recordings.unchecked import unchecked
 from ur5lib.report.findings import by_finding, group_findings, worded
@@ -150,7 +150,11 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
         doubts += touched(sensor, load.mass)
     doubts += checked.odd_targets.values()
     if not stops:  # from which others would follow
-        doubts += [*contacts_felt(checked, sensor is not None), *unchecked(checked)]
+        doubts += [
+            *given_load(checked),
+            *contacts_felt(checked, sensor is not None),
+            *unchecked(checked),
+        ]
     findings = [*stops, *intake.quality.findings, *doubts]
     return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
 

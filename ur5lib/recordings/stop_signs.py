@@ -28,7 +28,7 @@ from ur5lib.recordings.current_checks import (
     undeclared_load,
 )
 from ur5lib.recordings.innovations import CURRENT
-from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.recordings.quality import GIVEN_LOAD, MODELLED, Finding, contradiction
 from ur5lib.recordings.target_checks import scaled
 from ur5lib.robots.description import Payload, Robot, robot_names
 from ur5lib.robots.statics import link_frames, load_torque
@@ -41,10 +41,10 @@ CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recor
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
 )
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
-MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
 PRECISE = 0.02  # Nm; nothing is explained better
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
+GIVEN, SHOWN = 0.1, 0.3  # kg; share of what is left that a load explains; at most 0.14 in motion
 DEGREES = 180 / np.pi  # of a radian
 FRAMES = 20  # in which a joint moves, from which its channels are compared
 CLOSER = 0.5  # a pair closer by this factor than the targets; in right recordings, none is by 0.95
@@ -90,6 +90,24 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     if checked.fitted:  # elsewhere, the fit finds an undeclared load
         known = arm.carrying(checked.configured)
         yield from undeclared_load(means, known, loaded, checked.odd_targets)
+
+
+def given_load(checked: Checked) -> Iterator[Finding]:
+    """Warn of a load in `target_moment` that neither the study nor the recording names."""
+    means, torque = checked.means, checked.means.torque
+    if torque is not None and len(means.q) >= FEWEST:
+        payloads = [checked.configured, checked.declared]
+        residual = _least_residual(means, torque, checked.arm, payloads)
+        mass, left = _as_load(means, residual, checked.arm)
+        if GIVEN < mass < HEAVY and left**2 < (1 - SHOWN) * size(residual) ** 2:
+            yield Finding("robot", GIVEN_LOAD, "warning", 1, {"mass": mass})
+
+
+def _as_load(means: BlockMeans, residual: Array, arm: Robot) -> tuple[float, float]:
+    """Return the mass [kg] of the load that explains torques (M, 6) best, and what is left."""
+    load = load_torque(arm, means.q)
+    columns = [means.beside_inertia(load[:, :, k]).ravel() for k in range(4)]
+    return fitted_load(np.stack(columns, axis=1), residual.ravel())
 
 
 def _mounting(checked: Checked) -> Iterator[Finding]:
@@ -257,9 +275,7 @@ def _other_causes(
 
     residual: (M, 6) [Nm], what the arm leaves of the torque.
     """
-    load = load_torque(arm, means.q)
-    columns = [means.beside_inertia(load[:, :, k]).ravel() for k in range(4)]
-    mass, left = fitted_load(np.stack(columns, axis=1), residual.ravel())
+    mass, left = _as_load(means, residual, arm)
     if LIGHT < mass < HEAVY and left < EXPLAINED * size(torque):
         yield remark("load as cause", value=mass)
     for gravity in MOUNTINGS:

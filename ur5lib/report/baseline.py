@@ -24,18 +24,21 @@ LEAST = 1.5  # height that is still seen
 PALE = "fill-opacity='.15'"
 
 
-def state(error: float, zero: float, held: float = 1.0, tested: bool = True) -> State:
+def state(
+    error: float, zero: float, held: float = 1.0, tested: bool = True, better: float = BETTER
+) -> State:
     """Return the state of an error beside the error of an estimate of zero.
 
     held: share of readings in the stated 95 % band; tested: whether the error comes from recordings
-    that no fit has seen and, where errors have intervals, has one.
+    that no fit has seen and, where errors have intervals, has one; better: least skill of a good
+    estimate.
     """
     if math.isnan(error) or not zero > 0:
         return "not determined"
     skill = 1 - error / zero
     if skill <= 0:
         return "do not use"
-    return "good" if skill > BETTER and held >= HELD and tested else "usable"
+    return "good" if skill > better and held >= HELD and tested else "usable"
 
 
 @dataclass(frozen=True)
@@ -79,9 +82,9 @@ class AgainstBaseline:
         names = {self.place: "place", self.error: "error", self.baseline: "zero"}
         return rows.loc[rows[self.error].idxmax()].rename(names)
 
-    def state(self, held: float = 1.0, tested: bool = True) -> State:
-        """Judge the worst joint or component."""
-        return state(self.worst["error"], self.worst["zero"], held, tested)
+    def state(self, held: float = 1.0, tested: bool = True, better: float = BETTER) -> State:
+        """Judge the worst joint or component; arguments as of the function `state`."""
+        return state(self.worst["error"], self.worst["zero"], held, tested, better)
 
     def percent(self) -> Sentence:
         """Return the worst error in per cent of zero's."""

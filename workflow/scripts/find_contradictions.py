@@ -7,7 +7,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import too_short
 from ur5lib.recordings.quality import Contradictions
-from ur5lib.recordings.stop_signs import CHECKED, stop_signs
+from ur5lib.recordings.stop_signs import CHECKED, given_load, stop_signs
 from ur5lib.robots.description import Payload, load_robot
 from ur5lib.tables import read_footer, read_table, write_json
 
@@ -22,4 +22,7 @@ def find_contradictions(input: Any, output: Any, params: Any) -> None:
     table = read_table(input.signals, [*known])
     checked = Checked(table, arm, load.configured, load.payload, params.role == "fit")
     doubts += checked.odd_targets.values()
-    write_json(Contradictions(stop_signs(checked), doubts), output.contradictions)
+    stops = stop_signs(checked)
+    if not stops:  # from which others would follow
+        doubts += given_load(checked)
+    write_json(Contradictions(stops, doubts), output.contradictions)

@@ -15,8 +15,11 @@ from ur5lib.report.findings import in_words
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Column, Row, by_joint
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.segments import by_segment
 
+ORDER, CUTOFF = 4, 2.0  # Hz, above which measured accelerations are noise, the controller's are not
 COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
 STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
 
@@ -24,27 +27,42 @@ STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
 def torque_mae(
     signals: Signals, torques: Torques, closed_loop: ClosedLoop | None, published: Published
 ) -> Iterator[Row]:
-    """Yield the MAE of torques by motion and link model against `target_moment`, the printed MAE
-    and that of zero torque; interpolated frames are left out.
+    """Yield the MAE of torques by motion and link model against `target_moment`, below 2 Hz, too,
+    the printed MAE and that of zero torque; interpolated frames are left out.
     """
     if signals.target_moment is None:
         return
     received = ~signals.interpolated
-    moment = signals.target_moment[received]
-    zero: dict[str, Column] = {"zero_mae": mean_absolute_error(np.zeros_like(moment), moment)}
+    moment, slow = signals.target_moment[received], slowly(signals.target_moment, signals)
+    zero: dict[str, Column] = {
+        "zero_mae": mean_absolute_error(np.zeros_like(moment), moment),
+        "zero_mae_2hz": mean_absolute_error(np.zeros_like(slow), slow),
+    }
     printed = published.values("torque_mae")
     motions = {"target": torques.target, "measured": torques.measured}
     motions |= {"closed_loop": closed_loop.torque} if closed_loop else {}
     for model in torques.measured:
         for motion, known in motions.items():
             if model in known:
-                columns = zero | {"mae": mean_absolute_error(known[model][received], moment)}
+                columns = zero | {
+                    "mae": mean_absolute_error(known[model][received], moment),
+                    "mae_2hz": mean_absolute_error(slowly(known[model], signals), slow),
+                }
                 if motion in COMPARED and model in printed:
                     columns |= {"printed": printed[model]}
                 yield from by_joint(columns, motion=motion, model=model)
     for model in printed.keys() - torques.measured.keys():
         columns = zero | {"printed": printed[model]}
         yield from by_joint(columns, motion="closed_loop", model=model)
+
+
+def slowly(torque: Array, signals: Signals) -> Array:
+    """Return the received samples (M, n) of a torque (N, n) [Nm] below CUTOFF."""
+    from ur5lib.timeseries.lowpass import zero_phase_lowpass  # slow to import
+
+    design = 1 / signals.period, ORDER, CUTOFF
+    low = by_segment(zero_phase_lowpass, torque, signals.segment, *design)
+    return low[~signals.interpolated]
 
 
 def rotor_inertia(rotors: Rotors) -> Iterator[Row]:
