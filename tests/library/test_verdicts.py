@@ -393,6 +393,17 @@ def test_without_a_search_no_contact_is_denied() -> None:
     assert [text for text in next_steps(study(sensed=[quiet])) if "force sensor" in text]
 
 
+@pytest.mark.parametrize(("rival", "expected"), [(1.5, "usable"), (1.95, "good")])
+def test_a_force_that_least_squares_estimates_better_is_not_good(
+    rival: float, expected: str
+) -> None:
+    rows = touched(2.0) + [row | {"estimate": "least_squares"} for row in touched(rival)]
+    verdict = judge_force(study(force_mae=rows))
+    assert verdict.state == expected
+    told = "On pushed, least squares errs less: 1.5 for 2.0 N."
+    assert (told in verdict.sentence) is (expected == "usable")
+
+
 def test_the_estimate_without_a_fit_is_never_called_good() -> None:
     rows = [row | {"estimate": "static"} for row in touched(1.0)]
     card = judge_force(study(force_mae=rows, sensed=[SENSED]))
@@ -475,6 +486,12 @@ def test_motion_is_judged_beside_an_imu_alone() -> None:
     assert (verdict.numbers[0].value, verdict.numbers[0].place) == (0.05, "rz")
     rows[0] |= {"mae": 0.06, "zero_mae": 0.6}  # larger, in another unit
     assert judge_motion(study(acceleration_mae=rows)).numbers[1].place == "rz on seen"
+    plain = [row | {"component": "x", "estimate": "filterpy", "mae": 0.03}]
+    card = judge_motion(study(acceleration_mae=rows + plain))
+    assert (card.state, "On x, filterpy's plain filter errs less" in card.sentence) == (
+        "usable",
+        True,
+    )
     nothing = [row | {"component": "x", "mae": 0.551, "zero_mae": 0.552}]
     assert percents(judge_motion(study(acceleration_mae=nothing)).sentence) == [100]
 

@@ -7,16 +7,18 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 from xml.sax.saxutils import quoteattr
 
 import pandas as pd
 
 from ur5lib.report.document import Number, State
-from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence, rounded
+from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence, joined, rounded
 from ur5lib.report.sentences import say
 
 ZERO = "an estimate of zero"
 BETTER = 0.5  # smallest skill of a good estimate: less than half the error of zero
+LESS = 0.95  # share of an error, below which that of a simple rival is less
 HELD = 0.9  # smallest share of readings in a good 95 % band
 WIDTH, HEIGHT = 160.0, 48.0  # of a drawing
 GAP = 0.25  # of the step from bar to bar
@@ -39,6 +41,38 @@ def state(
     if skill <= 0:
         return "do not use"
     return "good" if skill > better and held >= HELD and tested else "usable"
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A simple method beside ours: the places where it errs less, with both errors.
+
+    better: columns `ours` and `rival`, by joint, component or recording, means over rows.
+    """
+
+    name: str
+    better: pd.DataFrame
+
+    @classmethod
+    def beside(
+        cls, name: str, rows: pd.DataFrame, error: str, place: str, models: Mapping[str, str]
+    ) -> Self:
+        """Compare errors by place; models: `ours` and `rival` by their names in the column of
+        models, `model` or `estimate`.
+        """
+        column = "model" if "model" in rows else "estimate"
+        rows = rows.assign(who=rows[column].map(models))
+        means = rows.pivot_table(error, place, "who", sort=False)
+        means = means.reindex(columns=["ours", "rival"])
+        return cls(name, means[means["rival"] < LESS * means["ours"]])
+
+    def after(self, verdict: Sentence, unit: str, digits: int) -> Sentence:
+        """Return the sentence of a verdict, and where the rival errs less."""
+        if self.better.empty:
+            return verdict
+        words = {"better": self.better, "joints": self.better.index.name == "joint"}
+        told = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
+        return joined([verdict, told])
 
 
 @dataclass(frozen=True)

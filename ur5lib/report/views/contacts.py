@@ -7,7 +7,7 @@ import pandas as pd
 
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
-from ur5lib.report.baseline import ZERO, error_bar, state
+from ur5lib.report.baseline import ZERO, Rival, error_bar, state
 from ur5lib.report.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.formats import Sentence, joined
 from ur5lib.report.results import Results
@@ -220,6 +220,7 @@ def judge_force(results: Results) -> Verdict:
     judged = errors_in_contact(results)
     if judged.empty:
         return _unjudged(results)
+    rival = _least_squares(results, judged)
     row = judged.loc[judged["mae"].idxmax()]  # the axis with the largest error
     means = judged.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
     share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
@@ -229,15 +230,24 @@ def judge_force(results: Results) -> Verdict:
     error = max(one["mae"] / one["mean_force"] for one in (row, share))
     covered = 1.0 if held is None else held["coverage95"]
     about = {"known": known, "calibrated": calibrated}
+    told = say("force.verdict", row=row, estimate=_named(row["estimate"]))
     return Verdict(
         topic=TOPIC,
-        state=state(error, 1.0, covered, tested=known and calibrated),
-        sentence=say("force.verdict", row=row, estimate=_named(row["estimate"])),
+        state=state(error, 1.0, covered, tested=known and calibrated and rival.better.empty),
+        sentence=rival.after(told, "N", 1),
         evidence=say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
         caption=say("force.caption", known=known),
         numbers=tuple(_numbers(row, share, held)),
     )
+
+
+def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:
+    """Compare the leading estimate with least squares, means over x, y, z by recording."""
+    rows = results.rows("force_mae", kind="compensated", during="contact", component=FORCES)
+    rows = rows[rows["recording"].isin(judged["recording"])]
+    models = {judged["estimate"].iloc[0]: "ours", "least_squares": "rival"}
+    return Rival.beside("least squares", rows, "mae", "recording", models)
 
 
 def _named(estimate: str) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
-from ur5lib.report.baseline import HELD, AgainstBaseline, bars
+from ur5lib.report.baseline import HELD, AgainstBaseline, Rival, bars
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import AT_REST, Results
@@ -20,10 +20,7 @@ MOST_COMPARED = 12  # columns that fit on a page
 PARAMETERS = {"torque_constant": "k", "offset": "b"}
 CONSTANTS, CURRENTS = "Torque constants", "Friction and currents"  # topics
 CONSTANT = "a constant current"
-RIVAL, LESS = (
-    "least_squares",
-    0.95,
-)  # without a prior; share of ours from which on its error is less
+MODELS = {"fitted": "ours", "least_squares": "rival"}  # the rival has no prior
 
 
 def predicted(results: Results) -> list[str]:
@@ -233,20 +230,12 @@ def judge_constants(results: Results) -> Verdict | None:
     )
 
 
-def beaten(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the joints on which plain least squares errs less, and both errors, means over
-    recordings; rows: of `unseen`.
-    """
-    means = rows.pivot_table("rmse_2hz", "joint", "model").reindex(columns=["fitted", RIVAL])
-    return means[means[RIVAL] < LESS * means["fitted"]]
-
-
 def judge_currents(results: Results) -> Verdict:
     """Judge the predicted currents by the worst joint, beside a constant current and plain least
     squares, their band by the smallest coverage.
     """
     rows = unseen(results)
-    better = beaten(rows)
+    rival = Rival.beside("plain least squares", rows, "rmse_2hz", "joint", MODELS)
     rows = rows[rows["model"] == "fitted"]
     against = AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT)
     if against.errors.empty:
@@ -257,10 +246,11 @@ def judge_currents(results: Results) -> Verdict:
     held = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * held, "%", place)
+    told = say("currents.verdict", against=against, hold=held >= HELD)
     return Verdict(
         topic=CURRENTS,
-        state=against.state(held, tested=better.empty),
-        sentence=say("currents.verdict", against=against, hold=held >= HELD, better=better),
+        state=against.state(held, tested=rival.better.empty),
+        sentence=rival.after(told, "A", 3),
         evidence=say("currents.evidence", against=against, least=least),
         drawing=against.drawing(),
         caption=say("error.bars", zero=CONSTANT),

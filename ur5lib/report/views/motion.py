@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.baseline import AgainstBaseline
+from ur5lib.report.baseline import AgainstBaseline, Rival
 from ur5lib.report.document import Verdict
 from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results, with_zero
@@ -79,7 +79,11 @@ def innovations(results: Results) -> Iterator[Sentence]:
 
 
 def judge_motion(results: Results) -> Verdict | None:
-    """Judge the acceleration from encoders by its worst component; None without an IMU."""
+    """Judge the acceleration from encoders by its worst component, beside filterpy's plain filter;
+    None without an IMU.
+    """
+    models, both = {"encoders": "ours", "filterpy": "rival"}, results.rows("acceleration_mae")
+    rival = Rival.beside("filterpy's plain filter", both, "mae", "component", models)
     rows = results.rows("acceleration_mae", estimate="encoders")
     against = AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component")
     if against.errors.empty:
@@ -88,8 +92,8 @@ def judge_motion(results: Results) -> Verdict | None:
         against = replace(against, unit="rad/s²")
     return Verdict(
         topic=MOTION,
-        state=against.state(),
-        sentence=say("motion.verdict", against=against),
+        state=against.state(tested=rival.better.empty),
+        sentence=rival.after(say("motion.verdict", against=against), against.unit, 3),
         evidence=say("motion.evidence", against=against),
         drawing=against.drawing(),
         caption=say("motion.caption"),
