@@ -206,7 +206,7 @@ def fit(runs: Sequence[Run], name: str) -> Fitted:
     ratios = [controllers_ratio(run.signals, run.motion(name)) for run in seen]
     prior = prior_of(runs[0].robot, ratios)
     used = [record for record, run in zip(records, runs, strict=True) if run.fitted]
-    friction = fitted_friction(used, prior, SMOOTH, SETTINGS.friction.terms)
+    friction = fitted_friction(used, prior, SMOOTH)
     return Fitted(name, records, torques, friction)
 
 

@@ -6,13 +6,13 @@ Takes results/<study> as built, by default thesis and ur10e. Subsets of the reco
 drawn with a seed; each fit is judged on the recordings without contact that share neither path nor
 day with it (path alone where the study has one day). Of the motor currents below the study's
 low-pass: the error, and the share inside the 95 % band, for the fit with typical friction as known
-before it, for the same without, and for least squares. Terms of friction are Coulomb, viscous
-and load friction. Then each day is left out, where a study has several: currents inside the band of
-the fit to other days, and the torque constants of the day's own fit beside those of the others.
-`--forces` does instead, by the workflow's own steps, forces where a force sensor felt contacts, and
-alarms on recordings without contact. Writes results/learning_curve.csv, days_left_out.csv and
-learning_curve_forces.csv, from which `make leaderboard` takes its sections. `--page` draws
-docs/learning_curve.svg, too. `--quick` draws one subset.
+before it, for the same without, and for least squares. Then each day is left out, where
+a study has several: currents inside the band of the fit to other days, and the torque constants of
+the day's own fit beside those of the others. `--forces` does instead, by the workflow's own
+steps, forces where a force sensor felt contacts, and alarms on recordings without contact. Writes
+results/learning_curve.csv, days_left_out.csv and learning_curve_forces.csv, from which
+`make leaderboard` takes its sections. `--page` draws docs/learning_curve.svg, too. `--quick` draws
+one subset.
 """
 
 import tempfile
@@ -138,8 +138,8 @@ def fits(arm: Known, chosen: Subset) -> dict[str, CurrentFit]:
         return {OURS: expected_fit(prior)}
     seen = records(arm, chosen)
     return {
-        OURS: fit_currents(seen, arm.smooth, prior, []),
-        ALONE: fit_currents(seen, arm.smooth, replace(prior, typical={}), []),
+        OURS: fit_currents(seen, arm.smooth, prior),
+        ALONE: fit_currents(seen, arm.smooth, replace(prior, typical={})),
     }
 
 

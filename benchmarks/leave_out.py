@@ -181,7 +181,7 @@ class Fold:
 
     def predict(self, tested: list[Recording]) -> None:
         """Fit, and predict the currents of all recordings; raises InputError if it is refused."""
-        settings, lowpass = self.study.settings, self.study.lowpass
+        lowpass = self.study.lowpass
         self.run(
             "fit_friction",
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
@@ -190,7 +190,6 @@ class Fold:
             | {"postures": []},
             {"friction": self.shared("friction.json")},
             lowpass
-            | {"terms": settings.friction.terms}
             | {"recordings": [own.name for own in self.fitted]}
             | {"dates": [own.day for own in self.fitted]},
         )

@@ -214,8 +214,8 @@ def fitted_map(recordings: list[Taken]) -> Friction:
     """The map from motion to current."""
     ratios = [controllers_ratio(own.signals, own.motion) for own in recordings]
     prior = prior_of(recordings[0].robot, ratios)
-    records, terms = [own.record for own in recordings], SETTINGS.friction.terms
-    return fitted_friction(records, prior, Smoother(*CURRENTS), terms)
+    records = [own.record for own in recordings]
+    return fitted_friction(records, prior, Smoother(*CURRENTS))
 
 
 def currents(friction: Friction, own: Taken) -> Currents:

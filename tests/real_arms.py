@@ -216,7 +216,7 @@ class RealStudy:
 
         shown: those that show the controller's torque constants, by default the same.
         """
-        ones, terms = self.recordings(names), self.study.settings.friction.terms
+        ones = self.recordings(names)
         key = zlib.crc32(repr((names, shown)).encode())
         file = self.kept / self.study.study / f"friction_{key}.json"
         if self.built is not None and not shown and names == self.names("fit"):
@@ -224,7 +224,7 @@ class RealStudy:
         elif not file.exists():
             records = [one.record for one in ones]
             prior = self.prior(shown or names)
-            write_json(fitted_friction(records, prior, self.smooth, terms), file)
+            write_json(fitted_friction(records, prior, self.smooth), file)
         return Fitted(ones, read_record(Friction, file), self.currents_lowpass)
 
 

@@ -11,16 +11,16 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, columns_of
 from ur5lib.pipeline.current_samples import Smoother
-from ur5lib.robots.friction import Term
+from ur5lib.robots.friction import BASE
 from ur5lib.timeseries.arrays import Array, Mask
 
 PERIOD = 0.02
 CONSTANT = np.array([8.5, 10.8, 10.2, 10.0, 11.0, 10.5])
 LOAD = np.array([8.0, 50.0, 20.0, 2.0, 2.0, 0.0])  # Nm; joint 6 carries nothing
-PRESLIDING = 3e-4  # rad
-PLAIN = (Term("coulomb"), Term("viscous"))
-TERMS = [PLAIN, (*PLAIN, Term("load")), (*PLAIN, Term("stribeck", 0.3)), PLAIN, PLAIN, PLAIN]
-FRICTION = [(6.4, 7.2), (5.7, 9.3, 0.08), (8.8, 4.9, -3.1), (1.5, 1.3), (1.6, 1.2), (1.6, 0.8)]
+FRICTION = [  # Coulomb, viscous and load friction
+    *((6.4, 7.2, 0.0), (5.7, 9.3, 0.08), (8.8, 4.9, 0.0)),
+    *((1.5, 1.3, 0.0), (1.6, 1.2, 0.0), (1.6, 0.8, 0.0)),
+]
 OFFSET = np.array([0.1, 0.4, 0.0, 0.3, 0.2, 0.3])  # Nm
 NOISE = np.array([0.08, 0.1, 0.1, 0.03, 0.025, 0.025])  # A, of the slow residual
 
@@ -55,8 +55,8 @@ def make_record(seed: int, seconds: float = 24.0) -> Record:
 
 def with_current(record: Record) -> Record:
     """The record with the current that its motion and torque need."""
-    motions = [record.joint(joint, PRESLIDING) for joint in range(6)]
-    exact = [columns_of(motions[j], TERMS[j])[0] @ coefficients(j) for j in range(6)]
+    motions = [record.joint(joint) for joint in range(6)]
+    exact = [columns_of(motions[j], BASE)[0] @ coefficients(j) for j in range(6)]
     return replace(record, current=np.stack(exact, axis=1))
 
 

@@ -27,7 +27,6 @@ PRINTED = {  # what each prints at least
     "accelerometer": ["virtual test stand, 1 seeds", "true motion", "F^map in contact"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
-    "warming": ["| joint 6 | -1.1", "| all | -1.0", "± 0.04 %/K"],  # made up: -1 %/K
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
     "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],

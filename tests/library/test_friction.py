@@ -1,20 +1,16 @@
-"""The family of friction terms."""
+"""The terms of friction."""
 
 import numpy as np
 import pytest
 
 from ur5lib.robots.friction import (
     BASE,
-    CONSIDERED,
-    FAMILY,
+    TERMS,
     JointMotion,
-    Term,
+    friction_columns,
     friction_direction,
-    is_dissipative,
-    karnopp_direction,
     resting,
 )
-from ur5lib.timeseries.segments import DEAD_ZONE
 
 RANDOM = np.random.default_rng(0)
 Q, QD, TORQUE = RANDOM.normal(size=(3, 200)) * [[2.0], [1.0], [20.0]]
@@ -22,22 +18,10 @@ MOTION = JointMotion(Q, QD, TORQUE, np.sign(QD))
 BACK = JointMotion(Q, -QD, TORQUE, -np.sign(QD))
 
 
-@pytest.mark.parametrize("term", [*BASE, *FAMILY])
-def test_a_term_has_a_column_for_each_of_its_names(term: Term) -> None:
-    assert term.columns(MOTION).shape == (200, len(term.names()))
-
-
-@pytest.mark.parametrize(
-    "term", [t for t in (*BASE, *FAMILY) if t.kind not in ("asymmetric", "periodic")]
-)
-def test_friction_turns_with_the_velocity(term: Term) -> None:
-    np.testing.assert_allclose(term.columns(BACK), -term.columns(MOTION))
-    assert (term.columns(MOTION)[:, 0] * MOTION.qd >= 0).all()
-
-
-def test_names_tell_terms_apart() -> None:
-    names = [name for term in (*BASE, *FAMILY) for name in term.names()]
-    assert len(set(names)) == len(names)
+@pytest.mark.parametrize("term", BASE)
+def test_friction_turns_with_the_velocity(term: str) -> None:
+    np.testing.assert_allclose(friction_columns(BACK, [term]), -friction_columns(MOTION, [term]))
+    assert (friction_columns(MOTION, [term])[:, 0] * MOTION.qd >= 0).all()
 
 
 def creep(steps: list[float], segment: list[int] | None = None) -> np.ndarray:
@@ -63,57 +47,19 @@ def test_friction_turns_over_a_distance_however_finely_it_is_sampled() -> None:
     assert fine[-1] == pytest.approx(coarse[-1])
 
 
-def test_karnopp_sticks_in_the_dead_zone_and_reverses_at_once() -> None:
-    qd = DEAD_ZONE * np.array([0.5, 2, 0.5, -0.9, -1.1, -0.1, 0.1, 3, 0.2])
-    segment = np.array([0, 0, 0, 0, 0, 0, 0, 1, 2])
-    direction = karnopp_direction(qd, segment)
-    np.testing.assert_array_equal(direction, [0, 1, 1, 1, -1, -1, -1, 1, 0])
-
-
 def test_nothing_is_known_of_friction_where_a_segment_begins() -> None:
     np.testing.assert_array_equal(creep([1e-3, 0, 0], [0, 0, 1, 1])[2:], 0.0)
 
 
-def test_what_is_expected_of_a_term_has_a_number_for_each_coefficient() -> None:
-    for term in (*BASE, *CONSIDERED, *FAMILY):
-        assert len(term.expected(torque_max=150.0)) == len(term.names())
-    assert CONSIDERED[0].expected(150.0) == [0.75, 0.75]
-    assert Term("coulomb").expected(150.0) == [150.0]
-    assert Term("load").expected(150.0) == Term("load").expected(28.0) == [0.1]  # whatever motor
+def test_load_friction_is_expected_whatever_the_motor() -> None:
+    assert TERMS["coulomb"].expected(150.0) == 150.0
+    assert TERMS["load"].expected(150.0) == TERMS["load"].expected(28.0) == 0.1
 
 
-def test_friction_that_drives_is_told() -> None:
-    terms = (Term("coulomb"), Term("viscous"), Term("load"))
-    speed, load = np.linspace(-1, 1, 21), np.array([0.0, 100.0])
-    assert is_dissipative(terms, np.array([1.0, -0.5, 0.0]), speed, load)
-    assert not is_dissipative(terms, np.array([1.0, -2.0, 0.0]), speed, load)
-    assert not is_dissipative(terms, np.array([1.0, 0.0, -0.1]), speed, load)
-
-
-def test_what_depends_on_the_position_is_not_taken_for_friction() -> None:
-    terms = (*BASE, Term("periodic", 1))
-    assert is_dissipative(
-        terms, np.array([1.0, 1.0, 0.0, 9.0, 9.0]), np.array([-1.0, 1.0]), np.zeros(1)
-    )
-
-
-VALUES = {  # at q = 0.5 rad, q̇ = -0.4 rad/s, 20 Nm, direction -0.9, worked out by hand
-    Term("coulomb"): [-0.9],
-    Term("viscous"): [-0.4],
-    Term("load"): [-18.0],
-    Term("stribeck", 0.2): [-0.9 * np.exp(-4)],
-    Term("saturating", 0.2): [-np.tanh(2)],
-    Term("quadratic"): [-0.16],
-    Term("cubic"): [-0.064],
-    Term("asymmetric"): [0.4],
-    Term("periodic", 2.0): [np.sin(1.0), np.cos(1.0)],
-}
-
-
-@pytest.mark.parametrize("term", VALUES, ids=lambda term: term.kind)
-def test_a_term_has_its_value(term: Term) -> None:
+def test_terms_have_their_values() -> None:
+    """At q = 0.5 rad, q̇ = -0.4 rad/s, 20 Nm and a direction of -0.9."""
     motion = JointMotion(*(np.array([value]) for value in (0.5, -0.4, 20.0, -0.9)))
-    np.testing.assert_allclose(term.columns(motion), [VALUES[term]])
+    np.testing.assert_allclose(friction_columns(motion, BASE), [[-0.9, -0.4, -18.0]])
 
 
 def test_the_dead_zone_is_a_fiftieth_of_a_radian_per_second() -> None:

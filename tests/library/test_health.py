@@ -12,7 +12,6 @@ from tests.library.current_study import (
     CONSTANT,
     FRICTION,
     OFFSET,
-    PRESLIDING,
     make_record,
     prior,
     smooth,
@@ -49,14 +48,14 @@ def worn(seed: int, coulomb: dict[int, float], viscous: dict[int, float]) -> Rec
     current = record.current + NOISE * random.standard_normal(record.current.shape)
     for kind, more in ((BASE[0], coulomb), (BASE[1], viscous)):
         for joint, size in more.items():
-            columns, _ = columns_of(record.joint(joint - 1, PRESLIDING), [kind])
+            columns, _ = columns_of(record.joint(joint - 1), [kind])
             current[:, joint - 1] += size * columns[:, -1] / CONSTANT[joint - 1]
     return replace(record, current=current)
 
 
 @pytest.fixture(scope="module")
 def fit() -> CurrentFit:
-    return fit_currents([worn(seed, {}, {}) for seed in range(6)], smooth, prior(), [])
+    return fit_currents([worn(seed, {}, {}) for seed in range(6)], smooth, prior())
 
 
 def test_friction_of_a_recording_comes_back(fit: CurrentFit) -> None:

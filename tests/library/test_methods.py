@@ -23,11 +23,11 @@ from ur5lib.identification import (
     base_parameters,
     closed_loop,
     current_regression,
+    joint_regression,
     payload,
     prior,
     regression,
     samples,
-    selection,
 )
 from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock, noise
@@ -35,7 +35,6 @@ from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 
 PRIOR = ContactPrior()
-WAYS = sorted(friction.PRESLIDING)
 COUNTED = {10: "ten", 8: "eight", 5: "five", 4: "four", 3: "three", 2: "two"}
 
 
@@ -63,22 +62,23 @@ def statements() -> Iterator[str]:
     yield f"within the {percent(closed_loop.LEVEL)} point of F(2, n − 2)"
     yield f"narrower than a factor of {closed_loop.KNOWN:g}."
     yield f"if less than {percent(base_parameters.LARGEST_SHARE)} of its variance"
-    yield f"gain of {percent(selection.GAIN)} and of {COUNTED[int(selection.STANDARD_ERRORS)]}"
-    shortest, usual, longest = (f"{way:.0e}".replace("e-0", "e-") for way in WAYS)
-    yield f"of {shortest}, {usual} and {longest} rad"
-    yield f"load-dependent friction {friction.KINDS['load'].expected(1.0):g} Nm/Nm"
-    share = friction.KINDS["periodic"].expected(1.0)
-    yield f"torque {percent(share)} of the motor's largest torque"
+    yield f"over {friction.PRESLIDING:.0e} rad".replace("e-0", "e-")
+    yield f"load-dependent friction {friction.TERMS['load'].expected(1.0):g} Nm/Nm"
+    for share, std in (prior.COULOMB, prior.VISCOUS):
+        yield f"({100 * share:g} ± {100 * std:g}) % T"
+    yield "{:g} ± {:g}".format(*prior.LOAD)
+    share = friction.TERMS["periodic"].expected(1.0)
+    yield f"once per turn, {percent(share)} of the motor's largest torque"
     yield f"with fewer than {COUNTED[samples.FEW]} paths"
     yield f"over stretches of {samples.STRETCH * segments.BLOCK:g} s"
     yield f"over blocks of {segments.BLOCK:g} s alone"
-    yield f"s₀ = −{-selection.HELD:g} c"
+    yield f"s₀ = −{-joint_regression.HELD:g} c"
     yield f"σ₀ = {percent(prior.NOISE)} of the largest torque"
     yield f"counts as n₀ = {regression.USUAL:g} blocks"
     moving, resting = current_regression.MOVING, current_regression.RESTING
     yield f"u = {moving.error:g}, n₀ = {moving.recordings:g} in motion"
     yield f"u = {resting.error:g}, n₀ = {resting.recordings:g} at rest"
-    yield f"of less than {selection.FEWEST * samples.STEP:g} s are taken together"
+    yield f"of less than {joint_regression.FEWEST * samples.STEP:g} s are taken together"
     yield f"with more than {COUNTED[current_regression.FOLDS]} paths"
     yield f"{percent(payload.GEARS)} of the mass for the gears"
     yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"

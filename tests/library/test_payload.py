@@ -24,7 +24,7 @@ CARRIED = np.array([2.8, 0.1, -0.3])
 
 @pytest.fixture(scope="module")
 def fitted() -> CurrentFit:
-    return fit_currents(noisy(range(6)), smooth, prior(), ())
+    return fit_currents(noisy(range(6)), smooth, prior())
 
 
 def regressor(record: Record) -> np.ndarray:

@@ -88,7 +88,7 @@ def fitted(
     postures, _ = checked_postures(entry_of(folder, q, current), arm, payload, None)
     torque = held_torque(postures, arm, arm.chosen_model)
     known = replace(prior(name), at_rest=AtRest.of([(torque, postures.current)]))
-    return fitted_friction([], known, Smoother(4, 2.0), [])
+    return fitted_friction([], known, Smoother(4, 2.0))
 
 
 # Torque constants
@@ -119,7 +119,7 @@ def test_friction_is_what_is_typical(tmp_path: Path) -> None:
     arm = described("ur16e")
     torque = gravity_torque(arm, arm.chosen_model, q)
     alone = replace(prior_of(arm, []), typical={}, at_rest=AtRest.of([(torque, current)]))
-    friction = fitted_friction([], alone, Smoother(4, 2.0), [])
+    friction = fitted_friction([], alone, Smoother(4, 2.0))
     assert not friction.fit.joints
     assert friction.refused is not None
     assert len(constants_of(friction)) == len(friction.parameters) == 6
@@ -158,7 +158,7 @@ def test_postures_and_motion_tell_constants_together() -> None:
     current = (torque + random.uniform(-5, 5, torque.shape)) * slope
     together = replace(known, at_rest=AtRest.of([(torque, current)]))
     without, beside = (
-        {(row.joint, row.name): row for row in parameters(fit_currents(records, smooth, own, []))}
+        {(row.joint, row.name): row for row in parameters(fit_currents(records, smooth, own))}
         for own in (known, together)
     )
     for joint in range(1, 7):
@@ -181,7 +181,7 @@ def test_any_number_of_joints_may_rest(tmp_path: Path) -> None:
     assert quality.frames == ROWS
     held = held_torque(postures, arm, arm.chosen_model)
     known = replace(prior_of(arm, []), at_rest=AtRest.of([(held, postures.current)]))
-    rows = constants_of(fitted_friction([], known, Smoother(4, 2.0), []))
+    rows = constants_of(fitted_friction([], known, Smoother(4, 2.0)))
     assert len(rows) == 7
     for row in rows:
         assert row.value == pytest.approx(1.0, abs=4 * row.std_error)

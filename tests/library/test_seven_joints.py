@@ -197,7 +197,7 @@ def test_currents_are_fitted() -> None:
     inverse = known.inverse_constant
     precision = np.diag(seventh(np.diag(inverse.precision)))
     wide = Prior(Normal(seventh(inverse.mean), precision), seventh(known.torque_max))
-    fit, expected = fit_currents(records, smooth, wide, ()), fit_currents(six, smooth, known, ())
+    fit, expected = fit_currents(records, smooth, wide), fit_currents(six, smooth, known)
     assert len(fit.joints) == JOINTS
     for own, other in zip(fit.joints, (*expected.joints, expected.joints[0]), strict=True):
         np.testing.assert_allclose(own.estimate.coefficients, other.estimate.coefficients)

@@ -18,7 +18,13 @@ from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
-from ur5lib.stand.friction import LOAD, Friction, friction_of
+from ur5lib.stand.friction import (
+    COULOMB_WARMING,
+    LOAD,
+    VISCOUS_WARMING,
+    Friction,
+    friction_of,
+)
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.stand.rig import STEP, Experiment, perform
 from ur5lib.tables import channel
@@ -193,6 +199,18 @@ def test_force_sensor_carries_the_tool(
 
 
 # Friction
+
+
+def test_friction_falls_as_it_warms() -> None:
+    parameters = friction_of(load_robot(robot_path("ur5")), True)
+    torque = []
+    for warmth in (0.0, 10.0):
+        friction = Friction(parameters, np.zeros(6))
+        for _ in range(2000):
+            slid = friction.torque(np.zeros(6), np.ones(6), np.zeros(6), 0.001, warmth)
+        torque.append(slid)
+    lost = parameters.coulomb * COULOMB_WARMING + parameters.viscous * VISCOUS_WARMING
+    np.testing.assert_allclose(torque[1] - torque[0], 10 * lost, rtol=1e-6)
 
 
 @pytest.mark.parametrize("speed", [-50.0, -3.0, -0.1, 0.01, 1.0, 3.0])

@@ -305,7 +305,7 @@ def test_the_shipped_studies_are_valid(thesis_data: Path, tmp_path: Path, monkey
 
 OLD_SETTINGS = {
     "repair_frames": {"max_gap_s": 0.2},
-    "fit_friction": {"order": 4, "cutoff_hz": 2.0, "terms": []},
+    "fit_friction": {"order": 4, "cutoff_hz": 2.0},
     "rebuild_forces": {"min_singular_value": 0.02},
     "estimate_forces": {"contact_force_n": 10},
     "set_threshold": {"false_alarms_per_min": 2},
@@ -316,7 +316,7 @@ def test_each_setting_of_an_earlier_version_is_told_its_new_name(raw: dict[str, 
     sentences = complaints(raw | {"settings": OLD_SETTINGS})
     assert len(sentences) == sum(len(keys) for keys in OLD_SETTINGS.values())
     assert any(
-        words("`settings.fit_friction.terms` `settings.friction.terms`") <= words(s)
+        words("`settings.fit_friction.order` `settings.lowpass.currents.order`") <= words(s)
         for s in sentences
     )
 

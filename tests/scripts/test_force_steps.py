@@ -152,7 +152,7 @@ UNLOADED = PayloadEstimate(np.full(4, 0.05), np.full(4, 0.05), np.full(3, 0.05))
 @pytest.fixture(scope="module")
 def friction() -> Friction:
     records = [with_noise(make_record(seed, seconds=10.0), seed) for seed in range(2)]
-    fit = fit_currents(records, smooth, prior(), ())
+    fit = fit_currents(records, smooth, prior())
     return Friction(
         from_=["a", "b"], fit=fit, least_squares=least_squares_coefficients(records), paths=5
     )

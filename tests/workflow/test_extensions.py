@@ -25,7 +25,7 @@ CHANNELS = "{time: t, actual_q: q, actual_qd: qd, actual_current: i}"
 ENTRY = (
     "  - {{name: {0}, robot: ur5, format: own, folder: raw, file: {0}.mylog, role: {1}, channels: "
 )
-HEAD = "study: own\ntitle: Own\nsettings: {friction: {terms: [root]}}\nrecordings:\n"
+HEAD = "study: own\ntitle: Own\nrecordings:\n"
 STUDY = HEAD + "".join(
     f"{ENTRY.format(name, role)}{CHANNELS}}}\n"
     for name, role in {"free": "fit", "other": "fit", "pushed": "contact"}.items()
@@ -125,22 +125,21 @@ def test_no_study_brings_any_along(lab: Workflow, tmp_path: Path) -> None:
     """What lies beside a study elsewhere is not run, and no key of a study names a file."""
     study = lab.folder / "config.yaml"
     (tmp_path / "raw").symlink_to(lab.folder / "raw")
-    assert "`settings.friction.terms[0]` is 'root'" in ur5(tmp_path, "check", str(study)).stderr
+    assert "no extension reads `.mylog`" in ur5(tmp_path, "check", str(study)).stdout
 
 
-KIND = """from ur5lib.robots.friction import Kind
+TERM = """from ur5lib.robots.friction import Term
 
-TERMS = {"root": Kind(lambda motion, _: COLUMNS)}
+TERMS = {"root": Term(lambda motion: COLUMNS)}
 """
 WRONG = [  # a file, and what is said about it
     ("friction", "TERMS = {", "friction.py, line 1 fails (SyntaxError: '{' was never closed)"),
     ("friction", "import tea", "friction.py, line 1 fails (ModuleNotFoundError: No module"),
     ("friction", "TERM = 1", "extensions/friction.py needs a dict TERMS by name; docs/"),
-    ("friction", "TERMS = {'root': 1}", "'root' is no Kind with candidates of its shape; give"),
-    ("friction", KIND.replace("COLUMNS", "[motion.qd]"), "'root' is no Kind with candidates"),
-    ("friction", KIND.replace("COLUMNS", "motion.qd, (0.0,)"), "columns of shapes [(), (), ()]"),
-    ("friction", KIND.replace("COLUMNS", "[motion.x], (0.0,)"), "line 3 fails (AttributeError: "),
-    ("friction", "TERMS = {'cubic': 1}", "'cubic' is a term of ur5lib, or no lower-case word"),
+    ("friction", "TERMS = {'root': 1}", "'root' is no Term; docs/extensions.md shows one"),
+    ("friction", TERM.replace("COLUMNS", "motion.qd"), "columns of shapes [(), (), ()]"),
+    ("friction", TERM.replace("COLUMNS", "[motion.x]"), "line 3 fails (AttributeError: "),
+    ("friction", "TERMS = {'viscous': 1}", "'viscous' is a term of ur5lib, or no lower-case word"),
     ("formats", "FORMATS = {'.h5': print}", "'.h5' is read by ur5lib, is no ending such as"),
     ("formats", "FORMATS = {'.mylog': 3}", "'.mylog' is read by ur5lib, is no ending such as"),
     ("formats", "FORMATS = {'.mylog': float}", "the reader of `.mylog` fails (TypeError: "),

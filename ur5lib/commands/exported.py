@@ -35,7 +35,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
 FORMATS = (*WRITERS, "json")
 FEWEST_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
-FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "contradicted")
+FITTED = ("terms", "held", "band_moving", "band_rest", "contradicted")
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:

@@ -321,4 +321,4 @@ def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
         width, friction = UR_CONSTANT_WIDTH, typical_friction(torque_max)
     known = Normal(inverse, np.diag((width * inverse) ** -2.0))
     prior = Prior(known, _seen(robot) * torque_max, typical=friction)
-    return prior.over([BASE] * len(inverse)).precision
+    return prior.over(BASE).precision

@@ -9,10 +9,10 @@ friction.
 import numpy as np
 
 from ur5lib.identification.currents import CurrentFit, JointFit
+from ur5lib.identification.joint_regression import FEWEST
 from ur5lib.identification.regression import Normal, regress
 from ur5lib.identification.samples import Record, Samples, Smooth, blocks, joint_samples
-from ur5lib.identification.selection import FEWEST
-from ur5lib.robots.friction import BASE, CONSIDERED
+from ur5lib.robots.friction import coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
@@ -36,9 +36,7 @@ def joint_conditions(record: Record, smooth: Smooth, fit: CurrentFit) -> list[Es
     NaN if the joint moves too little. Standard errors come from the recording alone; they do not
     include how much recordings differ from one another.
     """
-    family = {term for joint in fit.joints for term in joint.terms} - {*BASE, *CONSIDERED}
-    presliding = [joint.presliding for joint in fit.joints]
-    samples = joint_samples([record], smooth, sorted(family, key=repr), presliding)
+    samples = joint_samples([record], smooth, fit.joints[0].terms)
     noise = _noise(record, smooth)
     return [
         {**_of_motion(own.where(own.moving), joint), "noise": level}
@@ -62,14 +60,9 @@ def _of_motion(moving: Samples, joint: JointFit) -> Estimates:
 
 
 def _held(samples: Samples, joint: JointFit) -> Array:
-    """Return the current (n,) [A] of the friction terms that are held at the arm's fit.
-
-    What temperature contributes is left out, because it belongs to the friction of that date.
-    """
-    names = [name for term in joint.terms for name in term.names()]
-    own = [name not in FITTED and not name.startswith("warming") for name in names]
-    coefficients = joint.estimate.coefficients[2:] * own
-    current: Array = samples.design(joint.terms)[:, 2:] @ coefficients
+    """Return the current (n,) [A] of the friction terms that are held at the arm's fit."""
+    held = [name not in FITTED for name in coefficient_names(joint.terms)]
+    current: Array = samples.columns[:, 2:] @ (joint.estimate.coefficients[2:] * held)
     return current
 
 

@@ -20,6 +20,12 @@ from ur5lib.identification.currents import (
     unseen_difference,
 )
 from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
+from ur5lib.identification.joint_regression import (
+    FEWEST,
+    HELD,
+    held_current,
+    left_out_residuals,
+)
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import DRAWS, spread
 from ur5lib.identification.samples import (
@@ -32,15 +38,7 @@ from ur5lib.identification.samples import (
     record_days,
     record_paths,
 )
-from ur5lib.identification.selection import (
-    FEWEST,
-    HELD,
-    choose_reversal,
-    choose_terms,
-    held_current,
-    left_out_residuals,
-)
-from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
+from ur5lib.robots.friction import BASE, CONSIDERED, FITTED
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 # A torque constant is doubted, or contradicts the known one, where it is off by more than both:
@@ -67,20 +65,14 @@ MOVING, RESTING = Usual(0.13, 1.3), Usual(0.37, 4.0)
 
 
 def fit_currents(
-    records: Sequence[Record],
-    smooth: Smooth,
-    prior: Prior,
-    family: Sequence[Term] = FAMILY,
-    seed: int = 0,
+    records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int = 0
 ) -> CurrentFit:
-    """Fit all joints to contact-free recordings; select friction terms by cross-validation.
+    """Fit all joints to contact-free recordings.
 
     smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
     A joint whose current does not follow its torque keeps the known torque constant.
     """
-    return _with_known_where_lost(
-        prior, lambda known: _fit_with(records, smooth, known, family, seed)
-    )
+    return _with_known_where_lost(prior, lambda known: _fit_with(records, smooth, known, seed))
 
 
 def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
@@ -111,14 +103,14 @@ def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
     """Return what a prior with typical friction expects of each joint, without any motion."""
     if prior.at_rest is None:
         return CurrentFit(tuple(map(_without_motion, *_of_prior(prior, seed))), 0)
-    estimates, units = estimate_together((), [BASE] * len(prior.torque_max), prior, seed)
+    estimates, units = estimate_together((), prior, seed)
     doubts = [np.cov(estimate.replicates.T) for estimate in estimates]
     return CurrentFit(tuple(map(_without_motion, estimates, doubts)), units)
 
 
 def _of_prior(prior: Prior, seed: int) -> tuple[list[Estimate], list[Array]]:
     """Return a prior as an estimate of each joint, and its covariance (P, P)."""
-    whole = prior.over([BASE] * len(prior.torque_max))
+    whole = prior.over(BASE)
     covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
     drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, DRAWS)
     size = len(whole.mean) // len(prior.torque_max)
@@ -137,8 +129,6 @@ def _without_motion(estimate: Estimate, doubt: Array) -> JointFit:
     return JointFit(
         terms=BASE,
         estimate=estimate,
-        presliding=PRESLIDING[0],
-        reversal_errors=(),
         held=HELD * coulomb,
         band_moving=band_of_recordings(*NONE, MOVING, coulomb),
         band_rest=band_of_recordings(*NONE, RESTING, coulomb),
@@ -171,35 +161,19 @@ def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
     return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
 
-def _fit_with(
-    records: Sequence[Record],
-    smooth: Smooth,
-    prior: Prior,
-    family: Sequence[Term],
-    seed: int,
-) -> CurrentFit:
+def _fit_with(records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int) -> CurrentFit:
     """Return the fit under a prior as it is."""
-    alone = [prior.of_joint(joint) for joint in range(len(prior.torque_max))]
-    # how the friction of each joint reverses, with the least error on paths left out
-    ways = (*PRESLIDING, KARNOPP)
-    tried = [joint_samples(records, smooth, family, [way] * len(alone)) for way in ways]
-    by_joint = zip(zip(*tried, strict=True), alone, strict=True)
-    chosen = [choose_reversal(dahl, karnopp, own) for (*dahl, karnopp), own in by_joint]
-    samples, errors = zip(*chosen, strict=True)
-    # friction terms of each joint, then the coefficients of all joints
-    terms = [choose_terms(*pair) for pair in zip(samples, alone, strict=True)]
-    estimates, units = estimate_together(samples, terms, prior, seed)
-    # standard errors of the fit with the terms that are always considered
-    fuller = [(*own, *(term for term in CONSIDERED if term not in own)) for own in terms]
-    fuller_estimates, _ = estimate_together(samples, fuller, prior, seed)
-    estimates = [*map(beside_fuller, estimates, fuller_estimates)]
-    each = zip(samples, terms, alone, estimates, errors, strict=True)
-    joints = [_joint_fit(*joint) for joint in each]
-    return CurrentFit(tuple(joints), units, len(np.unique(record_days(records))))
+    fuller = joint_samples(records, smooth, (*FITTED, *CONSIDERED))
+    samples = [own.without(CONSIDERED) for own in fuller]
+    estimates, units = estimate_together(samples, prior, seed)
+    estimates = [*map(beside_fuller, estimates, estimate_together(fuller, prior, seed)[0])]
+    alone = [prior.of_joint(joint) for joint in range(len(samples))]
+    joints = tuple(map(_joint_fit, samples, alone, estimates))
+    return CurrentFit(joints, units, len(np.unique(record_days(records))))
 
 
 def fit_without_each_path(
-    records: Sequence[Record], smooth: Smooth, prior: Prior, family: Sequence[Term] = FAMILY
+    records: Sequence[Record], smooth: Smooth, prior: Prior
 ) -> list[tuple[list[str], CurrentFit]]:
     """Cross-fit: return fits without some paths and days, each with the recordings that it judges.
 
@@ -217,33 +191,25 @@ def fit_without_each_path(
         names = [records[place].name for place in np.flatnonzero(out).tolist()]
         judged.setdefault(kept, []).extend(names)
     return [
-        (names, fit_currents([records[place] for place in kept], smooth, prior, family))
+        (names, fit_currents([records[place] for place in kept], smooth, prior))
         for kept, names in judged.items()
     ]
 
 
-def _joint_fit(
-    samples: Samples,
-    terms: tuple[Term, ...],
-    prior: Prior,
-    estimate: Estimate,
-    reversal_errors: tuple[float, ...],
-) -> JointFit:
+def _joint_fit(samples: Samples, prior: Prior, estimate: Estimate) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
-    residual, doubt = left_out_residuals(samples, terms, prior), None
+    residual, doubt = left_out_residuals(samples, prior), None
     if not np.isfinite(residual[samples.moving]).any():  # no motion is left out
         doubt = np.cov(estimate.replicates.T)
     if not np.isfinite(residual).any():  # a single path: residuals of the fit itself
-        residual = samples.current - samples.design(terms) @ coefficients
+        residual = samples.current - samples.columns @ coefficients
     moving, coulomb = samples.moving, max(0.0, float(coefficients[2]))
     of_motion = samples.day[moving], samples.record[moving], samples.path[moving]
     return JointFit(
-        terms,
+        FITTED,
         estimate,
-        samples.presliding,
-        reversal_errors,
-        held_current(samples, terms, coefficients),
+        held_current(samples, coefficients),
         band_of_recordings(residual[moving], of_motion[1], MOVING, coulomb),
         band_of_recordings(residual[~moving], samples.record[~moving], RESTING, coulomb),
         unseen_difference(estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)),

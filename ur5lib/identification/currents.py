@@ -12,7 +12,7 @@ from ur5lib.errors import Remark
 from ur5lib.identification.estimation import Estimate, physical
 from ur5lib.identification.regression import half_width
 from ur5lib.identification.samples import FEW, Record, Smooth, columns_of, smoothed_moving
-from ur5lib.robots.friction import JointMotion, Term
+from ur5lib.robots.friction import JointMotion, coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -30,20 +30,16 @@ LEAST_FRICTION = 0.1  # Nm
 class JointFit:
     """One joint's map from motion to current.
 
-    presliding: [rad], over which friction reverses, or KARNOPP; reversal_errors: [A],
-    cross-validated, with each distance of PRESLIDING and with Karnopp's friction, empty with one
-    path; held: [A], friction at rest beyond that in motion, may be negative; band_moving,
-    band_rest: half of the 95 % band [A] around the low-passed current of a recording that was left
-    out; unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt: (P, P),
-    covariance of the coefficients where no motion that was left out shows their errors;
+    terms: of friction; held: [A], friction at rest beyond that in motion, may be negative;
+    band_moving, band_rest: half of the 95 % band [A] around the low-passed current of a recording
+    that was left out; unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
+    (P, P), covariance of the coefficients where no motion that was left out shows their errors;
     contradicted: torque constant [Nm/A] that the currents alone would give, None unless it
     contradicts the known one, which the fit then keeps.
     """
 
-    terms: tuple[Term, ...]
+    terms: tuple[str, ...]
     estimate: Estimate
-    presliding: float
-    reversal_errors: tuple[float, ...]
     held: float
     band_moving: float
     band_rest: float
@@ -54,7 +50,7 @@ class JointFit:
 
     def names(self) -> list[str]:
         """Return the parameters' names."""
-        return ["torque_constant", "offset", *(n for term in self.terms for n in term.names())]
+        return ["torque_constant", "offset", *coefficient_names(self.terms)]
 
     def std_error(self) -> Array:
         """Return the standard errors (P,) of the arm's parameters on any day."""
@@ -125,13 +121,12 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 
 def predict(fit: CurrentFit, record: Record) -> Array:
     """Predict the current (N, 6) [A] of a motion without contact; ignores the record's current."""
-    return predicted(fit, motions(fit, record))
+    return predicted(fit, motions(record))
 
 
-def motions(fit: CurrentFit, record: Record) -> Iterator[JointMotion]:
-    """Yield the motion of each joint; of the fit, only how friction reverses matters."""
-    for joint, model in enumerate(fit.joints):
-        yield record.joint(joint, model.presliding)
+def motions(record: Record) -> Iterator[JointMotion]:
+    """Yield the motion of each joint."""
+    yield from map(record.joint, range(record.q.shape[1]))
 
 
 def predicted(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
@@ -148,7 +143,7 @@ def friction_current(fit: CurrentFit, record: Record) -> Array:
     """Return the part (N, 6) [A] of the predicted current that friction takes in motion."""
     currents = [
         columns_of(motion, model.terms)[0][:, 2:] @ model.estimate.coefficients[2:]
-        for model, motion in zip(fit.joints, motions(fit, record), strict=True)
+        for model, motion in zip(fit.joints, motions(record), strict=True)
     ]
     return np.stack(currents, axis=1)
 
@@ -158,7 +153,7 @@ def load_loss(fit: CurrentFit, record: Record) -> Array:
     loss = np.empty_like(record.q)
     for joint, (model, constant) in enumerate(zip(fit.joints, torque_constants(fit), strict=True)):
         coefficient = constant * model.estimate.coefficients[model.names().index("load")]
-        loss[:, joint] = coefficient * record.joint(joint, model.presliding).direction
+        loss[:, joint] = coefficient * record.joint(joint).direction
     return loss
 
 
@@ -178,7 +173,7 @@ def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
 def _coefficients_doubt(fit: CurrentFit, record: Record) -> Array:
     """Return the standard deviation (N, 6) [A] of a prediction by the coefficients' doubt."""
     doubts = np.zeros_like(record.q)
-    for joint, (model, motion) in enumerate(zip(fit.joints, motions(fit, record), strict=True)):
+    for joint, (model, motion) in enumerate(zip(fit.joints, motions(record), strict=True)):
         if model.doubt is not None:
             columns, _ = columns_of(motion, model.terms)
             doubts[:, joint] = np.sqrt(((columns @ model.doubt) * columns).sum(axis=1))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ur5lib.identification.joint_regression import regress_samples
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import (
     DRAWS,
@@ -21,8 +22,7 @@ from ur5lib.identification.regression import (
     standard_error,
 )
 from ur5lib.identification.samples import Samples
-from ur5lib.identification.selection import regress_samples
-from ur5lib.robots.friction import Term
+from ur5lib.robots.friction import BASE, coefficient_names
 from ur5lib.timeseries.arrays import Array, Labels
 
 VAGUE = 1e-6  # of a precision, which leaves a value to the data
@@ -49,13 +49,14 @@ class Estimate:
 
 
 def estimate_together(
-    samples: Sequence[Samples], terms: Sequence[tuple[Term, ...]], prior: Prior, seed: int = 0
+    samples: Sequence[Samples], prior: Prior, seed: int = 0
 ) -> tuple[list[Estimate], int]:
     """Estimate all joints; return the estimates and the number of units of the bootstrap.
 
     Units are paths, or stretches if paths are few; without motion, stretches of postures.
     """
-    parts = [part for part in (_in_motion(samples, terms, prior), _at_rest(terms, prior)) if part]
+    terms = samples[0].terms if samples else BASE
+    parts = [part for part in (_in_motion(samples, prior), _at_rest(terms, prior)) if part]
     sums = [np.concatenate(joint) for joint in zip(*(part.sums for part in parts), strict=True)]
     record, day = (_labels([getattr(part, name) for part in parts]) for name in ("record", "day"))
     whole, generator = prior.over(terms), np.random.default_rng(seed)
@@ -144,15 +145,12 @@ class Evidence:
         return len(np.unique(self.unit[self.unit >= 0]))
 
 
-def _in_motion(
-    samples: Sequence[Samples], terms: Sequence[tuple[Term, ...]], prior: Prior
-) -> Evidence | None:
+def _in_motion(samples: Sequence[Samples], prior: Prior) -> Evidence | None:
     """Return what samples in motion tell; None without any joint's."""
     if not samples:
         return None
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
-    pairs = enumerate(zip(samples, terms, strict=True))
-    sums = [_normal_equations(*own, prior.of_joint(joint), count) for joint, own in pairs]
+    sums = [_normal_equations(own, prior.of_joint(j), count) for j, own in enumerate(samples)]
     unit = np.full(count, -1)
     record, day = np.zeros((2, count), dtype=np.int64)
     for own in samples:
@@ -161,7 +159,7 @@ def _in_motion(
     return Evidence(sums, unit, record, day)
 
 
-def _at_rest(terms: Sequence[tuple[Term, ...]], prior: Prior) -> Evidence | None:
+def _at_rest(terms: Sequence[str], prior: Prior) -> Evidence | None:
     """Return what postures at rest tell of torque constants, each a block; None without any.
 
     A recording of them counts as a day of its own.
@@ -170,14 +168,14 @@ def _at_rest(terms: Sequence[tuple[Term, ...]], prior: Prior) -> Evidence | None
     if postures is None:
         return None
     block, sums = np.arange(len(postures.record)), []
-    for joint, own in enumerate(terms):
+    size = 2 + len(coefficient_names(terms))
+    for joint in range(postures.torque.shape[1]):
         alone, design = prior.of_joint(joint), postures.torque[:, joint, None]
         current, noise = postures.current[:, joint], alone.noise_at_rest()
         # regardless of the prior, or what contradicts it would count as noise
         vague = Normal(alone.inverse_constant.mean, VAGUE * alone.inverse_constant.precision)
         fit = regress(design, current, block, vague, float(noise[0]))
         of_constant = _newton_step(fit, design, current, block, len(block))
-        size = 2 + sum(len(term.names()) for term in own)
         whole = np.zeros((len(block), size, size + 1))
         whole[:, 0, [0, -1]] = of_constant[:, 0]
         sums.append(whole)
@@ -190,10 +188,10 @@ def _labels(parts: Sequence[Labels]) -> Labels:
     return np.concatenate([first + own for first, own in zip(firsts, parts, strict=True)])
 
 
-def _normal_equations(samples: Samples, terms: Sequence[Term], prior: Prior, count: int) -> Array:
+def _normal_equations(samples: Samples, prior: Prior, count: int) -> Array:
     """Return `block_sums` of the samples of a joint in motion."""
-    fit, moving = regress_samples(samples, terms, prior), samples.where(samples.moving)
-    return _newton_step(fit, moving.design(terms), moving.current, moving.block, count)
+    fit, moving = regress_samples(samples, prior), samples.where(samples.moving)
+    return _newton_step(fit, moving.columns, moving.current, moving.block, count)
 
 
 def _newton_step(

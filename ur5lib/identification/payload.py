@@ -156,7 +156,7 @@ def estimate_payload(
     block = np.repeat(blocks(record)[::every, None], rows.shape[1], axis=1)[rows]
     columns = (explained / scale[:, None])[rows]
     axes, along = _axes(columns)
-    unloaded = [*motions(fit, record)]
+    unloaded = [*motions(record)]
 
     def solve(maps: Maps, left: Array, start: Array, count: Labels, known: Array) -> Array:
         constants = 1 / np.array([coefficients[0] for coefficients in maps])

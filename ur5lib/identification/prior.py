@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
 from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.regression import Normal
-from ur5lib.robots.friction import Term
+from ur5lib.robots.friction import FITTED, coefficient_names, term_of
 from ur5lib.timeseries.arrays import Array
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
@@ -85,25 +86,25 @@ class Prior:
         }
         return Prior(inverse, self.torque_max[own], typical=typical)
 
-    def over(self, terms: Sequence[Sequence[Term]]) -> Normal:
+    def over(self, terms: Sequence[str] = FITTED) -> Normal:
         """Return the prior of all joints' coefficients.
 
-        They are, joint by joint, 1/k [A/Nm], an offset [A], and those of its terms. One without a
+        They are, joint by joint, 1/k [A/Nm], an offset [A], and those of the terms. One without a
         typical value is 0 ± what its term is expected to be at most: of an offset, the motor's
         largest torque.
         """
         inverse = self.inverse_constant.mean
-        names, widths = zip(*map(_expected, terms, self.torque_max), strict=True)
-        starts = np.cumsum([0, *(len(own) for own in names[:-1])])
-        scale = np.repeat(inverse, [len(own) for own in names])
-        mean, std = np.zeros(len(scale)), scale * np.concatenate(widths)
-        vague = [name not in ("", *self.typical) for own in names for name in own]
-        precision = np.diag(np.where(vague, np.where(vague, std, 1.0) ** -2.0, 0.0))
+        names = ["", OFFSET, *coefficient_names(terms)]  # "" of 1/k
+        widths = np.array([_expected(terms, most) for most in self.torque_max])  # (n, P)
+        starts = len(names) * np.arange(len(inverse))
+        mean, std = np.zeros(widths.size), (inverse[:, None] * widths).ravel()
+        vague = np.tile([name not in ("", *self.typical) for name in names], len(inverse))
+        precision = np.diag(np.where(vague, std**-2.0, 0.0))
         mean[starts] = inverse
         precision[np.ix_(starts, starts)] += self._inverse_precision()
         for name, known in self.typical.items():
             # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
-            places = starts + [own.index(name) for own in names]
+            places = starts + names.index(name)
             value = known.mean * (-1 if name == OFFSET else 1)  # k i = τ + τ_friction - b
             difference = np.zeros((len(starts), len(mean)))
             rows = np.arange(len(starts))
@@ -127,13 +128,10 @@ class Prior:
 OFFSET = "offset"
 
 
-def _expected(terms: Sequence[Term], torque_max: float) -> tuple[list[str], list[float]]:
-    """Return the coefficients' names, "" for 1/k, and their expected size times k [Nm, ...]."""
-    names, sizes = ["", OFFSET], [1.0, torque_max]
-    for term in terms:
-        names += term.names()
-        sizes += term.expected(torque_max)
-    return names, sizes
+def _expected(terms: Sequence[str], torque_max: float) -> list[float]:
+    """Return how large 1/k, the offset and friction's coefficients are, times k [Nm, ...]."""
+    own = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
+    return [1.0, torque_max, *chain.from_iterable(own)]
 
 
 STILL = 1e-3  # rad/s

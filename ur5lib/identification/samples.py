@@ -6,20 +6,18 @@ comparable; fast changes of the measured current are noise.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from ur5lib.robots.friction import (
-    BASE,
-    CONSIDERED,
-    KARNOPP,
+    FITTED,
     USUAL,
     JointMotion,
-    Term,
+    coefficient_names,
+    friction_columns,
     friction_direction,
-    karnopp_direction,
     resting,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -60,17 +58,10 @@ class Record:
             self._thinned[key] = thinned()
         return self._thinned[key]
 
-    def joint(self, joint: int, presliding: float) -> JointMotion:
-        """Return the motion of joint 0 to 5, whose friction reverses over a distance [rad].
-
-        By Karnopp's model where the distance is KARNOPP, by Dahl's otherwise.
-        """
+    def joint(self, joint: int) -> JointMotion:
+        """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction = (
-            karnopp_direction(qd, self.segment)
-            if presliding == KARNOPP
-            else friction_direction(q, self.segment, presliding)
-        )
+        direction = friction_direction(q, self.segment)
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL
         return JointMotion(q, qd, torque, direction, warmth)
 
@@ -83,16 +74,14 @@ Smooth = Callable[[Array, Record], Array]
 class Samples:
     """Samples of one joint from all recordings.
 
-    columns: (n, P), of the torque, an offset, and `terms`, for a distance of presliding [rad];
-    held: (n,), direction of the friction that holds a joint at rest; current: (n,) [A]; moving:
-    (n,), false at rest and while starting or stopping; block, record, path, day: (n,) labels;
-    recordings of one trajectory share a path and are left out together; unit: (n,) labels of the
-    units of the bootstrap: paths, or stretches of 10 s if paths are few, or blocks if stretches are
-    few, too.
+    columns: (n, P), of the torque, an offset, and the terms; held: (n,), direction of
+    the friction that holds a joint at rest; current: (n,) [A]; moving: (n,), false at rest and
+    while starting or stopping; block, record, path, day: (n,) labels; recordings of one trajectory
+    share a path and are left out together; unit: (n,) labels of the units of the bootstrap: paths,
+    or stretches of 10 s if paths are few, or blocks if stretches are few, too.
     """
 
-    terms: tuple[Term, ...]
-    presliding: float
+    terms: tuple[str, ...]
     columns: Array
     held: Array
     current: Array
@@ -103,16 +92,18 @@ class Samples:
     day: Labels
     unit: Labels
 
-    def design(self, terms: Sequence[Term]) -> Array:
-        """Return the columns (n, P) of the torque, an offset, and these terms."""
-        places = _places(self.terms)
-        return self.columns[:, [0, 1, *(place for term in terms for place in places[term])]]
-
     @cached_property
     def stop(self) -> Labels:
         """Return labels (n,), the same from each motion of the joint, or start, to the next."""
         new = self.moving | (np.diff(self.record, prepend=0) != 0)
         return np.cumsum(new)
+
+    def without(self, last: Sequence[str]) -> "Samples":
+        """Return the samples without the last terms."""
+        terms = self.terms[: -len(last)]
+        return replace(
+            self, terms=terms, columns=self.columns[:, : 2 + len(coefficient_names(terms))]
+        )
 
     def where(self, rows: Mask) -> "Samples":
         """Return the samples in a mask."""
@@ -120,34 +111,20 @@ class Samples:
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
-@cache
-def _places(terms: tuple[Term, ...]) -> dict[Term, list[int]]:
-    """Return the columns of each of a joint's terms."""
-    places, start = {}, 2
-    for term in terms:
-        places[term] = list(range(start, start + len(term.names())))
-        start += len(term.names())
-    return places
-
-
 def joint_samples(
-    records: Sequence[Record], smooth: Smooth, family: Sequence[Term], presliding: Sequence[float]
+    records: Sequence[Record], smooth: Smooth, terms: Sequence[str] = FITTED
 ) -> list[Samples]:
-    """Return samples of joints 1 to 6, with the columns of BASE, CONSIDERED and other terms.
-
-    presliding: of each joint [rad].
-    """
-    terms = (*BASE, *CONSIDERED, *family)
+    """Return samples of joints 1 to 6, with the columns of these terms of friction."""
     labels = [blocks(record) for record in records]
     # from recording to recording, labels go on at a whole stretch, so that none contains two
     firsts = np.cumsum([0, *(-(-(own[-1] + 1) // STRETCH) * STRETCH for own in labels[:-1])])
     each = [
-        _record_samples(record, smooth, terms, presliding, first + own)
+        _record_samples(record, smooth, tuple(terms), first + own)
         for record, own, first in zip(records, labels, firsts, strict=True)
     ]
     paths, days = record_paths(records), record_days(records)
     joints = []
-    for joint in range(len(presliding)):
+    for joint in range(len(each[0])):
         rows = [samples[joint] for samples in each]
         record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
         columns, held, current, moving, block = (
@@ -158,7 +135,7 @@ def joint_samples(
         parts = (path, block // STRETCH)
         unit = next((part for part in parts if len(np.unique(part)) >= FEW), block)
         rest = held, current, moving, block, record, path, days[record], unit
-        joints.append(Samples(terms, presliding[joint], columns, *rest))
+        joints.append(Samples(tuple(terms), columns, *rest))
     return joints
 
 
@@ -192,12 +169,12 @@ def path_of(q: Array, qd: Array, period: float) -> PathStates:
     return PathStates.from_motion(q, qd, max(1, round(STEP / period)))
 
 
-def columns_of(motion: JointMotion, terms: Sequence[Term]) -> tuple[Array, Array]:
+def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]:
     """Return the columns (N, P) of a joint's torque, an offset and terms, and the direction (N,) of
     the friction that holds the joint at rest.
     """
     ones = np.ones_like(motion.torque)
-    columns = np.column_stack([motion.torque, ones, *(term.columns(motion) for term in terms)])
+    columns = np.column_stack([motion.torque, ones, friction_columns(motion, terms)])
     return columns, motion.direction * resting(motion.qd)
 
 
@@ -211,16 +188,15 @@ def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
 def _record_samples(
     record: Record,
     smooth: Smooth,
-    terms: tuple[Term, ...],
-    presliding: Sequence[float],
+    terms: tuple[str, ...],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Mask, Labels]]:
     """Return columns, held, current, moving and block of each joint, low-passed and thinned."""
     every = max(1, round(STEP / record.period))
     moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::every].copy())
     joints = []
-    for joint, distance in enumerate(presliding):
-        key = smooth, terms, joint, distance
+    for joint in range(record.q.shape[1]):
+        key = smooth, terms, joint
         smoothed = record.once(key, partial(_smoothed, record, *key, every))
         kept = np.isfinite(smoothed).all(axis=1)
         columns, (held, current) = smoothed[kept, :-2], smoothed[kept, -2:].T
@@ -229,10 +205,10 @@ def _record_samples(
 
 
 def _smoothed(
-    record: Record, smooth: Smooth, terms: Sequence[Term], joint: int, presliding: float, every: int
+    record: Record, smooth: Smooth, terms: Sequence[str], joint: int, every: int
 ) -> Array:
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""
-    motion = record.joint(joint, presliding)
+    motion = record.joint(joint)
     sources = (*columns_of(motion, terms), record.current[:, joint])
     return smooth(np.column_stack(sources), record)[::every].copy()
 

@@ -6,10 +6,9 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
+from ur5lib.identification.joint_regression import FEWEST, regress_samples
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, joint_samples
-from ur5lib.identification.selection import FEWEST, regress_samples
-from ur5lib.robots.friction import BASE, Term
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
 
@@ -89,25 +88,18 @@ def explained(records: Sequence[Record], predicted: Sequence[Array], smooth: Smo
     return 1 - _mean(error**2) / np.nanvar(known, axis=0)
 
 
-def fitted_on_tested_on(
-    records: Sequence[Record],
-    smooth: Smooth,
-    prior: Prior,
-    terms: Sequence[tuple[Term, ...]],
-    presliding: Sequence[float],
-) -> Array:
+def fitted_on_tested_on(records: Sequence[Record], smooth: Smooth, prior: Prior) -> Array:
     """Return the RMSE [A] in motion, (R, R, 6), of a fit to one recording, tested on another.
 
-    terms, presliding: those of the six `JointFit`s. NaN if a joint does not move in both.
+    NaN if a joint does not move in both.
     """
-    table = np.full((len(records), len(records), len(terms)), np.nan)
-    family = list(dict.fromkeys(term for joint in terms for term in joint[len(BASE) :]))
-    for joint, samples in enumerate(joint_samples(records, smooth, family, presliding)):
+    table = np.full((len(records), len(records), len(prior.torque_max)), np.nan)
+    for joint, samples in enumerate(joint_samples(records, smooth)):
         moving = samples.where(samples.moving)
         for fitted in np.unique(moving.record):
             own = moving.where(moving.record == fitted)
-            fit = regress_samples(own, terms[joint], prior.of_joint(joint))
-            error = (moving.current - moving.design(terms[joint]) @ fit.coefficients) ** 2
+            fit = regress_samples(own, prior.of_joint(joint))
+            error = (moving.current - moving.columns @ fit.coefficients) ** 2
             for tested in np.unique(moving.record):
                 table[fitted, tested, joint] = np.sqrt(error[moving.record == tested].mean())
     return table

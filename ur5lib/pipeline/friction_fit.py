@@ -23,11 +23,9 @@ from ur5lib.identification.validation import (
 from ur5lib.pipeline.records.friction import Friction, KnownConstants, LeftOut
 from ur5lib.recordings.copies import same_runs
 from ur5lib.recordings.quality import Contradictions, Quality
-from ur5lib.robots.friction import FAMILY
 from ur5lib.timeseries.arrays import Array
 
 MOST_LOST = 3  # joints whose current does not follow their torque: the others tell a force
-WARMER = 3.0  # K between recordings, below which temperature tells nothing
 
 
 class ContradictionError(RefusalError):
@@ -35,23 +33,20 @@ class ContradictionError(RefusalError):
 
 
 def fitted_friction(
-    records: Sequence[Record], prior: Prior, smooth: Smooth, terms: Sequence[str], model: str = ""
+    records: Sequence[Record], prior: Prior, smooth: Smooth, model: str = ""
 ) -> Friction:
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
-    terms: of friction, from which the fit chooses; model: of the records' torques. Without records,
+    model: of the records' torques. Without records,
     the fit is what is typical, with torque constants by postures at rest if the prior
     has any. Raises ContradictionError when the torque constants are not those of the arm,
     RefusalError when there are neither records, nor postures, nor typical friction.
     """
     if not records:
         return _expected_friction(prior, model)
-    known = {*terms} if temperatures_differ(records) else {*terms} - {"warming"}
-    family = [term for term in FAMILY if term.kind in known]
-    fit = fit_currents(records, smooth, prior, family)
+    fit = fit_currents(records, smooth, prior)
     require_known_constants(fit, prior)
-    shapes = [joint.terms for joint in fit.joints], [joint.presliding for joint in fit.joints]
-    left_out = fit_without_each_path(records, smooth, prior, family)
+    left_out = fit_without_each_path(records, smooth, prior)
     return Friction(
         from_=[record.name for record in records],
         paths=int(record_paths(records).max()) + 1,
@@ -61,7 +56,7 @@ def fitted_friction(
         parameters=parameters(fit),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
-        cross_validation=fitted_on_tested_on(records, smooth, prior, *shapes),
+        cross_validation=fitted_on_tested_on(records, smooth, prior),
         model=model,
     )
 
@@ -100,15 +95,6 @@ def explained_by_others(
     if not unseen:
         return None
     return explained(records, [predict(unseen[own.name], own) for own in records], smooth)
-
-
-def temperatures_differ(records: Sequence[Record]) -> bool:
-    """Return whether the temperatures of all recordings are known and tell their effect."""
-    known = [record.temperature for record in records if record.temperature is not None]
-    if len(known) < len(records):
-        return False
-    means = [float(np.nanmean(temperature)) for temperature in known]
-    return bool(max(means, default=0) - min(means, default=0) > WARMER)
 
 
 def _without_replicates(fit: CurrentFit) -> CurrentFit:

@@ -234,10 +234,6 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
         "coulomb": ("Nm", true["coulomb"]),
         "viscous": ("Nm s/rad", true["viscous"]),
         "load": ("1", true["load"]),
-        "periodic_1_cos": ("Nm", true["periodic"] * np.cos(true["phase"])),
-        "periodic_1_sin": ("Nm", -true["periodic"] * np.sin(true["phase"])),
-        "warming_coulomb": ("Nm/K", true["coulomb"] * true["coulomb_warming"]),
-        "warming_viscous": ("Nm s/rad/K", true["viscous"] * true["viscous_warming"]),
     }
     for row in friction.parameters:
         if row.name in truths:

@@ -9,7 +9,7 @@ import json
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from ur5lib.recorder.lab import Lab
 from ur5lib.recordings.entries import (
@@ -23,7 +23,6 @@ from ur5lib.recordings.entries import (
 )
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
-from ur5lib.robots.friction import CANDIDATES
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import PathText, Strict, existing_file
@@ -246,30 +245,6 @@ class Lowpass(Strict):
     published_forces: PublishedLowpass = PublishedLowpass()
 
 
-def _candidate(term: str) -> str:
-    if term not in CANDIDATES:
-        raise ValueError(f"one of {', '.join(CANDIDATES)}")
-    return term
-
-
-FrictionTerm = Annotated[
-    str,
-    AfterValidator(_candidate),
-    WithJsonSchema({"enum": CANDIDATES, "type": "string"}),
-]
-
-
-class Friction(Strict):
-    """The friction model that currents are fitted with."""
-
-    terms: list[FrictionTerm] = Field(
-        [*CANDIDATES],
-        description="candidate friction terms besides Coulomb, viscous, load-dependent and "
-        "once-per-turn friction; only terms that improve cross-validation are used; warming: "
-        "friction that changes with recorded temperatures",
-    )
-
-
 class Contact(Strict):
     """Prior knowledge about contacts."""
 
@@ -313,7 +288,6 @@ class Settings(Strict):
 
     frames: Frames = Frames()
     lowpass: Lowpass = Lowpass()
-    friction: Friction = Friction()
     contact: Contact = Contact()
     alarms: Alarms = Alarms()
     sensor: ForceSensorSettings = ForceSensorSettings()

@@ -39,7 +39,6 @@ RENAMED = {  # settings of earlier versions, by step and key
     ("compare_accelerations", "cutoff_hz"): "lowpass.accelerations.cutoff_hz",
     ("fit_friction", "order"): "lowpass.currents.order",
     ("fit_friction", "cutoff_hz"): "lowpass.currents.cutoff_hz",
-    ("fit_friction", "terms"): "friction.terms",
     ("rebuild_forces", "order"): "lowpass.published_forces.order",
     ("rebuild_forces", "cutoff_hz"): "lowpass.published_forces.cutoff_hz",
     ("rebuild_forces", "min_singular_value"): "singularities.min_singular_value",

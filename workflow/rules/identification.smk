@@ -79,7 +79,6 @@ rule fit_friction:
         code=code("fit_friction"),
         recordings=fitted_on,
         dates=lambda wildcards: [date_of(name) for name in fitted_on(wildcards)],
-        terms=SETTINGS.friction.terms,
     run:
         run_step(rule, input, output, params, log)
 

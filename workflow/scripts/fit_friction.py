@@ -46,7 +46,7 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
         require_no_stop_sign(contradictions)
         require_single_runs(dict(zip(params.recordings, qualities, strict=True)))
         prior = replace(prior_of(robot, ratios), at_rest=AtRest.of(held))
-        friction = fitted_friction(records, prior, smooth, params.terms, model)
+        friction = fitted_friction(records, prior, smooth, model)
         friction = replace(friction, at_rest=[*at_rest])
     except ContradictionError as sign:
         friction = Friction(stopped=sign.remark)

@@ -11,7 +11,6 @@ from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Row, by_joint
 from ur5lib.robots.description import Robot
-from ur5lib.robots.friction import KARNOPP, PRESLIDING
 
 AS_PRINTED = "torque_on_current"
 
@@ -46,20 +45,6 @@ def _parameters(fitted: Friction, arm: Robot) -> Iterator[Row]:
             joints = fitted.fit.joints
             found |= {"contradicted": joints[joint].contradicted if joints else None}
         yield found
-
-
-def friction_reversal(friction: Friction) -> Iterator[Row]:
-    """Yield the cross-validated error [A] of Dahl's and Karnopp's friction at reversals."""
-    for number, joint in enumerate(friction.fit.joints, start=1):
-        errors = joint.reversal_errors
-        for distance, error in zip((*PRESLIDING, KARNOPP), errors, strict=bool(errors)):
-            yield {
-                "joint": number,
-                "model": "karnopp" if distance == KARNOPP else "dahl",
-                "distance_rad": None if distance == KARNOPP else distance,
-                "rmse": error,
-                "chosen": distance == joint.presliding,
-            }
 
 
 def cross_validation(friction: Friction) -> Iterator[Row]:

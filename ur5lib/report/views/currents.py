@@ -13,7 +13,6 @@ from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import names, say
 from ur5lib.report.tables.friction import AS_PRINTED
 from ur5lib.report.tables.models import STOP
-from ur5lib.timeseries.segments import DEAD_ZONE
 
 LEAST_KNOWN = 3  # parameters that the next recording is designed for
 MOST_COMPARED = 12  # columns that fit on a page
@@ -54,16 +53,6 @@ def remarks(results: Results) -> Iterator[Sentence]:
     rows = results.tables["remarks"].dropna(subset="joint")
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         yield say("currents.remark", robot=robot, numbers=group["joint"], remark=remark)
-
-
-def reversals(results: Results) -> Iterator[Sentence]:
-    """Report the error of Karnopp's friction relative to Dahl's on each arm."""
-    for robot, rows in results.tables["friction_reversal"].groupby("robot", sort=False):
-        least = rows.groupby(["model", "joint"])["rmse"].min()
-        ratio = least["karnopp"] / least["dahl"]
-        chosen = [*rows.query("model == 'karnopp' and chosen == 'yes'")["joint"]]
-        words = {"robot": robot, "moving": DEAD_ZONE, "ratio": ratio, "chosen": chosen}
-        yield say("currents.reversals", **words)
 
 
 def next_recordings(results: Results) -> Iterator[Sentence]:

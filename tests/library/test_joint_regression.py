@@ -1,4 +1,4 @@
-"""Which friction terms are taken, and what of the recordings counts for it."""
+"""The regression of one joint, and what of the recordings counts for it."""
 
 from dataclasses import replace
 
@@ -8,11 +8,16 @@ import pytest
 from tests.library.current_study import (
     CONSTANT,
     PERIOD,
-    PRESLIDING,
     cut,
     make_record,
     prior,
     smooth,
+)
+from ur5lib.identification.joint_regression import (
+    HELD,
+    held_current,
+    left_out_residuals,
+    regress_samples,
 )
 from ur5lib.identification.prior import Prior, Typical
 from ur5lib.identification.samples import (
@@ -24,115 +29,59 @@ from ur5lib.identification.samples import (
     record_paths,
     smoothed_moving,
 )
-from ur5lib.identification.selection import (
-    HELD,
-    choose_terms,
-    held_current,
-    left_out_errors,
-    left_out_residuals,
-    regress_samples,
-)
-from ur5lib.robots.friction import BASE, Term
+from ur5lib.robots.friction import BASE
 
-COULOMB, VISCOUS, LOAD = BASE
-ASYMMETRIC, QUADRATIC = Term("asymmetric"), Term("quadratic")
-WAYS = [PRESLIDING] * 6
+LOADED = (6.0, 4.0, 0.05)  # Coulomb, viscous and load friction
 
 
 def known(joint: int) -> Prior:
     return prior().of_joint(joint)
 
 
-def made(joint: int, friction: dict[Term, float], records: int = 6, pace: float = 1.0) -> Samples:
-    """Samples of a joint with a friction [Nm, ...], without noise, at some 1 rad/s times a pace."""
+def made(joint: int, friction: tuple[float, ...], records: int = 6) -> Samples:
+    """Samples of a joint with a friction [Nm, ...], without noise, at some 1 rad/s."""
     study = []
     for seed in range(records):
         record = make_record(seed)
-        record = replace(record, q=pace * record.q, qd=pace * record.qd)
-        columns, _ = columns_of(record.joint(joint, PRESLIDING), tuple(friction))
+        columns, _ = columns_of(record.joint(joint), BASE)
         current = record.current.copy()
-        current[:, joint] = columns @ [1.0, -0.4, *friction.values()] / CONSTANT[joint]
+        current[:, joint] = columns @ [1.0, -0.4, *friction] / CONSTANT[joint]
         study.append(replace(record, current=current))
-    return joint_samples(study, smooth, (ASYMMETRIC, QUADRATIC), WAYS)[joint]
+    return joint_samples(study, smooth)[joint]
 
 
-@pytest.mark.parametrize(
-    ("joint", "friction", "more"),
-    [
-        (1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05, ASYMMETRIC: 3}, (ASYMMETRIC,)),
-        (1, {COULOMB: 6, VISCOUS: 4, LOAD: -0.3, ASYMMETRIC: 3}, ()),  # drives beyond 20 Nm
-        (1, {COULOMB: 3, VISCOUS: 4, LOAD: 0.05, QUADRATIC: 3}, (QUADRATIC,)),
-        (1, {COULOMB: 3, VISCOUS: 4, LOAD: 0.05, QUADRATIC: -8}, ()),  # drives at 1 rad/s
-        (0, {COULOMB: 3, VISCOUS: 9, LOAD: 0, QUADRATIC: -8}, (QUADRATIC,)),
-        (1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05, ASYMMETRIC: 3, QUADRATIC: 6}, None),  # both
-    ],
-)
-def test_a_term_is_taken_that_explains_the_current_and_brakes(
-    joint: int, friction: dict[Term, float], more: tuple[Term, ...] | None
-) -> None:
-    chosen = choose_terms(made(joint, friction), known(joint))
-    assert chosen[: len(BASE)] == BASE
-    if more is None:
-        assert {*chosen[len(BASE) :]} == {ASYMMETRIC, QUADRATIC}
-    else:
-        assert chosen[len(BASE) :] == more
-
-
-def test_what_drives_beyond_the_speeds_of_a_recording_may_be_taken() -> None:
-    """3 + 9 v - 8 v² brakes up to half a radian per second, not at two."""
-    slow = made(0, {COULOMB: 3, VISCOUS: 9, LOAD: 0, QUADRATIC: -8}, pace=0.5)
-    assert choose_terms(slow, known(0)) == (*BASE, QUADRATIC)
-
-
-def test_with_one_path_no_term_can_be_left_out() -> None:
-    alone = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05, ASYMMETRIC: 3}, records=1)
-    assert choose_terms(alone, known(1)) == BASE
-    assert np.isnan(left_out_residuals(alone, BASE, known(1))).all()
-    assert len(left_out_errors(alone, BASE, known(1))) == 0
-
-
-@pytest.mark.parametrize(("count", "units"), [(19, 4), (20, 5)])
-def test_a_unit_counts_from_twenty_samples_on(count: int, units: int) -> None:
-    """Two seconds; of each the root mean square of what the others predict of it."""
-    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05, ASYMMETRIC: 3}, records=5)
-    kept = np.ones(len(samples.current), bool)
-    kept[np.flatnonzero(samples.path == 2)[count:]] = False
-    part = samples.where(kept)
-    part = replace(part, unit=part.path)
-    errors = left_out_errors(part, BASE, known(1))
-    assert len(errors) == units
-    residual = left_out_residuals(part, BASE, known(1))
-    np.testing.assert_allclose(errors[0], np.sqrt(np.mean(residual[part.unit == 0] ** 2)))
+def test_with_one_path_nothing_can_be_left_out() -> None:
+    assert np.isnan(left_out_residuals(made(1, LOADED, records=1), known(1))).all()
 
 
 def test_friction_at_rest_beyond_that_in_motion_comes_back_from_many_stops() -> None:
     """Though a fifth of the samples is off by an ampere; from none, it is the usual share."""
-    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05}, records=30)
-    coefficients = regress_samples(samples, BASE, known(1)).coefficients
+    samples = made(1, LOADED, records=30)
+    coefficients = regress_samples(samples, known(1)).coefficients
     for held in (0.3, -0.2):
-        current = samples.design(BASE) @ coefficients + held * samples.held
+        current = samples.columns @ coefficients + held * samples.held
         current[::5] += 1.0
         stopped = replace(samples, current=current)
-        assert held_current(stopped, BASE, coefficients) == pytest.approx(held, abs=0.05)
+        assert held_current(stopped, coefficients) == pytest.approx(held, abs=0.05)
     never = samples.where(samples.moving)
-    assert held_current(never, BASE, coefficients) == pytest.approx(HELD * coefficients[2])
+    assert held_current(never, coefficients) == pytest.approx(HELD * coefficients[2])
 
 
 def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> None:
     """However long it lasts: dry friction held the joint there, as it will not elsewhere."""
-    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05}, records=1)
-    coefficients = regress_samples(samples, BASE, known(1)).coefficients
+    samples = made(1, LOADED, records=1)
+    coefficients = regress_samples(samples, known(1)).coefficients
     pose = np.flatnonzero(~samples.moving)[:1].repeat(100)
     one = replace(samples.where(pose), held=np.ones(100))
     for drawn in (-2.0, 0.0):  # times Coulomb friction, beyond that in motion
-        current = one.design(BASE) @ coefficients + drawn * coefficients[2]
-        found = held_current(replace(one, current=current), BASE, coefficients)
+        current = one.columns @ coefficients + drawn * coefficients[2]
+        found = held_current(replace(one, current=current), coefficients)
         assert found / coefficients[2] == pytest.approx((HELD + drawn) / 2)
 
 
 def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
     """Two blocks leave no residual of five coefficients, which makes none of them sure."""
-    samples = made(1, {COULOMB: 6, VISCOUS: 4, LOAD: 0.05}, records=1)
+    samples = made(1, LOADED, records=1)
     few = samples.where(np.flatnonzero(samples.moving)[:15])
     bent = replace(few, current=few.current + 0.01 * np.linspace(-1, 1, 15) ** 2)
     typical = {
@@ -140,8 +89,8 @@ def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
         for name, mean in (("coulomb", 6.0), ("viscous", 4.0), ("load", 0.05))
     }
     prior = replace(known(1), typical=typical)
-    normal = prior.over([BASE])
-    moved = regress_samples(bent, BASE, prior).coefficients - normal.mean
+    normal = prior.over()
+    moved = regress_samples(bent, prior).coefficients - normal.mean
     std = np.sqrt(np.diag(np.linalg.inv(normal.precision)))
     assert (np.abs(moved[2:]) < 0.5 * std[2:]).all()
 
@@ -169,7 +118,7 @@ def test_samples_are_a_tenth_of_a_second_apart() -> None:
     record = make_record(0)
     for every, count in ((1, 240), (5, 240), (10, 120)):
         slow = cut(record, slice(None, None, every), period=every * PERIOD)
-        samples = joint_samples([slow], lambda values, _: values, (), WAYS)
+        samples = joint_samples([slow], lambda values, _: values)
         assert [len(own.current) for own in samples] == [count] * 6
         np.testing.assert_array_equal(samples[2].current, record.current[:: max(5, every), 2])
 
