@@ -128,7 +128,7 @@ def motion(time: np.ndarray, seed: int) -> dict[str, np.ndarray]:
     return {
         "actual_q": home + 0.3 * np.sin(angle),
         "actual_qd": 0.3 * pace * np.cos(angle),
-        "target_q": home + 0.3 * np.sin(angle),
+        "target_q": home + 0.3 * np.sin(angle + 1e-3),
         "target_qd": 0.3 * pace * np.cos(angle),
         "actual_current": current + 0.005 * random.normal(size=angle.shape),
         "target_current": current,

@@ -29,7 +29,7 @@ def test_the_site_is_built_without_a_warning() -> None:
     assert done.stdout.splitlines() == ["site: .site/html/index.html"]
     assert "WARNING" not in done.stderr
     reference = (PAGES / "docs" / "api.html").read_text()
-    for name in ("load", "FinishedStudy", "load_robot", "build_arm", "inverse_dynamics", "solved"):
+    for name in ("load", "FinishedStudy", "load_robot", "build_arm", "inverse_dynamics", "Stated"):
         assert f">{name}</span>" in reference, name
     shown = words(re.sub(r"<[^>]*>", "", reference))
     methods = [own for kind in (FinishedStudy, Robot) for own in vars(kind).items()]

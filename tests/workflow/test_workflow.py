@@ -242,7 +242,7 @@ AT_A_SETTING = (
         (  # a contact-free one serves the others
             NEW.replace("ROLE", "validate"),
             jobs(*EACH_RECORDING, recordings=1)
-            | jobs("compare_accelerations", "estimate_forces", *FROM_SENSOR, recordings=3)
+            | jobs("compare_accelerations", recordings=3)
             | {"set_threshold": 1, "calibrate_imu_without_each": 1}
             | DRIFTS | HEALTH | OBSERVABILITY | REPORT,
         ),
