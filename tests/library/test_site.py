@@ -11,7 +11,7 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.pipeline.estimators import Run
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Robot
-from ur5lib.robots.friction import Kind
+from ur5lib.robots.friction import Term
 
 PAGES = PROJECT / ".site" / "html"
 
@@ -34,7 +34,7 @@ def test_the_site_is_built_without_a_warning() -> None:
     shown = words(re.sub(r"<[^>]*>", "", reference))
     methods = [own for kind in (FinishedStudy, Robot) for own in vars(kind).items()]
     public = [own.__doc__ or "" for name, own in methods if name[0] != "_" and callable(own)]
-    whole = [own.__doc__ or "" for own in (load, FinishedStudy, Robot, Run, Kind, Motion)]
+    whole = [own.__doc__ or "" for own in (load, FinishedStudy, Robot, Run, Term, Motion)]
     written = words(" ".join([*public, *whole]).replace("`", ""))
     assert written - shown == set()  # no word is lost on the way, as a <placeholder> may be
     assert "str | Path" in html.unescape(re.sub(r"<[^>]*>", "", reference))  # signatures have types
