@@ -221,13 +221,9 @@ class Fold:
                 "friction": self.shared("friction.json"),
                 "currents": [self.own(own, "currents.parquet") for own in self.fitted],
                 "motion": [own.file("motion.parquet") for own in self.fitted],
-                "kinematics": [own.file("kinematics.parquet") for own in self.fitted],
             },
             {"residuals": self.shared("residuals.json")},
-            {
-                "cutoff_hz": self.study.lowpass["cutoff_hz"],
-                "contact_force_n": self.study.settings.contact.force_n,
-            },
+            {"cutoff_hz": self.study.lowpass["cutoff_hz"]},
         )
 
     def payload(self, own: Recording) -> None:

@@ -31,6 +31,7 @@ from ur5lib.force import residual_model
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarm_threshold, alarms, compare, contacts, in_contact
 from ur5lib.force.force_input import Gears
+from ur5lib.force.gate import diagonal
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
 from ur5lib.leaderboard.tables import markdown
@@ -77,7 +78,7 @@ def pooled(stretches: Any, joints: int, moments: Any = residual_model._moments) 
 
 def unknown_background(torque: Array, _: Array, spread: Array, *__: Any) -> Gaussians:
     """A background of which nothing is known but its spread."""
-    return Gaussians(np.zeros_like(torque), spread)
+    return Gaussians(np.zeros_like(torque), diagonal(spread))
 
 
 def of_a_free_arm(_: Array, missed: Array, free: Array) -> Array:

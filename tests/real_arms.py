@@ -21,7 +21,7 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensor import SensorOffset
-from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
+from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
@@ -35,7 +35,7 @@ from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.residual_fit import residual_models, with_trials
+from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.sensor_comparison import sensor_wrenches
 from ur5lib.pipeline.sensor_reading import by_own_clock, moved_tool
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
@@ -248,13 +248,7 @@ class Fitted:
     def residuals(self) -> Residuals:
         """Residual models of the external torques."""
         known = [(self.currents(one), one.motion) for one in self.recordings]
-        found = residual_models(known, self.friction, self.lowpass.cutoff)
-        at_used_rows = [
-            one.kinematics.jacobian[used_rows(one.motion.segment, one.motion.period)]
-            for one in self.recordings
-        ]
-        touched = [(*own, J) for own, J in zip(known, at_used_rows, strict=True)]
-        return with_trials(found, touched, PRIOR)
+        return residual_models(known, self.friction, self.lowpass.cutoff)
 
     def currents(self, one: RealRecording) -> Currents:
         """Prediction and external torques; no load is looked for."""

@@ -10,7 +10,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gate import Noise
+from ur5lib.force.gate import Noise, diagonal
+from ur5lib.force.missed_contacts import MISSED_TO
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
     NOTHING_LEFT_OUT,
@@ -44,7 +45,6 @@ MODEL = ResidualModel(  # of the size found on the thesis's UR5
         ]
     ),
     rate=np.array([0.12, 0.03, 0.13, 0.04, 0.03]),
-    correlation=np.eye(6),
     independent=0.25,
     breakaway=np.array([6.5, 5.6, 4.3, 1.6, 1.6, 1.6]),
 )
@@ -143,7 +143,7 @@ def unnoticed(
     A push that is there, and is missed, is none of the mixture of which the band holds 95 %.
     """
     noise = Noise.of(states, model, PRIOR, np.zeros(states.shape))
-    hidden, nothing = model.missed_to**2 * noise.hiding(), np.zeros(states.shape)
+    hidden, nothing = diagonal(MISSED_TO**2 * noise.hiding()), np.zeros(states.shape)
     missed = regularised_wrench(nothing, jacobian, hidden, PRIOR.unknown()).covariance
     shut = (estimate.wrench == 0).all(axis=1)[:, None]
     return np.where(shut, np.sqrt(np.diagonal(missed, axis1=1, axis2=2)), estimate.std)

@@ -22,7 +22,7 @@ from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import Noise, Observations, find_contacts
-from ur5lib.force.missed_contacts import missed_contacts, probability_while_shut
+from ur5lib.force.missed_contacts import MISSED_TO, missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
     STEP,
@@ -195,9 +195,7 @@ def test_noise_is_the_sum_of_what_makes_it() -> None:
     doubt = np.arange(12.0).reshape(2, 6)
     noise = Noise.of(states, MODEL, PRIOR, doubt)
     still = np.array([[0.0], [1.0]])
-    quick, spread, hidden = (
-        np.diagonal(of, axis1=1, axis2=2) for of in (noise.quick, noise.spread, noise.hidden)
-    )
+    quick, spread, hidden = noise.quick, noise.spread, noise.hidden
     rows = [MOVING, STILL]
     np.testing.assert_allclose(quick, MODEL.change[rows] ** 2 + 0.3 * doubt**2)
     held = still * (0.3 * MODEL.breakaway) ** 2
@@ -428,7 +426,7 @@ def test_the_band_of_a_shut_gate_is_that_of_a_mixture(ur5: Robot) -> None:
         estimate = run.pushed(push(run, 2, 60.0, 1.0, 1.0 + found * PERIOD)).estimate()
         shut = (estimate.wrench == 0).all(axis=1)
         hiding = Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape)).hiding()
-        share, variance = missed_contacts(run.jacobian, MODEL.missed_to**2 * hiding, PRIOR)
+        share, variance = missed_contacts(run.jacobian, MISSED_TO**2 * hiding, PRIOR)
         chance = probability_while_shut(share, ~shut, PERIOD, PRIOR)
         drawn = random.uniform(size=(400, *chance.shape)) < chance
         std = np.where(drawn, np.sqrt(variance), np.sqrt(np.diag(PRIOR.when_free())))

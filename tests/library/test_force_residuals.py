@@ -136,7 +136,6 @@ def test_spread_change_and_rate_of_a_known_process() -> None:
     change = std * np.sqrt(1 - np.exp(-0.5 / time_constant))
     np.testing.assert_allclose(model.change[MOVING], change, rtol=0.15)
     assert 0.1 < model.rate[MOVING] < 0.35
-    np.testing.assert_allclose(model.correlation, np.eye(6), atol=0.1)
     assert model.independent == 0.25
     np.testing.assert_array_equal(model.breakaway, BREAKAWAY)
 
@@ -177,30 +176,15 @@ def test_each_second_counts_once_whatever_the_rate() -> None:
     np.testing.assert_allclose(model.spread[MOVING] ** 2, (1 + 9) / 2, rtol=0.2)
 
 
-def test_each_state_has_its_own_and_joints_go_together() -> None:
+def test_each_state_has_its_own() -> None:
     count = 20000
     torque = drift(count, np.ones(6), 0.1, seed=4)
-    torque[:, 1] = 0.8 * torque[:, 0] + 0.6 * torque[:, 1]
     states = np.repeat([MOVING, RESTING], count // 2)[:, None] * np.ones(6, int)
     torque[count // 2 :] *= 5
     model = fitted(Stretch(torque, states, PERIOD))
     np.testing.assert_allclose(model.spread[RESTING] / model.spread[MOVING], 5, rtol=0.1)
-    assert model.correlation[0, 1] == pytest.approx(0.8, abs=0.05)
-    covariance = model.covariance(model.spread, states[:1])
-    np.testing.assert_allclose(covariance[0], covariance[0].T)
-    assert np.linalg.eigvalsh(covariance[0]).min() > 0
-
-
-def test_how_joints_go_together_counts_each_state_for_its_time() -> None:
-    """In half of the time as one, in the other half, five times as large, against each other."""
-    count = 40000
-    torque = drift(count, np.ones(6), 0.1, seed=10)
-    states = np.repeat([MOVING, RESTING], count // 2)[:, None] * np.ones(6, int)
-    torque[: count // 2, 1] = torque[: count // 2, 0]
-    torque[count // 2 :, 1] = -torque[count // 2 :, 0]
-    torque[count // 2 :] *= 5
-    correlation = fitted(Stretch(torque, states, PERIOD)).correlation
-    np.testing.assert_allclose(correlation, np.eye(6), atol=0.1)
+    variance = model.variance(model.spread, states[[0, -1]])
+    np.testing.assert_allclose(np.sqrt(variance[1] / variance[0]), 5, rtol=0.1)
 
 
 def test_a_state_never_seen_is_the_least_certain() -> None:
@@ -235,12 +219,10 @@ def test_unknown_torques_tell_nothing() -> None:
     )
 
 
-def test_samples_a_second_apart_tell_how_joints_go_together() -> None:
-    """The shorter lag is half a second."""
+def test_samples_a_second_apart_are_the_shorter_lag() -> None:
+    """Of half a second."""
     torque = drift(400, np.ones(6), 1.0, seed=8, period=1.0)
-    torque[:, 1] = 0.8 * torque[:, 0] + 0.6 * torque[:, 1]
     model = fitted(moving_stretch(torque, 1.0))
-    assert model.correlation[0, 1] == pytest.approx(0.8, abs=0.1)
     np.testing.assert_allclose(model.change[MOVING], 1.0, atol=0.3)
 
 

@@ -13,6 +13,7 @@ from ur5lib.force import (
     external_torque,
     force_input,
     grasp,
+    missed_contacts,
     residual_model,
     sensor,
     wrench_estimate,
@@ -90,10 +91,7 @@ def statements() -> Iterator[str]:
     yield f"multiply its bands by {one},"
     yield f"**One or two paths** count as {COUNTED[samples.LEAST_PATHS]};"
     # contacts
-    yield (
-        f"| {PRIOR.force:g} N, {100 * PRIOR.lever:g} cm; {listed(PRIOR.sizes)} N; "
-        f"{listed(tuple(100 * own for own in PRIOR.levers))} cm |"
-    )
+    yield (f"| {PRIOR.force:g} N, {100 * PRIOR.lever:g} cm; {listed(PRIOR.sizes)} N |")
     yield f"| {PRIOR.duration:g} s, {PRIOR.pause:g} s |"
     yield f"| {percent(PRIOR.load_friction)}; {percent(PRIOR.friction_std)} |"
     yield f"| {contact_wrench.LEVERS:g} samples; 1/{1 / force_input.MEAN:g} |"
@@ -102,14 +100,14 @@ def statements() -> Iterator[str]:
     yield (
         f"| {wrench_estimate.OPENS:g}, {wrench_estimate.CLOSES:g}, {wrench_estimate.MARGIN:g} s |"
     )
-    yield f"| {PRIOR.resolution:g} s; {residual_model.MISSED_TO:g} |"
-    yield f"Without any trial, κ is {residual_model.MISSED_TO:g}."
+    yield f"| {missed_contacts.MISSED_TO:g}; {contact_wrench.BLUR:g} s |"
+    yield f"κ is {missed_contacts.MISSED_TO:g}."
     yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"
     yield (
         f"| {external_torque.STOP:g} s, {external_torque.RELAXING:g} s; "
         f"{external_torque.RELAXING:g} s |"
     )
-    yield f"contain a lever of {100 * PRIOR.levers[1]:g} cm"
+    yield f"contain a lever of {100 * contact_wrench.UNTOLD:g} cm"
     yield f"counts as {contact_wrench.LEVERS:g} independent samples"
     yield f"the prior standard deviation is {percent(PRIOR.friction_std)}"
     yield (

@@ -165,7 +165,6 @@ def test_a_wrench_is_estimated() -> None:
         spread=np.full((STATES, JOINTS), 0.3),
         change=np.full((STATES, JOINTS), 0.1),
         rate=np.full(STATES, 0.1),
-        correlation=np.eye(JOINTS),
         independent=0.25,
         breakaway=np.ones(JOINTS),
     )

@@ -278,7 +278,6 @@ def fit_residuals(tmp_path: Path, friction: Friction, paths: int, *runs: Free) -
         friction=tmp_path / "friction.json",
         currents=[own.currents for own in recordings],
         motion=[own.motion for own in recordings],
-        kinematics=[own.kinematics for own in recordings],
     )
     output = SimpleNamespace(residuals=tmp_path / "residuals.json")
     script("fit_residuals").fit_residuals(input, output, SETTINGS)

@@ -17,9 +17,9 @@ def smooth(
 ) -> Gaussians:
     """Return u = b + diag(f) s at N samples, given all measurements.
 
-    b(t) = A b(t - 1) + w, A = diag(decay), cov w = sqrt(1 - A²) Q sqrt(1 - A²); measured = u + v.
-    measured: (N, n), NaN rows where nothing was measured; noise: cov v (N, n, n); spread: Q
-    (N, n, n), the stationary covariance; decay: (N, n), over the step towards each sample;
+    b(t) = A b(t - 1) + w, A = diag(decay), cov w = (1 - A²) diag(Q); measured = u + v.
+    measured: (N, n), NaN rows where nothing was measured; noise: cov v (N, n, n); spread: Q (N, n),
+    the stationary variances; decay: (N, n), over the step towards each sample;
     friction: f (N, n) [Nm]; scale_std: prior standard deviation of each of s. Since b is linear in
     the measurements, it is found for them and for each joint's f on their own, and s is the
     regression of what it leaves of the first on what it leaves of the others [de Jong 1991].
@@ -51,18 +51,16 @@ def smooth(
 
 
 def _precision(weight: Array, spread: Array, decay: Array) -> tuple[Array, Array]:
-    """Return the blocks Λ(t, t) and Λ(t, t - 1) (N, n, n) of b's inverse covariance; weight: R⁻¹.
-
-    The first of the latter is meaningless.
+    """Return the blocks Λ(t, t) (N, n, n) of b's inverse covariance, and the diagonals (N, n) of
+    Λ(t, t - 1), of which the first is meaningless; weight: R⁻¹.
     """
     # V = (cov w)⁻¹;  Λ(t, t) = V(t) + A(t + 1) V(t + 1) A(t + 1) + R⁻¹(t), Λ(t, t - 1) = -V(t) A(t)
-    renewal = np.sqrt(1 - decay**2)
+    renewal = 1 - decay**2
     renewal[0] = 1.0
-    own = np.linalg.inv(renewal[:, :, None] * spread * renewal[:, None, :])
-    before = -own * decay[:, None, :]
-    whole = weight + own
-    whole[:-1] -= decay[1:, :, None] * before[1:]
-    return whole, before
+    own = 1 / (renewal * spread)
+    before = -own * decay
+    own[:-1] -= decay[1:] * before[1:]
+    return weight + own[:, :, None] * np.eye(spread.shape[1]), before
 
 
 def _covariance(whole: Array, before: Array, factor: Array) -> Array:
@@ -71,21 +69,20 @@ def _covariance(whole: Array, before: Array, factor: Array) -> Array:
     Its inverse is the sum of what the past tells, and the future, less Λ(t, t), which both contain.
     """
     # from the last sample to the first, the past is the future
-    following = np.roll(before.mT, -1, axis=0)
-    reverse = _factor(whole[::-1, ::-1, ::-1], following[::-1, ::-1, ::-1])
+    following = np.roll(before, -1, axis=0)
+    reverse = _factor(whole[::-1, ::-1, ::-1], following[::-1, ::-1])
     past, future = (_squares(each, whole.shape[1]) for each in (factor, reverse))
     return np.asarray(np.linalg.inv(past + future[::-1, ::-1, ::-1] - whole), np.float64)
 
 
 def _factor(whole: Array, before: Array) -> Array:
-    """Return the lower bands (2 n, N n) of a block tridiagonal matrix's Cholesky factor."""
+    """Return the lower bands (n + 1, N n) of a block tridiagonal matrix's Cholesky factor."""
     count, joints, _ = whole.shape
-    bands = np.zeros((2 * joints, count, joints))
+    bands = np.zeros((joints + 1, count, joints))
     row, column = np.tril_indices(joints)
     bands[row - column, :, column] = whole[:, row, column].T
-    row, column = np.indices((joints, joints)).reshape(2, -1)
-    bands[joints + row - column, :-1, column] = before[1:, row, column].T
-    return np.asarray(cholesky_banded(bands.reshape(2 * joints, -1), True, lower=True))
+    bands[joints, :-1] = before[1:]
+    return np.asarray(cholesky_banded(bands.reshape(joints + 1, -1), True, lower=True))
 
 
 def _squares(factor: Array, joints: int) -> Array:

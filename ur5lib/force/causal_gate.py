@@ -9,7 +9,15 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gate import LEAST, Observations, chain, log_density, log_odds, measurement_noise
+from ur5lib.force.gate import (
+    LEAST,
+    Observations,
+    chain,
+    diagonal,
+    log_density,
+    log_odds,
+    measurement_noise,
+)
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import thinning, used_rows
 from ur5lib.timeseries.arrays import Array, Mask
@@ -37,18 +45,19 @@ def _filtered(seen: Observations, fresh: Mask) -> Array:
     torque, jacobian, noise, worth = seen.torque, seen.jacobian, seen.noise, seen.worth
     known = finite_rows(torque)
     free, bank = np.stack(seen.free_covariances()), np.stack(seen.prior.bank())
-    touched = noise.quick + noise.hidden  # of the torque in contact, beside the contact's own
+    touched = diagonal(
+        noise.quick + noise.hidden
+    )  # of the torque in contact, beside the contact's own
     transitions, start = chain(len(free), len(bank), seen.period, seen.prior)
     decay = np.exp(-seen.period * seen.model.rate[seen.states])
-    renewal = np.sqrt(1 - decay**2)
     contact = np.empty(len(torque))
     for t in range(len(torque)):
         if fresh[t]:
-            weight, b, P = start, np.zeros_like(torque[t]), noise.spread[t]
-        # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + sqrt(1 - a²) Q sqrt(1 - a²)
+            weight, b, P = start, np.zeros_like(torque[t]), np.diag(noise.spread[t])
+        # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + (1 - a²) Q
         weight = weight @ transitions
-        a, r = decay[t], renewal[t]
-        b, P = a * b, a[:, None] * P * a + r[:, None] * noise.spread[t] * r
+        a = decay[t]
+        b, P = a * b, a[:, None] * P * a + np.diag((1 - a**2) * noise.spread[t])
         if known[t]:
             innovation = torque[t] - b
             # p ∝ p⁻ N(τ - b⁻; 0, S + P⁻), in contact S + S_hidden + P⁻ + Jᵀ P_F J

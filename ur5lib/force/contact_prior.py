@@ -12,9 +12,9 @@ class ContactPrior:
     """Magnitudes and durations of contacts, and losses between the contact and the motors.
 
     Contacts: force [N] and lever [m], magnitude of a typical contact and its distance from the
-    origin of frame 6, both refined by each contact's own data; sizes, levers: the magnitudes [N]
-    and levers [m] among which the gate chooses, whatever is typical; quiet [N]: forces that do
-    not count as contact, such as a hose's; duration, pause: mean duration of contacts and of the
+    origin of frame 6, both refined by each contact's own data; sizes: the magnitudes [N] among
+    which the gate chooses, whatever is typical; quiet [N]: forces that do not count as contact,
+    such as a hose's; duration, pause: mean duration of contacts and of the
     pauses between them [s].
 
     Gears: load_friction: relative deviation of each joint's torque, or of joints 1 to 6 (6,), from
@@ -25,15 +25,11 @@ class ContactPrior:
     Rest: hunting: amplitudes of a joint's wandering after it was touched, as shares of the
     breakaway torque; settling: its time constant [s]; unprovoked: rate [1/s] of hunting that
     follows no contact.
-
-    resolution [s]: uncertainty of the time of a change of the force (half the blur of the 2 Hz
-    low-pass).
     """
 
     force: float = 15.0
     lever: float = 0.03
     sizes: tuple[float, ...] = (5.0, 15.0, 45.0, 135.0)
-    levers: tuple[float, ...] = (0.0, 0.05, 0.15)
     quiet: float = 1.0
     duration: float = 1.0
     pause: float = 10.0
@@ -44,7 +40,6 @@ class ContactPrior:
     hunting: tuple[float, ...] = (0.1, 0.3, 0.9)
     settling: float = 3.0
     unprovoked: float = 1e-4
-    resolution: float = 0.05
 
     def usual(self) -> Array:
         """Return the covariance (6, 6) of the wrench of a typical contact."""
@@ -60,7 +55,7 @@ class ContactPrior:
 
     def bank(self) -> list[Array]:
         """Return the covariances (6, 6) of all kinds of contacts among which the gate chooses."""
-        return [wrench_covariance(size, lever) for size in self.sizes for lever in self.levers]
+        return [wrench_covariance(size, self.lever) for size in self.sizes]
 
 
 def wrench_covariance(force: float, lever: float) -> Array:

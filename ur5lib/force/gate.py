@@ -1,7 +1,7 @@
 """The probability of contact: a hidden Markov model of the external torque.
 
 At each sample the arm is free; or, at rest, hunting: after a touch, stick-slip makes joints wander;
-or in a contact of one of several magnitudes and levers, constant until its end. The background, the
+or in a contact of one of several magnitudes, constant until its end. The background, the
 slow part of a free arm's torque, is smoothed without the contacts. Smoothing the background and
 computing the probabilities of the states alternate.
 """
@@ -60,7 +60,7 @@ def log_odds(probability: Array) -> Array:
 
 # Factor on the background's covariance in each round: small at first, so that possible contacts do
 # not become part of the background.
-ROUNDS = (0.0, 0.25, 0.5, 1.0, 1.0, 1.0)
+ROUNDS = (0.0, 0.5, 1.0, 1.0, 1.0, 1.0)
 LEFT_OUT = 0.5  # probability of contact above which a sample is no measurement of the background
 HELD = 0.3  # of the breakaway torque: least standard deviation of a joint at rest
 CERTAIN = 1e-4  # weight of a sample in contact as a measurement of the background
@@ -69,11 +69,11 @@ QUICK = 0.3  # share of a load's error that changes within half a push
 
 @dataclass(frozen=True)
 class Noise:
-    """Covariances (N, n, n) [Nm²] of the external torque other than that of a contact.
+    """Variances (N, n) [Nm²] of the external torque other than that of a contact.
 
     quick: of the fast error; spread: of the background and the fast error together; hidden: of the
     part of a contact that dry friction may absorb; still: (N, n), joints at rest while the whole
-    arm rests.
+    arm rests. Joints count as independent: correlations learnt without contact mislead in contact.
     """
 
     quick: Array
@@ -88,16 +88,15 @@ class Noise:
         held = np.where(still, HELD * model.breakaway, 0.0) ** 2
         taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
         return cls(
-            quick=model.covariance(model.change, states) + diagonal(QUICK * doubt**2),
-            spread=model.covariance(model.spread, states) + diagonal(held + doubt**2),
-            hidden=diagonal(taken**2),
+            quick=model.variance(model.change, states) + QUICK * doubt**2,
+            spread=model.variance(model.spread, states) + held + doubt**2,
+            hidden=taken**2,
             still=still,
         )
 
     def hiding(self) -> Array:
-        """Return the covariance S (N, n, n) [Nm²] of the torque that hides a contact."""
-        still = np.asarray(self.still.all(axis=1))
-        return np.where(still[:, None, None], self.hidden, self.spread)
+        """Return the variances S (N, n) [Nm²] of the torque that hides a contact."""
+        return np.where(np.all(self.still, axis=1, keepdims=True), self.hidden, self.spread)
 
 
 @dataclass(frozen=True)
@@ -146,10 +145,9 @@ class Observations:
     def free_covariances(self) -> list[Array]:
         """Return the covariances (N, n, n) of a free arm's torque: undisturbed, then hunting."""
         quiet = self.jacobian.mT @ self.prior.when_free() @ self.jacobian
+        hunts = self.noise.still * self.model.breakaway**2
         return [
-            self.noise.quick
-            + quiet
-            + diagonal(np.where(self.noise.still, share * self.model.breakaway, 0.0) ** 2)
+            quiet + diagonal(self.noise.quick + share**2 * hunts)
             for share in (0.0, *self.prior.hunting)
         ]
 
@@ -170,13 +168,13 @@ def find_contacts(seen: Observations, sensed: Mask | None = None) -> tuple[Array
     filled = np.where(known[:, None], seen.torque, 0.0)
     free = seen.free_covariances()
     transitions, start = chain(len(free), len(prior.bank()), period, prior)
-    slow = held = Gaussians(np.zeros_like(filled), noise.spread)
+    slow = held = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
     for left, share in zip(reversed(range(len(ROUNDS))), ROUNDS, strict=True):
         # log p(τ | state), and 0 where τ is unknown
         without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
         # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
         residual = filled - slow.mean
-        besides = noise.quick + noise.hidden + share * slow.covariance
+        besides = diagonal(noise.quick + noise.hidden) + share * slow.covariance
         during = [
             log_density(residual, besides + contact) for contact in seen.contact_covariances()
         ]

@@ -1,9 +1,9 @@
 """Contacts that the gate misses: how probable one is while the gate is shut, and how large.
 
 A contact along one axis, F ~ N(0, P), is missed with probability exp(-z² / 2 κ²), z² = xᵀ S⁻¹ x,
-which compares its torque x = Jᵀ F with the covariance S of what hides it: dry friction at rest, the
+which compares its torque x = Jᵀ F with the variances S of what hides it: dry friction at rest, the
 background in motion. Then the missed contacts are N(0, C), 1 / C = 1 / P + (J S⁻¹ Jᵀ) / κ² on that
-axis, and they are a share sqrt(C / P) of all. κ is learnt from trial contacts.
+axis, and they are a share sqrt(C / P) of all.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
-KNOWN_TO = 0.5  # standard deviation of log κ without trial contacts
+MISSED_TO = 2.0  # κ: deviations up to which most contacts are missed
 HALVINGS = 30  # of an interval that contains a quantile
 
 
@@ -21,11 +21,11 @@ def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tupl
     """Return the share (N, 6) of contacts along or about each axis alone that are missed, and
     their variance (N, 6), for contacts of the usual size.
 
-    jacobian: (N, 6, 6); hidden: κ² S (N, 6, 6) [Nm²].
+    jacobian: (N, 6, n); hidden: κ² S (N, n) [Nm²].
     """
     usual = np.diag(prior.usual())
     # diagonal of J S⁻¹ Jᵀ / κ²
-    information = np.einsum("nij,nji->ni", jacobian, np.linalg.solve(hidden, jacobian.mT))
+    information = (jacobian**2 / hidden[:, None]).sum(axis=2)
     variance = 1 / (1 / usual + information)
     return np.sqrt(variance / usual), variance
 
@@ -59,20 +59,3 @@ def mixture_std(probability: Array, missed: Array, free: Array) -> Array:
         outside += (1 - probability) * erfc(middle / rest / np.sqrt(2))
         low, high = np.where(outside > 0.05, middle, low), np.where(outside > 0.05, high, middle)
     return high / NORMAL95
-
-
-def largest_missed(size: Array, missed: Mask, weight: float, usual: float) -> float:
-    """Return κ, the size at which a contact is missed with probability exp(-1/2).
-
-    size: z (M,), of samples in trial contacts; missed: (M,); weight: of one sample, in independent
-    trials; usual: κ without any trial. The most probable κ, log κ ~ N(log usual, 0.5²).
-    """
-    from scipy.optimize import minimize_scalar  # slow to import; most steps need none
-
-    def cost(log_kappa: float) -> float:
-        # -log p(missed) = z² / 2 κ²
-        hidden = np.maximum(size**2 * np.exp(-2 * log_kappa) / 2, 1e-9)
-        likelihood = np.where(missed, hidden, -np.log(-np.expm1(-hidden))).sum()
-        return float(weight * likelihood + ((log_kappa - np.log(usual)) / KNOWN_TO) ** 2 / 2)
-
-    return float(np.exp(minimize_scalar(cost, bounds=(-3, 6), method="bounded").x))

@@ -17,7 +17,6 @@ from ur5lib.force.external_torque import (
     SETTLING,
     STATES,
     States,
-    finite_rows,
 )
 from ur5lib.timeseries.arrays import Array
 
@@ -25,7 +24,6 @@ SHORT, LONG = 0.5, 2.0  # s: half the duration of a push by hand, and twice its 
 SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, limits of the background's rate of renewal
 ENOUGH = 5  # paths, from which on the gate is as unsure as the bands
 LEAST = 1e-3  # Nm, least standard deviation
-MISSED_TO = 2.0  # deviations up to which most contacts are missed, where none was tried
 
 
 class Stretch(NamedTuple):
@@ -42,29 +40,25 @@ class ResidualModel:
 
     spread, change: (S, n) [Nm], by joint state, of n joints: standard deviations of the sum, and of
     the fast error, which changes within SHORT; rate: (S,) [1/s], at which the background renews;
-    correlation: (n, n), between joints; independent: [s], between independent values of the fast
-    error; breakaway: (n,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
-    bands of forces, beside the deviations, since few paths hardly show how paths differ; missed_to:
-    size up to which most contacts are missed, in deviations of what hides them; constants_doubt:
-    (n,), relative standard deviations of the torque constants that the torques come from; sensed:
-    whether the torques are those of sensors at the links, behind the gears.
+    independent: [s], between independent values of the fast error; breakaway: (n,) [Nm], up to
+    which dry friction holds a joint at rest; doubt: factor on bands of forces, beside the
+    deviations, since few paths hardly show how paths differ; constants_doubt: (n,), relative
+    standard deviations of the torque constants that the torques come from; sensed: whether the
+    torques are those of sensors at the links, behind the gears.
     """
 
     spread: Array
     change: Array
     rate: Array
-    correlation: Array
     independent: float
     breakaway: Array
     doubt: float = 1.0
-    missed_to: float = MISSED_TO
     constants_doubt: Array | float = 0.0
     sensed: bool = False
 
-    def covariance(self, of: Array, states: States) -> Array:
-        """Return D C D at each sample, D from `spread` or `change`: (N, n, n) [Nm²]."""
-        deviation = of[states, np.arange(states.shape[1])]
-        return deviation[:, :, None] * self.correlation * deviation[:, None, :]
+    def variance(self, of: Array, states: States) -> Array:
+        """Return the variances at each sample, of `spread` or `change`: (N, n) [Nm²]."""
+        return np.asarray(of[states, np.arange(states.shape[1])] ** 2)
 
     def wider(self, factor: float) -> "ResidualModel":
         """Return the model with all standard deviations multiplied by a factor."""
@@ -135,7 +129,6 @@ def fit_residual_model(
         spread=np.maximum(np.sqrt(_filled(whole)), change),
         change=change,
         rate=_rates((far - near) / whole / (LONG - SHORT)),
-        correlation=_correlation(short, change),
         independent=1 / (2 * cutoff),
         breakaway=breakaway,
     )
@@ -188,12 +181,3 @@ def _filled(moments: Array) -> Array:
     """Return the moments with the joint's largest in place of NaN, and at least LEAST²."""
     largest = np.nanmax(moments, axis=0)
     return np.maximum(np.where(np.isfinite(moments), moments, largest), LEAST**2)
-
-
-def _correlation(differences: Sequence[Stretch], deviation: Array) -> Array:
-    """Return the correlation (n, n) of the joints' differences, scaled by their deviations."""
-    parts = [
-        one.torque / deviation[one.states, np.arange(one.states.shape[1])] for one in differences
-    ]
-    scaled = np.concatenate(parts)
-    return np.asarray(np.corrcoef(scaled[finite_rows(scaled)].T))

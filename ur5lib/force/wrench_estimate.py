@@ -15,8 +15,13 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wrench
 from ur5lib.force.detection import Span, spans
 from ur5lib.force.force_input import MEAN, ForceInput, held
-from ur5lib.force.gate import Observations, find_contacts, log_odds
-from ur5lib.force.missed_contacts import missed_contacts, mixture_std, probability_while_shut
+from ur5lib.force.gate import Observations, diagonal, find_contacts, log_odds
+from ur5lib.force.missed_contacts import (
+    MISSED_TO,
+    missed_contacts,
+    mixture_std,
+    probability_while_shut,
+)
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import STEP, interpolated
@@ -25,7 +30,6 @@ from ur5lib.timeseries.segments import marked, unbroken
 OPENS, CLOSES = 0.5, 0.1  # probability that a contact reaches, and above which it lasts
 MARGIN = 0.15  # s, by which a contact is extended at both ends
 INSIDE = 0.999  # least probability inside a contact
-BLUR = 0.02  # s, of the time of a change by the 2 Hz low-pass alone; chosen on two simulated Pandas
 
 
 class StretchEstimate(NamedTuple):
@@ -141,16 +145,15 @@ def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
     contacts = contact_spans(probability, period)
     inside = marked(contacts, len(torque))
     likely = np.where(inside, np.maximum(probability, INSIDE), probability)  # (n,)
-    # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its covariance S; joints
-    # count as independent, because correlations that were learnt without contact mislead in contact
+    # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
     carried, share = seen.gears.contact_torque(torque - ablation.background * background.mean)
     carried += noise.still * held(carried, model.breakaway, prior.stiction)
-    hidden = np.where(noise.still[:, :, None], 1 - MEAN**2, 1.0) * noise.hidden
-    covariance = (noise.quick + background.covariance + hidden) * np.eye(torque.shape[1])
-    covariance = share[:, :, None] * covariance * share[:, None, :]
+    hidden = np.where(noise.still, 1 - MEAN**2, 1.0) * noise.hidden
+    slow = np.linalg.diagonal(background.covariance)
+    covariance = diagonal(share**2 * (noise.quick + slow + hidden))  # S
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
-    if model.sensed:  # at the links: no gear takes part of a contact, the low-pass alone blurs
-        prior = replace(prior, load_friction=0.0, resolution=BLUR)
+    if model.sensed:  # at the links: no gear takes part of a contact
+        prior = replace(prior, load_friction=0.0)
     lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
     chosen, plain = (Wrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
     for span in contacts:
@@ -190,7 +193,7 @@ def _std_while_shut(seen: Observations, likely: Array, inside: Mask) -> Array:
     missed contact. likely: probability of contact by the gate (n,); inside: the contacts (n,).
     """
     model, prior = seen.model, seen.prior
-    hidden = (model.doubt * model.missed_to) ** 2 * seen.noise.hiding()
+    hidden = (model.doubt * MISSED_TO) ** 2 * seen.noise.hiding()
     share, variance = missed_contacts(seen.jacobian, hidden, prior)
     probability = probability_while_shut(share, inside, seen.period, prior)
     free = np.diagonal(prior.when_free())

@@ -8,7 +8,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.flange_contact import SAMPLES, SURE, flange_probability, lever, places
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gate import Noise
+from ur5lib.force.gate import Noise, diagonal
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.pipeline.records.contacts import Alarm
 from ur5lib.robots.description import Robot
@@ -37,8 +37,7 @@ def is_off_flange(
     if alarm.kind != "contact" or not len(rows):
         return False
     noise = Noise.of(run.states[rows], model, prior, run.load_std()[rows])
-    # joints count as independent: correlations learnt without contact mislead in contact
-    spread = (noise.spread + noise.hidden) * np.eye(run.q.shape[1])
+    spread = diagonal(noise.spread + noise.hidden)
     frames = link_frames(robot, run.q[rows])
     levers = {
         link: [lever(*frames, link, place) for place in along]

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.errors import RefusalError, Remark, remark
-from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import (
     RELAXING,
     finite_rows,
@@ -23,7 +22,6 @@ from ur5lib.force.residual_model import (
     Stretch,
     fit_residual_model,
 )
-from ur5lib.force.trial_contacts import Tried, largest_of_trials, try_contacts
 from ur5lib.identification.current_regression import MOVING as USUAL_MOVING
 from ur5lib.identification.currents import (
     CurrentFit,
@@ -32,12 +30,10 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.samples import LEAST_PATHS
-from ur5lib.pipeline.force_estimates import Problem, fmap_problem
 from ur5lib.pipeline.force_input import inputs
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
 TORQUES = {
@@ -98,7 +94,6 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
         spread=spread,
         change=FAST[:, None] * spread,
         rate=np.array([SLOWEST, SLOWEST, 1 / RELAXING, 1 / RELAXING, SLOWEST]),
-        correlation=np.eye(len(coulomb)),
         independent=1 / (2 * cutoff),
         breakaway=coulomb,
         constants_doubt=constants_band(fit),
@@ -137,35 +132,3 @@ def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: floa
         model = model.at_least(usual_model(fit, cutoff), missing / LEAST_PATHS)
     model = model.of_few_paths(friction.paths + missing)
     return replace(model, constants_doubt=constants_band(fit), sensed=sensed)
-
-
-def with_trials(
-    residuals: Residuals,
-    recordings: Sequence[tuple[Currents, Motion, Array]],
-    prior: ContactPrior,
-) -> Residuals:
-    """Return residual models with the size up to which contacts are missed, `missed_to`.
-
-    residuals: of `residual_models`; recordings: those of the fit, with their Jacobians
-    (M, 6, 6), at `used_rows`. Each model counts the size in its own deviations; the trials are
-    those of the external torque.
-    """
-    if residuals.tau_ext is None:
-        return residuals
-    random, tried = np.random.default_rng(0), []
-    for currents, motion, jacobian in recordings:
-        if (fmap := fmap_problem(motion, currents, residuals)) is not None:
-            tried.append(_tried(fmap, jacobian, prior, random))
-    missed_to = largest_of_trials(tried)
-    known = {name: getattr(residuals, name) for name in TORQUES}
-    tested = {name: model and replace(model, missed_to=missed_to) for name, model in known.items()}
-    return replace(residuals, **tested)
-
-
-def _tried(
-    problem: Problem, jacobian: Array, prior: ContactPrior, random: np.random.Generator
-) -> Tried:
-    def wrench_under(torque: Array) -> Array:
-        return problem.pushed(torque).solve(jacobian, prior).wrench
-
-    return try_contacts(wrench_under, problem.input, jacobian, problem.model, prior, random)

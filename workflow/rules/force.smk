@@ -26,7 +26,6 @@ rule fit_residuals:
     input:
         currents=results_of(fitted_on, "currents.parquet"),
         motion=results_of(fitted_on, "motion.parquet"),
-        kinematics=results_of(fitted_on, "kinematics.parquet"),
         friction=parameter("friction.json"),
     output:
         residuals=parameter("residuals.json"),
@@ -36,7 +35,6 @@ rule fit_residuals:
         in_cluster("fits")
     params:
         code=code("fit_residuals"),
-        contact_force_n=SETTINGS.contact.force_n,
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)

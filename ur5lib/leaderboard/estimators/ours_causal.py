@@ -19,7 +19,7 @@ from scipy.special import softmax
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import Wrench, contact_wrench
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.gate import Noise, log_density
+from ur5lib.force.gate import Noise, diagonal, log_density
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard.estimator import Estimator, Learned
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
@@ -65,8 +65,7 @@ def mixed_wrench(torque: Array, jacobian: Array, noise: Noise) -> Wrench:
 
     torque: (n, 6) [Nm]; jacobian: (n, 6, 6).
     """
-    # joints count as independent in contact, as in F̂ᵐᵃᵖ
-    spread = (noise.spread + noise.hidden) * np.eye(6)
+    spread = diagonal(noise.spread + noise.hidden)
     likely = softmax(
         [log_density(torque, spread + jacobian.mT @ size @ jacobian) for size in SIZES], axis=0
     )
