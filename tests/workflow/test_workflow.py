@@ -239,11 +239,11 @@ AT_A_SETTING = (
         ("settings: {lowpass: {published_forces: {order: 5}}}\n", {}),  # the default, spelt out
         (HOST, jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         (NEW.replace("ROLE", "contact"), jobs(*EACH_RECORDING, recordings=1) | REPORT),
-        (  # a contact-free one serves the others
+        (  # a contact-free one serves the others' IMU alone
             NEW.replace("ROLE", "validate"),
-            jobs(*EACH_RECORDING, recordings=1)
-            | jobs("compare_accelerations", recordings=3)
-            | {"set_threshold": 1, "calibrate_imu_without_each": 1}
+            jobs(*EACH_RECORDING, recordings=1, touched=0)
+            | jobs("compare_accelerations", "draw_figures", recordings=3)
+            | {"calibrate_imu_without_each": 1}
             | DRIFTS | HEALTH | OBSERVABILITY | REPORT,
         ),
         (  # one to fit on reruns what was fitted; the report draws the first few of a kind
