@@ -6,15 +6,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy.special import ndtr, stdtrit
 
-from ur5lib.identification.current_regression import MOVING
 from ur5lib.leaderboard.tables import markdown, number
 from ur5lib.timeseries.arrays import Array
 
 OURS, ALONE, LEAST_SQUARES = MODELS = ("ours", "without typical friction", "least squares")
 DRAWS, SEED = 1000, 0
-ARMS, JOINTS = 10_000, 6  # drawn, to know what a right band holds
 AIM = 0.90, 0.99  # of the share inside a 95 % band
 MOST_DRAWN = 5.0  # relative error, above which a figure shows none
 
@@ -99,12 +96,6 @@ def learning_findings(table: pd.DataFrame) -> Iterator[str]:
         one, none = (rmse(whole[whole["fitted"] == size]) for size in ("1", "0"))
         if (one / none).mean() > 1:
             yield f"{arm}: one recording gives {(one / none).mean():.2f} times the error of none."
-    right = inside_right_bands()
-    yield (
-        f"With no recording, bands that hold {right.mean():.2f} of all arms' samples hold "
-        f"more than {AIM[1]:.2f} on {np.mean(right > AIM[1]):.0%} of the arms, and less than "
-        f"{AIM[0]:.2f} on {np.mean(right < AIM[0]):.0%}, because joints differ in their errors."
-    ).replace("%", " %")
 
 
 def share_inside(table: pd.DataFrame) -> tuple[float, float, float]:
@@ -114,19 +105,6 @@ def share_inside(table: pd.DataFrame) -> tuple[float, float, float]:
     inside, banded = np.moveaxis(sums[drawn].sum(axis=1), -1, 0)
     low, high = np.quantile(inside / banded, [0.025, 0.975])
     return float(sums[:, 0].sum() / sums[:, 1].sum()), float(low), float(high)
-
-
-def inside_right_bands() -> Array:
-    """Return the share of each drawn arm's samples in motion inside 95 % bands (ARMS,).
-
-    Without recordings, of arms that differ as the bands expect it: a joint's errors are normal, of
-    variance u² c² n₀ / χ²(n₀); half its band is t(n₀) u c.
-    """
-    count = MOVING.recordings
-    variance = count / np.random.default_rng(SEED).chisquare(count, (ARMS, JOINTS))
-    inside = 2 * ndtr(stdtrit(count, 0.975) / np.sqrt(variance)) - 1
-    share: Array = inside.mean(axis=1)
-    return share
 
 
 def days_table(table: pd.DataFrame) -> str:

@@ -220,12 +220,6 @@ def test_a_share_inside_the_band_has_its_interval_over_recordings() -> None:
     assert (share, low, high) == pytest.approx((0.75, 0.55, 0.95))
 
 
-def test_right_bands_hold_95_of_100_samples_of_all_arms_and_not_of_each() -> None:
-    share = curve.inside_right_bands()
-    assert share.mean() == pytest.approx(0.95, abs=0.003)
-    assert share.std() > 0.03
-
-
 def test_days_left_out_are_told_one_by_one_and_together() -> None:
     rows = errors_by_few({curve.OURS: 0.1})
     rows["day"] = rows["fitted"]

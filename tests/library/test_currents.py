@@ -22,8 +22,10 @@ from tests.library.current_study import (
 )
 from ur5lib.identification.current_regression import (
     DOUBTED,
-    MOVING,
-    band_of_recordings,
+    LEAST_RESTING,
+    UNSEEN_MOVING,
+    UNSEEN_RESTING,
+    expected_fit,
     fit_currents,
     fit_without_each_path,
 )
@@ -45,6 +47,7 @@ from ur5lib.identification.estimation import (
     physical,
 )
 from ur5lib.identification.joint_regression import left_out_residuals
+from ur5lib.identification.prior import Typical
 from ur5lib.identification.regression import (
     Normal,
     block_sums,
@@ -70,6 +73,7 @@ from ur5lib.identification.validation import (
     score,
 )
 from ur5lib.pipeline.records.friction import Friction, LeftOut
+from ur5lib.robots.friction import BASE
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -531,14 +535,13 @@ def test_a_band_covers_a_recording_left_out(study: list[Record], fitted: Current
 
 
 def test_a_band_covers_another_day(fitted: CurrentFit) -> None:
-    """Friction 10 % higher than in all recordings of a fit that leaves hardly anything."""
+    """Friction 17 % higher than in all recordings of a fit that leaves hardly anything."""
     narrow = [replace(joint, band_moving=0.01, band_rest=0.01) for joint in fitted.joints]
     fit, other = replace(fitted, joints=tuple(narrow)), make_record(99)
     friction = friction_current(fit, other)
-    warm = replace(other, current=predict(fit, other) + 0.1 * friction)
+    warm = replace(other, current=predict(fit, other) + 0.17 * friction)
     half = band(fit, warm, smooth)
     assert score(warm, predict(fit, warm), smooth, half).coverage.min() == 1.0
-    assert (band(replace(fit, days=2), warm, smooth) < half).all()  # which then show it
     within = np.full_like(friction, 0.01)
     assert score(warm, predict(fit, warm), smooth, within).coverage.max() < 0.5
 
@@ -566,16 +569,32 @@ def test_a_band_of_short_recordings_is_of_all_together() -> None:
     assert np.isnan(score(other, predict(fit, other), smooth, unknown).coverage).all()
 
 
-def test_a_band_of_few_recordings_is_wider() -> None:
-    """Of none, it is the usual one; of many, it is that of their errors."""
-    random, coulomb = np.random.default_rng(0), FRICTION[0][0] / CONSTANT[0]
-    widths = []
-    for count in (0, 2, 8, 200):
-        errors = MOVING.error * coulomb * random.standard_normal(100 * count)
-        record = np.repeat(np.arange(count), 100)
-        widths.append(band_of_recordings(errors, record, MOVING, coulomb))
-    assert widths == sorted(widths, reverse=True)
-    assert widths[-1] == pytest.approx(NORMAL95 * MOVING.error * coulomb, rel=0.05)
+def test_bands_are_of_paths_left_out_and_usual_where_there_are_none(
+    study: list[Record], fitted: CurrentFit
+) -> None:
+    one = fit_currents(study[:1], smooth, prior())
+    for alone, joint, true in zip(one.joints, fitted.joints, FRICTION, strict=True):
+        coulomb = alone.estimate.coefficients[2]
+        assert alone.band_moving == pytest.approx(NORMAL95 * UNSEEN_MOVING * coulomb)
+        assert alone.band_rest == pytest.approx(NORMAL95 * UNSEEN_RESTING * coulomb)
+        least = NORMAL95 * LEAST_RESTING * joint.estimate.coefficients[2]
+        assert joint.band_rest >= 0.999 * least
+        assert 0.01 < joint.band_moving * CONSTANT[0] < 2 * true[0]
+        assert alone.doubt is not None
+        assert joint.doubt is None
+
+
+def test_without_a_recording_no_band_is_narrower_than_with_one(study: list[Record]) -> None:
+    friction = np.array(FRICTION).T
+    typical = {
+        name: Typical(value, 0.25 * value + 0.01)
+        for name, value in zip(BASE, friction, strict=True)
+    }
+    known = replace(prior(), typical=typical | {"offset": Typical(OFFSET, 0 * OFFSET + 0.5)})
+    other = with_noise(make_record(99), 99)
+    none, one = expected_fit(known), fit_currents(study[:1], smooth, known)
+    wide, narrow = (np.nanmean(band(fit, other, smooth), axis=0) for fit in (none, one))
+    assert (wide >= narrow).all()
 
 
 def test_hubers_regression_with_a_prior_is_ridge_regression_without_outliers() -> None:

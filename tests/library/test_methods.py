@@ -24,6 +24,7 @@ from ur5lib.identification import (
     base_parameters,
     closed_loop,
     current_regression,
+    currents,
     joint_regression,
     payload,
     prior,
@@ -76,10 +77,9 @@ def statements() -> Iterator[str]:
     yield f"s₀ = −{-joint_regression.HELD:g} c"
     yield f"σ₀ = {percent(prior.NOISE)} of the largest torque"
     yield f"counts as n₀ = {regression.USUAL:g} blocks"
-    moving, resting = current_regression.MOVING, current_regression.RESTING
-    yield f"u = {moving.error:g}, n₀ = {moving.recordings:g} in motion"
-    yield f"u = {resting.error:g}, n₀ = {resting.recordings:g} at rest"
-    yield f"of less than {joint_regression.FEWEST * samples.STEP:g} s are taken together"
+    yield f"{percent(currents.OTHER_DAYS)} of the predicted friction"
+    yield f"less than {joint_regression.FEWEST * samples.STEP:g} s of paths were left out"
+    yield f"s is {current_regression.UNSEEN_MOVING:g} c in motion and c at rest"
     yield f"with more than {COUNTED[current_regression.FOLDS]} paths"
     yield f"{percent(payload.GEARS)} of the mass for the gears"
     yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"

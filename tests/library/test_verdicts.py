@@ -16,7 +16,12 @@ from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
-from ur5lib.report.views.currents import judge_constants, judge_currents, next_recordings
+from ur5lib.report.views.currents import (
+    farthest_in_time,
+    judge_constants,
+    judge_currents,
+    next_recordings,
+)
 from ur5lib.report.views.first_screen import drawn, findings, left_out, next_steps
 from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
@@ -571,6 +576,19 @@ def test_the_recording_that_narrows_forces_most_is_a_step(force: float, told: li
     steps = [step for step in next_steps(study(**tables)) if "with 2 kg" in step]
     assert len(steps) == len(told)
     assert all(one in step for one, step in zip(told, steps, strict=True))
+
+
+def test_the_recording_farthest_in_time_from_the_fits_is_named() -> None:
+    dates = {"fit": "2020-01-17", "validate": "2019-10-30", "contact": "2020-01-20"}
+    entries = [
+        {"name": f"a {role}", "robot": "ur10e", "role": role, "date": day}
+        for role, day in dates.items()
+    ]
+    dated = Results({"recordings": entries}, {}, Path())
+    [told] = map(str, farthest_in_time(dated))
+    assert "a validate" in told
+    assert "79 days" in told
+    assert not [*farthest_in_time(study())]
 
 
 def test_a_joint_that_never_moved_has_no_friction() -> None:

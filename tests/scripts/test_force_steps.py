@@ -296,6 +296,8 @@ def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction, tmp_pa
     # other arms stand for those missing of three
     assert models[1].doubt == models[2].doubt == pytest.approx(few_paths(3) / few_paths(5))
     assert models[5].doubt == 1
+    # and for all three where there is none
+    assert torque_model(usual_residuals(friction.fit, 2.0)).doubt == models[1].doubt
     assert (models[1].spread >= models[2].spread).all()
     assert (models[2].spread >= models[5].spread).all()
     assert (models[1].spread > models[5].spread).any()

@@ -12,7 +12,6 @@ from typing import NamedTuple, Self
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.special import stdtrit
 
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
@@ -28,8 +27,7 @@ from ur5lib.excitation.problem import (
     nominal_maps,
     random_states,
 )
-from ur5lib.identification.current_regression import MOVING
-from ur5lib.identification.currents import BETWEEN_DAYS, CurrentFit, Parameter
+from ur5lib.identification.currents import OTHER_DAYS, CurrentFit, Parameter
 from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
@@ -38,9 +36,6 @@ from ur5lib.timeseries.metrics import NORMAL95
 KEPT = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's coefficients
 ROUNDS = 4  # iterations, after which predicted standard errors are within 3 % of the study's
 FAST, SLOW = (1.5, 3.0), (0.2, 0.4)  # rad/s, rad/s²: of recordings that may come next
-# Relative: of friction from day to day where several days show it; one day is taken for the most
-# different (BETWEEN_DAYS)
-BETWEEN_SEEN = 0.035
 LOAD = Payload(mass=2.0, center_of_mass=(0.06, 0.0, 0.05))  # kg, m
 WEIGHED = 20.0  # s, along which a load is found
 FELT = 1e-6  # m; a smaller lever is none
@@ -173,17 +168,9 @@ class Outlook:
         self._with_load = problem.rows_with_load(Y, qd)
         self._jacobian = flange_kinematics(arm, q)[2][:, :3]
 
-    def bands(
-        self, information: Array, after: str = "now", further: int = 0, other_day: bool = False
-    ) -> Bands:
-        """Return the bands by an information (P, P) on the parameters.
-
-        further: recordings beyond those of the fit; other_day: whether on another day.
-        """
-        # of friction from day to day, as far as it is not seen
-        between = BETWEEN_SEEN if other_day else BETWEEN_DAYS
-        between = 0.0 if self._known.fit.days >= 2 else between
-        apart = self._within(further) ** 2 + (between * self._friction) ** 2
+    def bands(self, information: Array, after: str = "now") -> Bands:
+        """Return the bands by an information (P, P) on the parameters."""
+        apart = self._within() ** 2 + (OTHER_DAYS * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
         current = doubt + apart[..., None] * np.eye(self.problem.joints)
@@ -200,16 +187,9 @@ class Outlook:
     def ranked(self, candidates: Iterable[tuple[str, Array]]) -> list[Bands]:
         """Return the bands as they are, then those after each candidate, the least force first.
 
-        candidates: names, and what they would tell beyond the information so far, (P, P). If the
-        fit has seen one day only, each is judged on another day, too.
+        candidates: names, and what they would tell beyond the information so far, (P, P).
         """
-        one_day = self._known.fitted and self._known.fit.days < 2
-        rows = list[Bands]()
-        for name, own in candidates:
-            rows.append(self.bands(self.information + own, name, 1))
-            if one_day:
-                other = f"{name}, on another day"
-                rows.append(self.bands(self.information + own, other, 1, other_day=True))
+        rows = [self.bands(self.information + own, name) for name, own in candidates]
         return [self.bands(self.information), *sorted(rows, key=attrgetter("force"))]
 
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
@@ -225,16 +205,10 @@ class Outlook:
             Y = model.regressor(q, qd, qdd)
             yield f"{seconds:g} s, {name}", problem.information(Y, qd, seconds / len(q))
 
-    def _within(self, further: int) -> Array:
-        """Return the standard deviations (n,) [A] by which recordings differ.
-
-        The quantile of Student's t falls with their number.
-        """
-        count = MOVING.recordings + self._known.fitted
-        quantiles = stdtrit(np.array([count, count + further]), 0.975)
+    def _within(self) -> Array:
+        """Return the standard deviations (n,) [A] by which recordings differ."""
         known = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
-        known = np.where(np.isfinite(known), known, self.problem.noise.current)
-        return np.asarray(known * quantiles[1] / quantiles[0])
+        return np.where(np.isfinite(known), known, self.problem.noise.current)
 
     def _mass(self, information: Array, apart: Array) -> float:
         """Return the variance [kg²] of a load's mass along WEIGHED seconds of the states.

@@ -6,10 +6,9 @@ friction can be any torque up to breakaway: a fitted share of the friction befor
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from scipy.special import stdtrit
 
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.currents import (
@@ -39,7 +38,8 @@ from ur5lib.identification.samples import (
     record_paths,
 )
 from ur5lib.robots.friction import BASE, CONSIDERED, FITTED
-from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.metrics import NORMAL95
 
 # A torque constant is doubted, or contradicts the known one, where it is off by more than both:
 # prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6 standard
@@ -47,21 +47,13 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 DOUBTED, DOUBTED_RATIO = 3.0, 1.5
 DEVIATIONS, RATIO = 5.0, 1.75
 FOLDS = 10  # of cross-fitting, at most
-NONE = np.empty(0), np.empty(0, np.int64)  # residuals of no recording, and their labels
 
 
-@dataclass(frozen=True)
-class Usual:
-    """Usual root mean square error of a recording that was left out, in units of Coulomb friction,
-    and the number of recordings that it counts as.
-    """
-
-    error: float
-    recordings: float
-
-
-# Of most likelihood by the joints of four arms: from 0.08 (UR10e) to 0.6 (UR3) in motion.
-MOVING, RESTING = Usual(0.13, 1.3), Usual(0.37, 4.0)
+# Errors of a current along a path that no fit has seen, in motion and at rest, relative to Coulomb
+# friction: where none was left out; at least, since dry friction holds a resting joint anywhere
+# within it.
+UNSEEN_MOVING, UNSEEN_RESTING = 0.25, 1.0
+LEAST_RESTING = 1 / np.sqrt(3)
 
 
 def fit_currents(
@@ -130,8 +122,8 @@ def _without_motion(estimate: Estimate, doubt: Array) -> JointFit:
         terms=BASE,
         estimate=estimate,
         held=HELD * coulomb,
-        band_moving=band_of_recordings(*NONE, MOVING, coulomb),
-        band_rest=band_of_recordings(*NONE, RESTING, coulomb),
+        band_moving=NORMAL95 * UNSEEN_MOVING * coulomb,
+        band_rest=NORMAL95 * UNSEEN_RESTING * coulomb,
         unseen=np.zeros(len(estimate.coefficients)),
         remarks=(),
         doubt=doubt,
@@ -169,7 +161,7 @@ def _fit_with(records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int
     estimates = [*map(beside_fuller, estimates, estimate_together(fuller, prior, seed)[0])]
     alone = [prior.of_joint(joint) for joint in range(len(samples))]
     joints = tuple(map(_joint_fit, samples, alone, estimates))
-    return CurrentFit(joints, units, len(np.unique(record_days(records))))
+    return CurrentFit(joints, units)
 
 
 def fit_without_each_path(
@@ -199,37 +191,27 @@ def fit_without_each_path(
 def _joint_fit(samples: Samples, prior: Prior, estimate: Estimate) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
-    residual, doubt = left_out_residuals(samples, prior), None
-    if not np.isfinite(residual[samples.moving]).any():  # no motion is left out
-        doubt = np.cov(estimate.replicates.T)
-    if not np.isfinite(residual).any():  # a single path: residuals of the fit itself
-        residual = samples.current - samples.columns @ coefficients
-    moving, coulomb = samples.moving, max(0.0, float(coefficients[2]))
+    residual, moving = left_out_residuals(samples, prior), samples.moving
+    in_motion, at_rest = left_out_rms(residual[moving]), left_out_rms(residual[~moving])
+    is_seen, coulomb = np.isfinite(in_motion), max(0.0, float(coefficients[2]))
+    least = LEAST_RESTING if is_seen else UNSEEN_RESTING
     of_motion = samples.day[moving], samples.record[moving], samples.path[moving]
     return JointFit(
         FITTED,
         estimate,
         held_current(samples, coefficients),
-        band_of_recordings(residual[moving], of_motion[1], MOVING, coulomb),
-        band_of_recordings(residual[~moving], samples.record[~moving], RESTING, coulomb),
+        NORMAL95 * (in_motion if is_seen else UNSEEN_MOVING * coulomb),
+        NORMAL95 * float(np.fmax(at_rest, least * coulomb)),
         unseen_difference(estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)),
         _remarks(samples, estimate, prior),
-        doubt,
+        None if is_seen else np.cov(estimate.replicates.T),
     )
 
 
-def band_of_recordings(residual: Array, record: Labels, usual: Usual, coulomb: float) -> float:
-    """Return half of the 95 % band [A] of one more recording; coulomb: friction [A].
-
-    Recordings have errors of different size: their variance is s² ν / χ²(ν). If all are too short,
-    they are taken together.
-    """
-    each = [residual[record == one] for one in np.unique(record)]
-    long = [errors for errors in each if len(errors) >= FEWEST] or [residual]
-    squares = [float(np.mean(errors**2)) for errors in long if len(errors) >= FEWEST]
-    count = usual.recordings + len(squares)
-    variance = (usual.recordings * (usual.error * coulomb) ** 2 + sum(squares)) / count
-    return float(stdtrit(count, 0.975) * np.sqrt(variance))
+def left_out_rms(residual: Array) -> float:
+    """Return the root mean square [A] of residuals (n,) of paths left out, NaN of too few."""
+    known = residual[np.isfinite(residual)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) >= FEWEST else np.nan
 
 
 def _remarks(samples: Samples, estimate: Estimate, prior: Prior) -> tuple[Remark, ...]:

@@ -23,6 +23,7 @@ BETWEEN_DAYS = 0.07
 # The same from recording to recording of a day: median of the joints' Coulomb friction on nine
 # recordings of a UR5 0.046, on eight of a UR10e 0.008.
 BETWEEN_RUNS = 0.03
+OTHER_DAYS = 0.1  # by which friction differs in the bands of currents: of another season, too
 LEAST_FRICTION = 0.1  # Nm
 
 
@@ -59,13 +60,10 @@ class JointFit:
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The maps of the joints; units: number of paths, or of stretches if paths are few; days: of
-    the recordings, without a fit 0.
-    """
+    """The maps of the joints; units: number of paths, or of stretches if paths are few."""
 
     joints: tuple[JointFit, ...]
     units: int
-    days: int = 0
 
 
 @dataclass(frozen=True)
@@ -158,14 +156,10 @@ def load_loss(fit: CurrentFit, record: Record) -> Array:
 
 
 def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
-    """Return half the 95 % band (N, n) [A] of low-passed predictions on a day of its own.
-
-    Friction differs from day to day, which recordings of one day do not show.
-    """
-    friction = smooth(friction_current(fit, record), record)
+    """Return half the 95 % band (N, n) [A] of low-passed predictions on a day of its own."""
     moving, at_rest = np.array([(joint.band_moving, joint.band_rest) for joint in fit.joints]).T
     within = np.where(smoothed_moving(record, smooth), moving, at_rest)
-    between = BETWEEN_DAYS * friction if fit.days < 2 else 0.0
+    between = OTHER_DAYS * smooth(friction_current(fit, record), record)
     doubt = smooth(_coefficients_doubt(fit, record), record)
     return np.hypot(within, NORMAL95 * np.hypot(between, doubt))
 

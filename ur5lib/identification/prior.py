@@ -22,7 +22,7 @@ PINNED = 1e-3  # of its standard deviation: what is left of it where a constant 
 # Friction of a joint before any recording, mean and standard deviation, as on 20 joints of a UR3, a
 # UR5, a UR10 and a UR10e: relative to the motor's largest torque, load friction to the transmitted.
 COULOMB, VISCOUS, LOAD = (0.045, 0.011), (0.06, 0.014), (0.06, 0.04)
-BIAS = 0.005  # standard deviation of the offset, likewise
+BIAS = 0.007  # standard deviation of the offset, likewise
 
 
 @dataclass(frozen=True)

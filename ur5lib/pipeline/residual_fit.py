@@ -15,14 +15,12 @@ from ur5lib.force.external_torque import (
 )
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import (
-    ENOUGH,
     SLOWEST,
     ResidualModel,
     Residuals,
     Stretch,
     fit_residual_model,
 )
-from ur5lib.identification.current_regression import MOVING as USUAL_MOVING
 from ur5lib.identification.currents import (
     CurrentFit,
     breakaway_torque,
@@ -42,11 +40,11 @@ TORQUES = {
 }
 REST = 10.0  # s, below which hardly anything shows what friction holds at rest
 # Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
-# motion that of the band of currents; at rest the root mean square of the joints of a UR5 (0.77,
-# 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that changes
-# fast is at rest the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8) exceeds
-# that of a wrong level of friction.
-USUAL = np.array([USUAL_MOVING.error, USUAL_MOVING.error, 0.6, 0.75, 0.6])
+# motion the median of joints of four arms; at rest the root mean square of the joints of a UR5
+# (0.77, 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that
+# changes fast is at rest the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8)
+# exceeds that of a wrong level of friction.
+USUAL = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
 FAST = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
 USUAL_SPEED, LOADED = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
 DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
@@ -102,7 +100,7 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
 
 def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
     """Return the residual models without contact-free recordings; arguments as above."""
-    return Residuals(tau_ext=usual_model(fit, cutoff).of_few_paths(ENOUGH))
+    return Residuals(tau_ext=usual_model(fit, cutoff).of_few_paths(LEAST_PATHS))
 
 
 def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[Remark]:

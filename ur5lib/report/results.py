@@ -5,6 +5,7 @@ import platform
 import subprocess
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from datetime import date
 from functools import cached_property
 from importlib import metadata
 from pathlib import Path
@@ -173,10 +174,15 @@ class Results:
         """Return the arm of each recording, by its name in results."""
         return {entry["name"]: _arm(entry["robot"]) for entry in self.study["recordings"]}
 
+    def dates(self) -> dict[str, date | None]:
+        """Return the date of each recording, by its name."""
+        entries = self.study["recordings"]
+        given = {one["name"]: one.get("date") for one in entries}
+        return {name: date.fromisoformat(str(own)) if own else None for name, own in given.items()}
+
     def months(self) -> pd.Series:
         """Return the month of each recording, as 2026-03, by its name."""
-        dates = {one["name"]: one.get("date") for one in self.study["recordings"]}
-        named = {name: str(date)[:7] if date else "no date" for name, date in dates.items()}
+        named = {name: f"{day:%Y-%m}" if day else "no date" for name, day in self.dates().items()}
         return pd.Series(named, dtype=str, name="month").rename_axis("recording")
 
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:

@@ -65,6 +65,22 @@ def next_recordings(results: Results) -> Iterator[Sentence]:
         yield say("currents.next recording", worst=[*worst.itertuples()], **words)
 
 
+def farthest_in_time(results: Results) -> Iterator[Sentence]:
+    """Say which dated recording of each arm is farthest from all those of the fit."""
+    arms, dates, roles = results.arms(), results.dates(), results.roles()
+    for robot in results.robots():
+        own = {name: day for name, day in dates.items() if day and arms[name] == robot}
+        fitted = [day for name, day in own.items() if roles[name] == "fit"]
+        away = {
+            name: min(abs((day - one).days) for one in fitted)
+            for name, day in own.items()
+            if fitted and roles[name] in ("validate", "contact")
+        }
+        if away and (days := max(away.values())):
+            name = max(away, key=lambda one: away[one])
+            yield say("currents.farthest in time", robot=robot, name=name, days=days)
+
+
 def unseen(results: Results) -> pd.DataFrame:
     """Return the errors of moving joints on validate recordings without an undeclared load."""
     return in_motion(results, {*results.with_role("validate")} - {*loaded(results)["recording"]})
