@@ -125,10 +125,11 @@ def motion(time: np.ndarray, seed: int) -> dict[str, np.ndarray]:
     angle = np.outer(time, pace) + phase
     current = LEVELS * (0.8 + 0.3 * np.sin(angle))
     home = np.array([0.3, -1.2, 1.1, -0.9, 1.4, 0.2])
+    noise = 2e-5 * np.random.default_rng(seed + 1).normal(size=angle.shape)
     return {
-        "actual_q": home + 0.3 * np.sin(angle),
+        "actual_q": home + 0.3 * np.sin(angle) + noise,
         "actual_qd": 0.3 * pace * np.cos(angle),
-        "target_q": home + 0.3 * np.sin(angle + 1e-3),
+        "target_q": home + 0.3 * np.sin(angle),
         "target_qd": 0.3 * pace * np.cos(angle),
         "actual_current": current + 0.005 * random.normal(size=angle.shape),
         "target_current": current,

@@ -183,8 +183,8 @@ def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
         ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),
         ("ur5lib/identification/closed_loop.py",
          jobs("estimate_gains", "draw_tracking", TABULATED) | REPORT),
-        ("ur5lib/robots/friction.py",  # whose terms a study may name
-         jobs(*FROM_FRICTION) | FRICTION | {"compare_studies": 1} | REPORT),
+        ("ur5lib/robots/friction.py",
+         jobs(*FROM_FRICTION) | FRICTION | REPORT),
         ("ur5lib/dynamics/rigid_body.py",
          jobs("estimate_gains", "draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),

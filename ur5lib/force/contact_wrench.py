@@ -72,7 +72,7 @@ ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
 LEVERS = 20.0  # of the typical lever, likewise
 WEIGHT = 1.0  # of the typical contact, in independent samples
 UNTOLD = 0.05  # m, lever of a force in the moments that are stated
-BLUR = 0.02  # s, of the time of a change by the 2 Hz low-pass; chosen on two simulated Pandas
+BLUR = 0.05  # s, of the time of a change by the 2 Hz low-pass: half of its width
 
 
 class Wrench(NamedTuple):
