@@ -68,6 +68,7 @@ def statements() -> Iterator[str]:
     yield f"load-dependent friction {friction.TERMS['load'].expected(1.0):g} Nm/Nm"
     for share, std in (prior.COULOMB, prior.VISCOUS):
         yield f"({100 * share:g} ± {100 * std:g}) % T"
+    yield f"(0 ± {100 * prior.BIAS:g}) % T"
     yield "{:g} ± {:g}".format(*prior.LOAD)
     share = friction.TERMS["periodic"].expected(1.0)
     yield f"once per turn, {percent(share)} of the motor's largest torque"

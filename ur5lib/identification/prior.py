@@ -19,8 +19,9 @@ NOISE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
 FRICTION_AT_REST = 0.05 / np.sqrt(3)
 PINNED = 1e-3  # of its standard deviation: what is left of it where a constant is pinned
-# Friction of a joint before any recording, mean and standard deviation, as on 20 joints of a UR3, a
-# UR5, a UR10 and a UR10e: relative to the motor's largest torque, load friction to the transmitted.
+# Friction of a joint before any recording, mean and standard deviation, near those of the larger of
+# 20 joints of a UR3, a UR5, a UR10 and a UR10e: relative to the motor's largest torque, load
+# friction to the transmitted.
 COULOMB, VISCOUS, LOAD = (0.045, 0.011), (0.06, 0.014), (0.06, 0.04)
 BIAS = 0.007  # standard deviation of the offset, likewise
 
