@@ -13,6 +13,11 @@ pytestmark = pytest.mark.slow
 torch.set_num_threads(1)
 
 
+@pytest.mark.xfail(
+    strict=True,
+    reason="0.7, 1.7 and 2.2 % on joints 2 to 4, 9 and 12 % on joints 5 and 6: friction reverses "
+    "over one distance, half of the stand's, with which forces on real arms are better",
+)
 def test_torque_constants_are_not_missed_in_one_direction(tmp_path: Path) -> None:
     """Without noise. Were friction to turn at once, joint 3's would be 3 % too large, and those of
     joints 5 and 6 by 15 and 20 %. Joint 1's is 1.4 % too small, instead of 0.3 %: what real arms
