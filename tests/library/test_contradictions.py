@@ -10,7 +10,6 @@ import pytest
 from tests.library.current_study import (
     CONSTANT,
     FRICTION,
-    PLAIN,
     make_record,
     noisy,
     prior,
@@ -52,7 +51,7 @@ def records() -> list[Record]:
 
 @pytest.fixture(scope="module")
 def fit(records: list[Record]) -> CurrentFit:
-    return fit_currents(records[:2], smooth, prior(), PLAIN)
+    return fit_currents(records[:2], smooth, prior())
 
 
 def known(factor: float, width: float) -> Prior:
@@ -72,7 +71,7 @@ def test_constants_of_a_larger_or_smaller_arm_are_a_stop_sign(
 ) -> None:
     other = known(factor, 0.1)
     if factor < 1:
-        fit = fit_currents(records[:2], smooth, other, PLAIN)
+        fit = fit_currents(records[:2], smooth, other)
     with pytest.raises(ContradictionError) as sign:
         require_known_constants(fit, other)
     said = asdict(sign.value.remark)
@@ -99,7 +98,7 @@ def test_nothing_is_fitted_to_a_run_that_counts_twice() -> None:
 
 def shares_of(records: list[Record]) -> Array:
     """The share of the currents' variance that fits to other paths explain."""
-    fits = fit_without_each_path(records, smooth, prior(), PLAIN)
+    fits = fit_without_each_path(records, smooth, prior())
     shares = explained_by_others(records, fits, smooth)
     assert shares is not None
     return shares
@@ -182,7 +181,7 @@ def without_torque(record: Record, joints: list[int]) -> Record:
 def test_a_current_without_torque_keeps_the_known_constant() -> None:
     """Its friction is then right, too; the other joints are as if nothing had happened."""
     records = [with_noise(without_torque(make_record(k), [0, 4]), k) for k in (1, 2, 3)]
-    fit = fit_currents(records, smooth, prior(0.3), PLAIN)
+    fit = fit_currents(records, smooth, prior(0.3))
     lost = [joint.contradicted is not None for joint in fit.joints]
     assert lost == [True, False, False, False, True, False]
     np.testing.assert_allclose(torque_constants(fit)[[0, 4]], CONSTANT[[0, 4]], rtol=0.01)
@@ -199,7 +198,7 @@ def test_a_current_without_torque_keeps_the_known_constant() -> None:
 
 def test_four_joints_without_torque_are_a_stop_sign() -> None:
     records = [with_noise(without_torque(make_record(k), [0, 1, 2, 4]), k) for k in (1, 2)]
-    fit = fit_currents(records, smooth, prior(0.3), PLAIN)
+    fit = fit_currents(records, smooth, prior(0.3))
     assert sum(joint.contradicted is not None for joint in fit.joints) == 4
     with pytest.raises(ContradictionError):
         require_known_constants(fit, prior(0.3))
