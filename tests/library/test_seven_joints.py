@@ -32,7 +32,7 @@ from ur5lib.identification.regression import Normal
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.statics import gravity_torque
+from ur5lib.robots.statics import geometric_jacobian, gravity_torque
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
@@ -94,6 +94,7 @@ def test_dynamics_and_kinematics_are_pinocchio_s() -> None:
     at_rest = np.array([pinocchio.computeGeneralizedGravity(engine, data, q) for q in motion[0]])
     np.testing.assert_allclose(gravity_torque(robot, "made up", motion[0]), at_rest, atol=1e-9)
     rotation, origin, jacobian = flange_kinematics(robot, motion[0])
+    np.testing.assert_allclose(geometric_jacobian(robot, motion[0]), jacobian, atol=1e-9)
     for k, q in enumerate(motion[0][:50]):
         theirs = pinocchio.computeFrameJacobian(
             engine, data, q, frame, pinocchio.LOCAL_WORLD_ALIGNED

@@ -16,7 +16,7 @@ from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, StartOffset
 from ur5lib.recordings.starts import UNSURE
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import gravity_torque, link_frames
+from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frames
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
@@ -155,6 +155,5 @@ def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: Star
 
 def _torque(arm: Robot, q: Array, force: Array) -> Array:
     """Return the joints' torque (n,) [Nm] of a force at the flange, in its axes; q: (1, n)."""
-    (rotation,), (origin,) = link_frames(arm, q)
-    moments = np.cross(origin[-1] - origin[:-1], rotation[-1] @ force)
-    return np.einsum("jk,jk->j", rotation[:-1, :, 2], moments)
+    (jacobian,), rotation = geometric_jacobian(arm, q), link_frames(arm, q)[0][0, -1]
+    return np.asarray(jacobian[:3].T @ (rotation @ force))

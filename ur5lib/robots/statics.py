@@ -73,10 +73,13 @@ EXACT = 1e-6  # m, rad; largest error of a solution
 
 
 def geometric_jacobian(robot: Robot, q: Array) -> Array:
-    """Return J_g (N, 6, 6) of frame 6's origin, base frame, linear rows first; q: (N, 6) [rad]."""
+    """Return J_g (N, 6, n) of the last frame's origin, base frame, linear rows first.
+
+    q: (N, n) [rad].
+    """
     rotations, origins = link_frames(robot, q)
-    axes = rotations[:, :6, :, 2]
-    linear = np.cross(axes, origins[:, 6:] - origins[:, :6])
+    axes = rotations[:, :-1, :, 2]
+    linear = np.cross(axes, origins[:, -1:] - origins[:, :-1])
     return np.concatenate([linear, axes], axis=2).mT
 
 
