@@ -134,6 +134,19 @@ def test_joints_named_by_sides(log: dict[str, Array]) -> None:
     assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
 
 
+def test_a_force_beside_seven_joints_stays_out_unless_torques_prove_it(
+    log: dict[str, Array],
+) -> None:
+    """Here they cannot: nothing touched the arm."""
+    force = 20 * np.sin(np.outer(log["t"], [2.0, 3.1, 4.3]))
+    columns = {f"{n}_{k}": log[n][:, k] for n in ("q", "dq", "tau_J") for k in range(7)}
+    columns |= {f"F{axis}": force[:, k] for k, axis in enumerate("xyz")}
+    pd.DataFrame({"time": log["t"]} | columns).to_csv("run.csv", index=False)
+    (found,) = import_files([Path("run.csv")], Stated("mine"))
+    assert any(line.startswith("# left out: Fx") for line in found.comments)
+    assert not {"ft_fx", "actual_TCP_force"} & {*found.entry["columns"]}
+
+
 def test_a_bag_of_franka_states(log: dict[str, Array], tmp_path: Path) -> None:
     path, store = tmp_path / "run.bag", get_typestore(Stores.ROS1_NOETIC)
     store.register(get_types_from_msg(FRANKA, "franka_msgs/msg/FrankaState"))
