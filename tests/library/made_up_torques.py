@@ -14,8 +14,6 @@ from ur5lib.force.gate import Noise, diagonal
 from ur5lib.force.missed_contacts import MISSED_TO
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
-    NOTHING_LEFT_OUT,
-    Ablation,
     WrenchEstimate,
     estimate_wrench,
     used_rows,
@@ -91,13 +89,12 @@ class Free:
         self,
         prior: ContactPrior = PRIOR,
         model: ResidualModel = MODEL,
-        ablation: Ablation = NOTHING_LEFT_OUT,
         **others: Any,
     ) -> WrenchEstimate:
         """others: fields of the `ForceInput`."""
         run = self.input(**others)
         jacobian = self.jacobian[used_rows(run.segment, run.period)]
-        return estimate_wrench(run, jacobian, model, prior, ablation)
+        return estimate_wrench(run, jacobian, model, prior)
 
 
 def free_run(

@@ -40,7 +40,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "lab", "leaderboard", "study"},
 }
-LIGHT = ("repair_frames", "set_threshold", "ablate_forces", "make_tables", "draw_figures")
+LIGHT = ("repair_frames", "set_threshold", "make_tables", "draw_figures")
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then
     (
         ("fit_residuals", "compare_forces", "estimate_forces", "detect_contacts"),

@@ -37,7 +37,7 @@ from ur5lib.report.house_style import save
 from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import cell, names
+from ur5lib.report.sentences import cell
 from ur5lib.report.tabulated import extremes
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.arm_state import velocities
@@ -446,23 +446,6 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     (told,) = _each("findings.load", loaded(results))
     assert "heavy" in told
     assert stated([told]) == [[2.75]]
-
-
-def test_parts_left_out_stand_beside_the_whole() -> None:
-    """A variant that a recording lacks has a dash there; one that no recording has, no row."""
-    bands = {"coverage95": [0.9, 0.9, 0.9], "interval_score95": [9.0, 9.0, 9.0]}
-    whole = bands | {"mae": [1.0, 2.04, 3.0]}
-    found = {
-        "pushed": {"whole": whole, "no background": whole, "least_squares": whole},
-        "held": {"whole": whole, "least_squares": bands | {"mae": [9.0, 8.0, 7.0]}},
-    }
-    results = Results({}, {"ablation": table("ablation", ablation=found)}, Path())
-    small = "1.0, 2.0, 3.0"
-    held = {"whole": small, "no background": "–, –, –", "least_squares": "9.0, 8.0, 7.0"}
-    assert shown("forces.ablation", results) == [
-        {"variant": names("variant")[name], "pushed": small, "held": errors}
-        for name, errors in held.items()
-    ]
 
 
 def test_shares_in_the_band_count_samples_below_within_and_above_the_range() -> None:

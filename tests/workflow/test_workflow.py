@@ -27,7 +27,7 @@ RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
 TABULATED = "tabulate_recording"
 FROM_ALARMS = ["detect_contacts", TABULATED]
-FROM_SENSOR = ["compare_forces", *FROM_ALARMS, "draw_figures", "ablate_forces"]
+FROM_SENSOR = ["compare_forces", *FROM_ALARMS, "draw_figures"]
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
 FROM_TORQUES = ["compute_torques", "find_contradictions", *FROM_FRICTION]
@@ -63,12 +63,9 @@ ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
 FRESH = DESCRIBED | ALL_ELSE | {"compare_studies": 1}
 
 
-def jobs(*rules: str, recordings: int = RECORDINGS, touched: int = 1) -> dict[str, int]:
-    """Jobs of so many recordings; `ablate_forces` runs for those with contact alone."""
-    counts = dict.fromkeys(rules, recordings) | {
-        rule: touched for rule in rules if rule == "ablate_forces"
-    }
-    return {rule: count for rule, count in counts.items() if count}
+def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
+    """Jobs of so many recordings."""
+    return dict.fromkeys(rules, recordings)
 
 
 def results(workflow: Workflow) -> dict[str, bytes]:
@@ -140,7 +137,7 @@ def test_a_fresh_run_does_every_step(built_workflow: Workflow, change: Change) -
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
     folder = built_workflow.folder / "results" / "small"
     for step in EACH_RECORDING:
-        for recording in ("pushed",) if step == "ablate_forces" else ("still", "pushed"):
+        for recording in ("still", "pushed"):
             assert (folder / "logs" / step / f"{recording}.log").read_text() == ""
             assert (folder / "benchmarks" / step / f"{recording}.tsv").exists()
 
@@ -202,7 +199,7 @@ def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
         ("ur5lib/report/contents.yaml", DOCUMENTED),
         ("ur5lib/report/sentences.yaml", DOCUMENTED),
         ("ur5lib/commands/compare.py", {"compare_studies": 1} | DOCUMENT),
-        ("workflow/scripts/ablate_forces.py", {"ablate_forces": 1, TABULATED: 1} | REPORT),
+        ("workflow/scripts/detect_contacts.py", jobs(*FROM_ALARMS) | REPORT),
         ("ur5lib/report/house_style.py",
          jobs("draw_figures", "draw_tracking") | DRAWINGS | DOCUMENT),
         ("ur5lib/cli.py", {}),
@@ -241,7 +238,7 @@ AT_A_SETTING = (
         (NEW.replace("ROLE", "contact"), jobs(*EACH_RECORDING, recordings=1) | REPORT),
         (  # a contact-free one serves the others' IMU alone
             NEW.replace("ROLE", "validate"),
-            jobs(*EACH_RECORDING, recordings=1, touched=0)
+            jobs(*EACH_RECORDING, recordings=1)
             | jobs("compare_accelerations", "draw_figures", recordings=3)
             | {"calibrate_imu_without_each": 1}
             | DRIFTS | HEALTH | OBSERVABILITY | REPORT,
@@ -361,7 +358,7 @@ def test_another_study_inherits_nothing(built_workflow: Workflow, change: Change
     change("Snakefile", "\nprint(study_text(STUDY))\n")
     other = STUDY.replace("study: small", "study: other").splitlines()[:-1]
     (built_workflow.folder / "other.yaml").write_text("\n".join(other))
-    expected = jobs(*EACH_RECORDING, recordings=1, touched=0) | FRESH
+    expected = jobs(*EACH_RECORDING, recordings=1) | FRESH
     assert built_workflow.plan("--configfile", "other.yaml") == expected
     said = built_workflow.run("--dry-run", "--quiet", "all", "--configfile", "other.yaml").stdout
     assert "title: Two made-up recordings" in said

@@ -158,11 +158,8 @@ class Observations:
             yield contact[0, 0] * by_force + contact[-1, -1] * by_moment
 
 
-def find_contacts(seen: Observations, sensed: Mask | None = None) -> tuple[Array, Gaussians]:
-    """Return the probability (N,) of contact in a stretch without a gap, and the background.
-
-    sensed: (N,), contacts according to a sensor: then only the background is estimated.
-    """
+def find_contacts(seen: Observations) -> tuple[Array, Gaussians]:
+    """Return the probability (N,) of contact in a stretch without a gap, and the background."""
     period, noise, prior = seen.period, seen.noise, seen.prior
     known = finite_rows(seen.torque)
     filled = np.where(known[:, None], seen.torque, 0.0)
@@ -183,7 +180,6 @@ def find_contacts(seen: Observations, sensed: Mask | None = None) -> tuple[Array
         # p(contact) = Σ p(state | all τ) over the states in contact
         weight = posterior(evidence, transitions, start)  # (N, S)
         contact = weight[:, len(free) :].sum(axis=1)  # (N,)
-        contact = contact if sensed is None else sensed.astype(float)
         # background given all τ, each weighted by the probability of a free arm
         measured = measurement_noise(free, weight, contact) / seen.worth
         # a push at rest may renew the background: it changes what stiction holds

@@ -81,22 +81,6 @@ class WrenchEstimate:
     least_squares_std = AtAllSamples()
 
 
-@dataclass(frozen=True)
-class Ablation:
-    """Parts of the estimate to replace or omit, to measure their effect.
-
-    contacts: (N,), contacts according to a sensor instead of the gate; background: whether it is
-    subtracted; learning: whether each contact learns its magnitude, or has the typical one.
-    """
-
-    contacts: Mask | None = None
-    background: bool = True
-    learning: bool = True
-
-
-NOTHING_LEFT_OUT = Ablation()
-
-
 def used_rows(segment: Labels, period: float) -> Labels:
     """Return the rows (M,) of the samples that an estimate uses, from the first of each stretch."""
     every = thinning(period)
@@ -108,7 +92,6 @@ def estimate_wrench(
     jacobian: Array,
     model: ResidualModel,
     prior: ContactPrior,
-    ablation: Ablation = NOTHING_LEFT_OUT,
 ) -> WrenchEstimate:
     """Estimate the wrench of each unbroken stretch from all of its samples (offline).
 
@@ -123,8 +106,7 @@ def estimate_wrench(
         end = start + len(part.states)
         seen = Observations.of(part, jacobian[start:end], model, prior)
         start = end
-        sensed = None if ablation.contacts is None else ablation.contacts[thin]
-        own = _estimate(seen, replace(ablation, contacts=sensed))
+        own = _estimate(seen)
         for quantity in own:
             quantity[~seen.posed] = np.nan
         found.append((rows, own))
@@ -136,17 +118,17 @@ def thinning(period: float) -> int:
     return max(1, round(STEP / period))
 
 
-def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
+def _estimate(seen: Observations) -> StretchEstimate:
     """Estimate the wrench of one stretch, at the thinned samples."""
     torque, period, noise = seen.torque, seen.period, seen.noise
     model, prior = seen.model, seen.prior
     # p(contact), the background b, and the spans of contacts
-    probability, background = find_contacts(seen, ablation.contacts)
+    probability, background = find_contacts(seen)
     contacts = contact_spans(probability, period)
     inside = marked(contacts, len(torque))
     likely = np.where(inside, np.maximum(probability, INSIDE), probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
-    carried, share = seen.gears.contact_torque(torque - ablation.background * background.mean)
+    carried, share = seen.gears.contact_torque(torque - background.mean)
     carried += noise.still * held(carried, model.breakaway, prior.stiction)
     hidden = np.where(noise.still, 1 - MEAN**2, 1.0) * noise.hidden
     slow = np.linalg.diagonal(background.covariance)
@@ -159,8 +141,7 @@ def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
     for span in contacts:
         part = slice(*span)
         own = carried[part], seen.jacobian[part], covariance[part]
-        typical = None if ablation.learning else prior.usual()
-        found = contact_wrench(*own, seen.worth, period, lossy, typical)
+        found = contact_wrench(*own, seen.worth, period, lossy)
         chosen.mean[part], chosen.variance[part] = found
         plain.mean[part], plain.variance[part] = least_squares_wrench(*own)
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free

@@ -9,8 +9,6 @@ from ur5lib.force.external_torque import finite_rows, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.wrench_estimate import (
-    NOTHING_LEFT_OUT,
-    Ablation,
     WrenchEstimate,
     estimate_wrench,
     used_rows,
@@ -34,11 +32,9 @@ class Problem(NamedTuple):
         """Return the rows (M,) of the samples that the estimate uses."""
         return used_rows(self.input.segment, self.input.period)
 
-    def solve(
-        self, jacobian: Array, prior: ContactPrior, ablation: Ablation = NOTHING_LEFT_OUT
-    ) -> WrenchEstimate:
+    def solve(self, jacobian: Array, prior: ContactPrior) -> WrenchEstimate:
         """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
-        return estimate_wrench(self.input, jacobian, self.model, prior, ablation)
+        return estimate_wrench(self.input, jacobian, self.model, prior)
 
     def pushed(self, torque: Array) -> "Problem":
         """Return the problem with an additional external torque (N, 6) [Nm]."""

@@ -445,7 +445,6 @@ CONSTRAINT = re.compile(r"\{(\w+),[^}]*\}")  # of a wildcard, as Snakemake adds 
 def recordings_of(step):
     """Return the recordings that a step of each recording runs for by itself."""
     only = {
-        "ablate_forces": [name for name in examined() if name in TOUCHED],
         "audit_sensor": [name for name in examined() if name in WITH_WRIST_SENSOR],
         "draw_figures": illustrated(),
         "estimate_gains": examined(),

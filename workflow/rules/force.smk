@@ -197,24 +197,3 @@ rule draw_observability:
         code=code("draw_observability"),
     run:
         run_step(rule, input, output, params, log)
-
-
-rule ablate_forces:
-    input:
-        sensor=result("sensor.parquet"),
-        forces=result("forces.parquet"),
-        motion=result("motion.parquet"),
-        currents=result("currents.parquet"),
-        kinematics=result("kinematics.parquet"),
-        residuals=parameter_of("residuals.json"),
-    output:
-        ablation=result("ablation.json"),
-    log:
-        **traces("ablate_forces", "{recording}"),
-    group:
-        in_cluster("forces")
-    params:
-        code=code("ablate_forces"),
-        contact_force_n=SETTINGS.contact.force_n,
-    run:
-        run_step(rule, input, output, params, log)

@@ -146,7 +146,6 @@ rule tabulate_recording:
         constants=result("published_constants.json"),
         currents=result("currents.json"),
         detection=result("detection.json"),
-        ablation=result_if_made("ablation.json", "ablate_forces"),
         audit=result_if_made("audit.json", "audit_sensor"),
     output:
         rows=result("rows.json"),

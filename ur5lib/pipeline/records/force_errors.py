@@ -73,12 +73,3 @@ class Audit:
 
     free_s: float | None = None
     rows: list[AuditRow] = field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class Ablated:
-    """Errors of an estimate of the force in contact, (3,) each, in ablation.json by variant."""
-
-    mae: Array
-    coverage95: Array
-    interval_score95: Array

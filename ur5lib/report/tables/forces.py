@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from ur5lib.pipeline.records.contacts import Detected
-from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
+from ur5lib.pipeline.records.force_errors import Audit, Compared
 from ur5lib.report.reference import Published
-from ur5lib.report.tables import Row, transposed
+from ur5lib.report.tables import Row
 
 FORCES = ("Fx", "Fy", "Fz")
 STDS = ("Fx_std", "Fy_std", "Fz_std")
@@ -45,12 +45,6 @@ def sensed(forces: Compared) -> Iterator[Row]:
     """Yield the largest reading of a force sensor, and its contacts."""
     if felt := forces.felt:
         yield vars(felt) | {"largest_force_n": felt.largest, "share_in_contact": felt.contact}
-
-
-def ablation(ablation: dict[str, Ablated]) -> Iterator[Row]:
-    """Yield the error in contact with each part of the estimate left out."""
-    for variant, figures in ablation.items():
-        yield from transposed(vars(figures), "component", FORCES, variant=variant)
 
 
 def detection(detection: dict[str, Detected]) -> Iterator[Row]:

@@ -58,14 +58,6 @@ def _beside_free(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[rows["during"] == "contact"].join(free.add_prefix("free_"), on=key)
 
 
-def ablation(results: Results) -> pd.DataFrame:
-    """Return the errors along x, y, z by variant and recording, NaN where not computed."""
-    rows = results.tables["ablation"]
-    return rows.pivot_table(
-        "mae", ["variant", "recording"], "component", sort=False, dropna=False
-    ).reset_index()
-
-
 def contact_errors(results: Results, recording: str) -> pd.DataFrame:
     """Return peak, impulse and onset of each contact, with the leading estimate's errors."""
     return leading(results.rows("contact_errors", recording=recording, component="norm"))
