@@ -63,7 +63,7 @@ rule figures:
         lambda wildcards: expand(rules.draw_published_forces.output, recording=RECORDINGS),
 
 
-# What a paper takes over: tables as LaTeX, figures as PDF, methods, references.
+# The report's figures as PDF of the width of a paper's column.
 rule paper:
     input:
-        rules.write_paper.output,
+        as_wide_as_a_column(outputs_in("figures")),

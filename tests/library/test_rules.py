@@ -28,7 +28,6 @@ recordings:
 """
 NOT_BY_NAME = {
     ("align_signals", "input"): ["force", "imu"],  # by the names that a table of clocks has
-    ("write_paper", "input"): ["columns"],  # the document names figures by their place
     ("simulate_recording", "input"): ["way_points"],  # its plan names the file
     ("simulate_recording", "output"): ["summary"],  # lies beside the truth
 }

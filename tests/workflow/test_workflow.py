@@ -150,11 +150,11 @@ def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path
     assert all(f'"{category}"' in report for category in ("Figures", "Tables", "Report"))
 
 
-def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
+def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
     """Its figures by the scripts of the report's, so that they show the same."""
     drawn = jobs("draw_figures", "draw_tracking") | DRAWINGS
     expected = {f"{rule}_for_paper": count for rule, count in drawn.items()}
-    expected |= {"write_paper": 1, "paper": 1}
+    expected |= {"paper": 1}
     assert workflow.plan("paper") == expected
     made = "results/small/paper/figures/filters.pdf"
     assert workflow.run(made).returncode == 0

@@ -412,12 +412,12 @@ def drawn_by(rule, of=""):
 
 
 def as_wide_as_a_column(figures):
-    """Return the figures of a paper, as wide as its columns, by those of the report."""
-    return {
-        name: path.replace(f"{RESULTS}/figures", f"{RESULTS}/paper/figures").replace(".svg", ".pdf")
-        for name, path in figures.items()
+    """Return the figures of a paper, as wide as its columns, from those of the report."""
+    return [
+        path.replace(f"{RESULTS}/figures", f"{RESULTS}/paper/figures").replace(".svg", ".pdf")
+        for path in figures
         if path.endswith(".svg")
-    }
+    ]
 
 
 def tables_of(studies, names):
