@@ -107,41 +107,20 @@ def check_results(folder: Path) -> None:
     listed = [sentence for one in told["lists"] for sentence in one["sentences"]]
     assert [one["heading"] for one in told["lists"]][:2] == ["What to do next", "Findings"]
     for sentence in [*shown, *listed]:
-        assert sentence["text"] in text
-        check_numbers(sentence)
+        assert sentence in text
     for verdict in told["verdicts"]:
         for number in verdict["numbers"]:
             if number["interval"]:
                 assert number["low"] <= number["value"] <= number["high"]
 
 
-def check_numbers(sentence: dict[str, Any]) -> None:
-    """A sentence's numbers and their errors stand in its text, in the same order.
-
-    “< 0.01” stands for a number whose two decimals would be zeros: for less than half of it.
-    """
-    shown = stated(sentence["text"])
-    for number in sentence["numbers"]:
-        for value in (number["value"], number["std_error"]):
-            # the iterator goes on behind the number that it found
-            assert value is None or any(
-                0 < abs(value) < one / 2 if bound else one == value for one, bound in shown
-            ), (value, sentence)
-
-
-def stated(text: str) -> Iterator[tuple[float, bool]]:
-    """Yield the numbers of a text in their order, and whether each is a bound; of “joints 2 to 5”
-    also those between.
-    """
+def stated(text: str) -> list[float]:
+    """Return the numbers of a text in their order; of “joints 2 to 5” also those between."""
     digits = re.sub(r"(?<=\d),(?=\d{3})", "", text).replace("−", "-")
-    number = r"(?<![\w.])-?\d+(?:\.\d+)?"
-    for low, high, below, value in re.findall(
-        rf"joints (\d) to (\d)|< ({number})|({number})", digits
-    ):
-        if low:
-            yield from ((joint, False) for joint in range(int(low), int(high) + 1))
-        else:
-            yield float(below or value), bool(below)
+    found: list[float] = []
+    for low, high, value in re.findall(r"joints (\d) to (\d)|(?<![\w.])(-?\d+(?:\.\d+)?)", digits):
+        found += range(int(low), int(high) + 1) if low else [float(value)]
+    return found
 
 
 def page_texts(report: Path) -> list[str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from tests.artefacts.documents import stated
 from tests.made_tables import empty
 from ur5lib.errors import InputError
 from ur5lib.report.compose import compose
@@ -115,7 +116,7 @@ def test_delays_of_many_recordings_are_a_range() -> None:
     delays = {"causal_delay_s": [0.2 + 0.001 * k for k in range(len(rows))]}
     results = replace(whole, tables={**whole.tables, "detection": rows.assign(**delays)})
     *_, causal = detection(results)
-    assert [one.value for one in causal.numbers][2:] == [0.2, 0.32]
+    assert stated(causal)[2:] == [0.2, 0.32]
 
 
 def test_what_was_left_out_has_no_page() -> None:

@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import pytest
 import yaml
 from lxml.html import fromstring
 
+from tests.artefacts.documents import stated
 from tests.made_tables import empty, table
 from ur5lib.errors import InputError, remark
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
@@ -216,11 +216,6 @@ def shown(name: str, results: Results, of: str = "") -> list[dict[str, str]]:
 # Contacts
 
 
-def stated(sentences: Iterable[str]) -> list[list[float]]:
-    """The numbers of each sentence."""
-    return [[number.value for number in getattr(one, "numbers", ())] for one in sentences]
-
-
 def searched(name: str, contacts: pd.DataFrame) -> Results:
     """One contact recording without a force sensor, and the contacts found on it."""
     tables = {
@@ -239,7 +234,7 @@ def test_a_recording_without_contacts_is_told_too() -> None:
     results = searched("quiet", empty("contacts"))
     (told,) = counted(results)
     assert "quiet" in told
-    assert stated([told]) == [[]]
+    assert stated(told) == []
     assert [*largest_contacts(results)] == []
 
 
@@ -252,8 +247,8 @@ def alarm(start: float, force: list[float], **more: Any) -> dict[str, Any]:
 def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     rows = contact_rows("pushed", [alarm(1.0, [3.0, 0.0, -4.04]), alarm(7.0, [1.0, 0.0, 0.0])])
     results = searched("pushed", rows)
-    assert stated(counted(results)) == [[2]]
-    assert stated(largest_contacts(results)) == [[3.0, 1, 0.0, 2, -4.0, 3, 1.5]]
+    assert [*map(stated, counted(results))] == [[2]]
+    assert [*map(stated, largest_contacts(results))] == [[3.0, 1, 0.0, 2, -4.0, 3, 1.5]]
     first, second = shown("forces.contacts", results, "pushed")
     assert [*first.values()][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second["Fx [N]"] == "1.0 ± 1.0"
@@ -276,9 +271,9 @@ def test_a_load_taken_up_is_no_contact() -> None:
     down = [0.0, 0.0, -20.0]
     rows = contact_rows("grasp", [alarm(4.0, down), alarm(4.0, down, **lifted)])
     results = searched("grasp", rows)
-    assert stated(counted(results)) == [[1]]
+    assert [*map(stated, counted(results))] == [[1]]
     taken_up = results.rows("contacts", kind="load")
-    assert stated(_each("findings.load taken up", taken_up)) == [[2.04]]
+    assert [*map(stated, _each("findings.load taken up", taken_up))] == [[2.04, 0.05]]
     lines = shown("forces.contacts", results, "grasp")
     assert [line["load [kg]"] for line in lines] == ["–", "2.04 ± 0.05"]
 
@@ -334,8 +329,9 @@ def test_printed_errors_stand_beside_those_of_the_whole_run() -> None:
 
 def test_contact_is_set_beside_free_and_never_averaged_with_it() -> None:
     results = force_results()
-    (told,) = stated(in_contact(results))
-    assert told == [*[4.0] * 3, *[3.0, 5.0] * 3, *[10.0] * 3, *[90] * 3, *[0.1] * 3]
+    (told,) = [*map(stated, in_contact(results))]
+    errors, means = [*[4.0] * 3, 95, *[3.0, 5.0] * 3], [10.0] * 3
+    assert told == [5, *errors, *means, 95, *[90] * 3, *[0.1] * 3]
     cells, *others = shown("forces.headline", results)
     assert len(others) == 2
     assert cells["mean force"] == "10.0"
@@ -445,7 +441,7 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     assert [*pushes_found(results)["recording"]] == ["free"]
     (told,) = _each("findings.load", loaded(results))
     assert "heavy" in told
-    assert stated([told]) == [[2.75]]
+    assert stated(told) == [2.75, 0.03]
 
 
 def test_shares_in_the_band_count_samples_below_within_and_above_the_range() -> None:

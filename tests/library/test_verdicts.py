@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.artefacts.documents import stated
 from ur5lib.report.baseline import bars, error_bar, state
 from ur5lib.report.compose import shown_table
 from ur5lib.report.document import Verdict
@@ -167,7 +168,7 @@ def test_the_worst_file_is_named() -> None:
     assert verdict.state == "usable"
     assert "wave.csv lost 250 of 1,000 frames" in verdict.sentence
     assert [number.value for number in verdict.numbers] == [0, 0, 3, 1]
-    assert [number.value for number in verdict.evidence.numbers] == [3, 1, 2, 3]
+    assert stated(verdict.evidence) == [3, 1, 2, 3]
 
 
 def test_the_most_serious_finding_decides() -> None:
@@ -435,8 +436,8 @@ def test_findings_count_contacts_false_alarms_and_the_smallest_push() -> None:
         known | {"alarms_per_min": 1.0},
     ]
     contacts = [{"recording": name, "estimate": "Fmap", "kind": "contact"} for name in ROLES]
-    found = [own.numbers for own in findings(study(detection=rows, contacts=contacts))]
-    assert [[own.value for own in numbers] for numbers in found] == [[], [1], [6, 8], [0.5], [56]]
+    found = findings(study(detection=rows, contacts=contacts))
+    assert [*map(stated, found)] == [[], [1], [6, 8], [0.5], [56, 95]]
 
 
 @pytest.mark.parametrize(("force", "told"), [(60.0, "above 60 N"), (672.0, "above 100 N")])

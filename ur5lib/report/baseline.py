@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 import pandas as pd
 
 from ur5lib.report.document import Number, State
-from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence, joined, rounded
+from ur5lib.report.formats import SMALLEST_DIFFERENCE, joined, rounded
 from ur5lib.report.sentences import say
 
 ZERO = "an estimate of zero"
@@ -66,7 +66,7 @@ class Rival:
         means = means.reindex(columns=["ours", "rival"])
         return cls(name, means[means["rival"] < LESS * means["ours"]])
 
-    def after(self, verdict: Sentence, unit: str, digits: int) -> Sentence:
+    def after(self, verdict: str, unit: str, digits: int) -> str:
         """Return the sentence of a verdict, and where the rival errs less."""
         if self.better.empty:
             return verdict
@@ -120,16 +120,16 @@ class AgainstBaseline:
         """Judge the worst joint or component; arguments as of the function `state`."""
         return state(self.worst["error"], self.worst["zero"], held, tested, better)
 
-    def percent(self) -> Sentence:
+    def percent(self) -> str:
         """Return the worst error in per cent of zero's."""
         return say("error.worst", row=self.worst)
 
-    def shown(self) -> Sentence:
+    def shown(self) -> str:
         """Return the worst error, its range over recordings, and its baseline."""
         low, high = (rounded(self.worst[end], self.digits) for end in ("low", "high"))
         return say("error.with range", row=self.worst, spread=low != high, against=self)
 
-    def largest_shown(self) -> Sentence:
+    def largest_shown(self) -> str:
         """Return the largest error with its place, its recording and its baseline."""
         return say("error.largest", row=self.largest, against=self)
 

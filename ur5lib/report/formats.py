@@ -1,10 +1,9 @@
-"""Formats of numbers, dates and joints, as text that knows the numbers which it states.
+"""Formats of numbers, dates and joints as text.
 
 Most are filters of the templates in `sentences.yaml` and `contents.yaml`.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from datetime import date
 
 import numpy as np
@@ -14,64 +13,40 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SMALLEST_DIFFERENCE = 5e-5  # visible with four decimals
 
 
-@dataclass(frozen=True)
-class Stated:
-    """A number as a sentence states it: rounded, with its standard error if it gives one."""
-
-    value: float
-    std_error: float | None = None
-    unit: str = ""
+def joined(parts: Iterable[str], between: str = " ") -> str:
+    """Return texts one after the other."""
+    return between.join(parts)
 
 
-class Sentence(str):
-    """Text that knows the numbers which it states, in their order."""
-
-    numbers: tuple[Stated, ...] = ()
-
-
-def sentence(text: str, numbers: Iterable[Stated] = ()) -> Sentence:
-    """Return a text with its numbers."""
-    numbered = Sentence(text)
-    numbered.numbers = tuple(numbers)
-    return numbered
-
-
-def joined(parts: Iterable[str], between: str = " ") -> Sentence:
-    """Return texts one after the other, with the numbers of all."""
-    texts = [*parts]
-    numbers = [number for part in texts for number in getattr(part, "numbers", ())]
-    return sentence(between.join(texts), numbers)
-
-
-def capital(text: str) -> Sentence:
+def capital(text: str) -> str:
     """Return a text with a capital letter."""
-    return sentence(text[:1].upper() + text[1:], getattr(text, "numbers", ()))
+    return text[:1].upper() + text[1:]
 
 
-def fixed(value: float, digits: int = 0, unit: str = "") -> Sentence:
+def fixed(value: float, digits: int = 0, unit: str = "") -> str:
     """Format a value with some decimals, and its unit; a dash for NaN."""
     if pd.isna(value):
-        return sentence("–")
+        return "–"
     text = f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")  # + 0.0: no −0
-    return _with_unit(text, round(float(value), digits), unit)
+    return _with_unit(text, unit)
 
 
-def rounded(value: float, digits: int = 0, unit: str = "") -> Sentence:
+def rounded(value: float, digits: int = 0, unit: str = "") -> str:
     """Format a value with some decimals, or as a bound if they would all be zeros."""
     if 0 < abs(value) < 0.5 * 10**-digits:  # a value given as a bound stays as it is
-        return _with_unit(f"< {10**-digits:.{digits}f}", float(value), unit)
+        return _with_unit(f"< {10**-digits:.{digits}f}", unit)
     return fixed(value, digits, unit)
 
 
-def significant(value: float, digits: int, unit: str = "") -> Sentence:
+def significant(value: float, digits: int, unit: str = "") -> str:
     """Format a value with some significant digits, without an exponent; a dash for NaN."""
     if pd.isna(value):
-        return sentence("–")
+        return "–"
     text = np.format_float_positional(value, digits, fractional=False, trim="-")
-    return _with_unit(text.replace("-", "−"), float(f"{value:.{digits}g}"), unit)
+    return _with_unit(text.replace("-", "−"), unit)
 
 
-def percent(share: float, digits: int = 0) -> Sentence:
+def percent(share: float, digits: int = 0) -> str:
     """Format a share in per cent."""
     return fixed(100 * share, digits, "%")
 
@@ -90,46 +65,40 @@ def power(value: float, digits: int = 3) -> str:
     return mantissa.replace("-", "−") + factor
 
 
-def counted(count: int) -> Sentence:
+def counted(count: int) -> str:
     """Format a count with commas between thousands."""
-    return _with_unit(f"{count:,}", float(count), "")
+    return f"{count:,}"
 
 
-def error(value: float, std: float, digits: int, unit: str = "") -> Sentence:
+def error(value: float, std: float, digits: int, unit: str = "") -> str:
     """Format a value with its standard error and its unit; a dash for NaN."""
     if pd.isna(value):
-        return sentence("–")
-    text = f"{fixed(value, digits)} ± {rounded(std, digits)}"
-    return _with_unit(text, round(float(value), digits), unit, round(float(std), digits))
+        return "–"
+    return _with_unit(f"{fixed(value, digits)} ± {rounded(std, digits)}", unit)
 
 
-def to(low: float, high: float, digits: int, unit: str = "") -> Sentence:
+def to(low: float, high: float, digits: int, unit: str = "") -> str:
     """Format an interval and its unit without a line break within the interval."""
-    ends = [Stated(round(float(end), digits), None, unit) for end in (low, high)]
-    return sentence(
-        f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)} {unit}".rstrip(), ends
-    )
+    return _with_unit(f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}", unit)
 
 
-def each(values: Iterable[float], digits: int = 2, unit: str = "", bounds: bool = True) -> Sentence:
+def each(values: Iterable[float], digits: int = 2, unit: str = "", bounds: bool = True) -> str:
     """Format values one after the other, and their unit after the last.
 
     bounds: whether values that would round to zero are given as a bound (< 0.01).
     """
     parts = [(rounded if bounds else fixed)(value, digits) for value in values]
-    numbers = [Stated(part.numbers[0].value, None, unit) for part in parts]
-    return sentence(f"{', '.join(parts)} {unit}".rstrip(), numbers)
+    return _with_unit(", ".join(parts), unit)
 
 
-def _with_unit(text: str, value: float, unit: str, std: float | None = None) -> Sentence:
-    return sentence(f"{text} {unit}".rstrip(), [Stated(value, std, unit)])
+def _with_unit(text: str, unit: str) -> str:
+    return f"{text} {unit}".rstrip()
 
 
-def joints(numbers: Iterable[float]) -> Sentence:
+def joints(numbers: Iterable[float]) -> str:
     """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
     integers = [round(number) for number in numbers]
-    text = f"joint{'s' if len(integers) > 1 else ''} {numbered(integers)}"
-    return sentence(text, [Stated(float(number)) for number in integers])
+    return f"joint{'s' if len(integers) > 1 else ''} {numbered(integers)}"
 
 
 def numbered(numbers: Sequence[int]) -> str:

@@ -19,7 +19,6 @@ from ur5lib.errors import InputError
 from ur5lib.lab.places import IN_CLONE, WORKFLOW
 from ur5lib.pipeline.records.truth import COLUMNS as TRUTH
 from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
-from ur5lib.report.formats import Sentence
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.robots.description import Robot
@@ -61,7 +60,7 @@ class Results:
     errata: Sequence[Erratum] = ()
     commit: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
-    left_out: Sequence[Sentence] = ()
+    left_out: Sequence[str] = ()
     other_arms: frozenset[str] = frozenset()
     sensed: bool = False
 

@@ -6,7 +6,6 @@ Sentences stand in `sentences.yaml`, cells in `contents.yaml`; their filters are
 import re
 from collections.abc import Hashable, Mapping
 from functools import cache
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,6 @@ from jinja2.environment import TemplateExpression
 
 from ur5lib.pipeline.estimators import ESTIMATES, PUBLISHED
 from ur5lib.report import formats
-from ur5lib.report.formats import Sentence, Stated, sentence
 from ur5lib.strict import read_yaml
 
 FILTERS = (
@@ -25,15 +23,14 @@ FILTERS = (
 )
 
 
-def say(name: str, /, **values: Any) -> Sentence:
+def say(name: str, /, **values: Any) -> str:
     """Return the sentence of a template, `topic.name`, filled with values.
 
     Raises KeyError where there is no such template.
     """
-    numbers: list[Stated] = []
     topic, _, own = name.partition(".")
-    text = _template(_written()[1][topic][own]).render(values, _numbers=numbers)
-    return sentence(re.sub(r" +", " ", text).strip(), numbers)
+    text = _template(_written()[1][topic][own]).render(values)
+    return re.sub(r" +", " ", text).strip()
 
 
 def cell(template: str, values: Mapping[Hashable, object]) -> str | None:
@@ -49,7 +46,7 @@ def cell(template: str, values: Mapping[Hashable, object]) -> str | None:
 
 def filled(template: str, values: Mapping[Hashable, object]) -> str:
     """Return a template filled with values."""
-    return _template(template).render(values, _numbers=[])
+    return _template(template).render(values)
 
 
 def name(value: str, topic: str) -> str:
@@ -63,15 +60,6 @@ def names(topic: str) -> dict[str, str]:
     return {"estimate": ESTIMATES, **_written()[0]}.get(topic, {})
 
 
-@jinja2.pass_context
-def _noted(context: jinja2.runtime.Context, value: Any) -> Any:
-    """Collect the numbers that a template shows."""
-    if isinstance(value, Real) and not isinstance(value, bool):
-        value = sentence(f"{value}", [Stated(float(value))])
-    context["_numbers"].extend(getattr(value, "numbers", ()))
-    return value
-
-
 @cache
 def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
     """Return the names and the templates in `sentences.yaml`, by topic."""
@@ -81,7 +69,7 @@ def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
 
 @cache
 def _environment() -> jinja2.Environment:
-    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, finalize=_noted)
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
     environment.filters |= {own: getattr(formats, own) for own in FILTERS} | {"name": name}
     environment.tests |= {"known": pd.notna, "published": PUBLISHED.__contains__}
     return environment

@@ -1,30 +1,14 @@
 """The summary of a study as data: `results.json`, and its schema."""
 
 from itertools import pairwise
-from typing import Annotated
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from ur5lib.report.document import Document, Heading, Items, Number, State, Verdicts
-from ur5lib.report.formats import Stated
 from ur5lib.report.results import Results
 from ur5lib.strict import Strict
 
 SCHEMA = "results.schema.json"
-
-
-class StatedSentence(Strict):
-    """A sentence, and its numbers in their order."""
-
-    text: str
-    numbers: list[Stated]
-
-
-def _stated(text: str) -> StatedSentence:
-    return StatedSentence(text=str(text), numbers=list(getattr(text, "numbers", ())))
-
-
-Words = Annotated[StatedSentence, BeforeValidator(_stated)]
 
 
 class Judged(Strict, from_attributes=True):
@@ -32,8 +16,8 @@ class Judged(Strict, from_attributes=True):
 
     topic: str
     state: State
-    sentence: Words
-    evidence: Words
+    sentence: str
+    evidence: str
     numbers: list[Number]
 
 
@@ -41,7 +25,7 @@ class Listed(Strict):
     """A list under its heading."""
 
     heading: str
-    sentences: list[Words]
+    sentences: list[str]
 
 
 class Summary(Strict):

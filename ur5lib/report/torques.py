@@ -5,7 +5,6 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from ur5lib.report.document import Code, Document, Equation
-from ur5lib.report.formats import Sentence, Stated, sentence
 
 WORDS = {
     r"Nm/A\b": "Nm/Nm",
@@ -29,10 +28,6 @@ def _reworded(part: Any) -> Any:
     match part:
         case Code() | Equation():
             return part
-        case Stated():
-            return replace(part, unit=_words(part.unit))
-        case Sentence():
-            return sentence(_words(part), map(_reworded, part.numbers))
         case str():
             return _words(part)
         case list() | tuple():

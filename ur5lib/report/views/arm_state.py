@@ -9,7 +9,7 @@ import pandas as pd
 from ur5lib.force.trial_contacts import MOST
 from ur5lib.report.baseline import bars
 from ur5lib.report.document import State, Verdict
-from ur5lib.report.formats import Sentence, capital, day, days
+from ur5lib.report.formats import capital, day, days
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.timeseries.changes import FEWEST
@@ -19,7 +19,7 @@ DRIFT = "Drift over time"  # topic
 ALONG = [f"smallest_push_95_{axis}" for axis in "xyz"]
 
 
-def dates(results: Results) -> Iterator[Sentence]:
+def dates(results: Results) -> Iterator[str]:
     """Report each arm's dates, whether temperatures were recorded, and lost frames."""
     for robot in results.listed("health", "robot"):
         rows = results.rows("health", robot=robot)
@@ -33,7 +33,7 @@ def dates(results: Results) -> Iterator[Sentence]:
         )
 
 
-def changes(results: Results) -> Iterator[Sentence]:
+def changes(results: Results) -> Iterator[str]:
     """Yield a sentence for each change, the largest relative change first."""
     changes = ranked(results)
     for row in changes.itertuples():
@@ -49,7 +49,7 @@ def ranked(results: Results) -> pd.DataFrame:
     return rows.assign(share=share).sort_values("share", ascending=False, kind="stable")
 
 
-def change(row: Any) -> Sentence:
+def change(row: Any) -> str:
     """Return a sentence on a change: joint, quantity, size, dates, and the temperature's effect."""
     by, added = say("health.by offset", row=row), 0.0
     if row.quantity != "offset":  # in per cent of the value before
@@ -61,14 +61,14 @@ def change(row: Any) -> Sentence:
     return say("health.change", row=row, by=by, added=added)
 
 
-def steps(results: Results) -> Iterator[Sentence]:
+def steps(results: Results) -> Iterator[str]:
     """Ask for a fit to the recordings after the largest change."""
     rows = ranked(results)
     for row in rows[rows["share"] > 0][:1].itertuples():
         yield say("health.step", row=row, day=day(row.last))
 
 
-def detectable(results: Results) -> Iterator[Sentence]:
+def detectable(results: Results) -> Iterator[str]:
     """Report at which speeds pushes on an arm are detected best and worst, and the smallest push
     along each axis that is detected, at rest and in motion.
     """

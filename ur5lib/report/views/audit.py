@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.formats import Sentence, capital, fixed, joined
+from ur5lib.report.formats import capital, fixed, joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import name, say
 
@@ -22,13 +22,13 @@ def audited(results: Results) -> list[str]:
     return [*map(str, results.tables["audit"]["recording"].unique())][:MOST_SHOWN]
 
 
-def sentences(results: Results, recording: str) -> Iterator[Sentence]:
+def sentences(results: Results, recording: str) -> Iterator[str]:
     """Yield the verdicts on a recording's sensor, a sentence each."""
     for text in verdicts(results.rows("audit", recording=recording)):
         yield capital(joined([text, "."], ""))
 
 
-def faults(results: Results) -> Iterator[Sentence]:
+def faults(results: Results) -> Iterator[str]:
     """Yield a sentence for each kind of fault of wrist sensors, with the recordings."""
     rows = results.rows("audit", verdict="wrong")
     for quantity, part in rows.groupby("quantity", sort=False):
@@ -45,7 +45,7 @@ def values(results: Results, recording: str) -> pd.DataFrame:
     return rows.assign(digits=rows["unit"].map(DIGITS))
 
 
-def verdicts(rows: pd.DataFrame) -> Iterator[Sentence]:
+def verdicts(rows: pd.DataFrame) -> Iterator[str]:
     """Yield sentences about one recording's sensor, from its rows of audit.csv."""
     known = rows.fillna({"component": "", "verdict": ""}).set_index("component")
     audit = dict([*known.groupby("quantity")])
@@ -62,7 +62,7 @@ def verdicts(rows: pd.DataFrame) -> Iterator[Sentence]:
             yield say("sensor.left", left=_with_error(left))
 
 
-def _sensor(audit: Audit) -> Iterator[Sentence]:
+def _sensor(audit: Audit) -> Iterator[str]:
     """Yield sentences about the raw reading, axis by axis and as a whole."""
     for axis in "xyz":
         parts = {"scale": axis, "drift": f"F{axis}", "shift": f"F{axis}"}
@@ -89,13 +89,13 @@ def _sensor(audit: Audit) -> Iterator[Sentence]:
     yield from _payload(audit)
 
 
-def _with_error(row: pd.Series) -> Sentence:
+def _with_error(row: pd.Series) -> str:
     """Return a value with its standard error and its unit."""
     unit = "" if row.unit == "1" else row.unit
     return say("sensor.value", row=row, digits=DIGITS[row.unit], unit=unit)
 
 
-def _payload(audit: Audit) -> Iterator[Sentence]:
+def _payload(audit: Audit) -> Iterator[str]:
     """Yield the mass on the sensor beside the declared one, and the command that declares it.
 
     It differs from the declared one where none is declared, or the centre of mass is another, which

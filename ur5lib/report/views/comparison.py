@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.formats import Sentence
 from ur5lib.report.printed_numbers import EQUAL, UNEXPLAINED
 from ur5lib.report.results import Results, with_zero
 from ur5lib.report.sentences import names, say
@@ -13,7 +12,7 @@ from ur5lib.report.sentences import names, say
 DIGITS = 4  # of computed numbers
 
 
-def changes(results: Results) -> Iterator[Sentence]:
+def changes(results: Results) -> Iterator[str]:
     """Report for each other study how much changed, and in which topics."""
     for study in results.listed("changes", "study"):
         rows = results.rows("changes", study=study)
@@ -35,7 +34,7 @@ def sources(results: Results) -> list[str]:
     return sorted({*results.rows("printed")["source"]})
 
 
-def rebuilt(results: Results) -> Iterator[Sentence]:
+def rebuilt(results: Results) -> Iterator[str]:
     """Report how many published numbers are rebuilt."""
     rows = results.rows("printed")
     if len(rows):
@@ -43,7 +42,7 @@ def rebuilt(results: Results) -> Iterator[Sentence]:
         yield say("printed.found", equal=equal, count=len(rows), left=left)
 
 
-def unexplained(results: Results) -> list[Sentence]:
+def unexplained(results: Results) -> list[str]:
     """Return each unexplained number with its table and row, and the difference in per cent: that
     of the erratum's number, or else of the rebuilt one.
     """

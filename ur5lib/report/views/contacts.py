@@ -9,7 +9,7 @@ from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.baseline import ZERO, Rival, error_bar, state
 from ur5lib.report.document import MOST_SHOWN, Number, Verdict
-from ur5lib.report.formats import Sentence, joined
+from ur5lib.report.formats import joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
@@ -30,7 +30,7 @@ def sentences(results: Results) -> list[str]:
     ]
 
 
-def in_contact(results: Results) -> Iterator[Sentence]:
+def in_contact(results: Results) -> Iterator[str]:
     """Report the errors of the leading estimate, in contact and free."""
     rows = results.rows("force_mae", kind="compensated", component=FORCES)
     touched = dict([*rows[rows["during"] == "contact"].groupby("recording", sort=False)])
@@ -43,7 +43,7 @@ def in_contact(results: Results) -> Iterator[Sentence]:
         yield say("contacts.better", better=better, count=len(touched))
 
 
-def _errors_in_contact(contact: pd.DataFrame, free: pd.DataFrame) -> Sentence:
+def _errors_in_contact(contact: pd.DataFrame, free: pd.DataFrame) -> str:
     """Report one recording's errors in contact, with intervals and bands, and its free errors."""
     lead = leading(contact)
     recording, name = lead[["recording", "estimate"]].iloc[0]
@@ -61,7 +61,7 @@ def _errors_in_contact(contact: pd.DataFrame, free: pd.DataFrame) -> Sentence:
     )
 
 
-def undetermined_moments(results: Results) -> Iterator[Sentence]:
+def undetermined_moments(results: Results) -> Iterator[str]:
     """Report the moments that the leading estimate determines on no recording."""
     rows = leading(results.rows("force_mae", kind="compensated", during="contact"))
     moments = rows[rows["component"].str.startswith("n")]
@@ -71,7 +71,7 @@ def undetermined_moments(results: Results) -> Iterator[Sentence]:
         yield say("contacts.undetermined", moments=names, name=SPOKEN[rows["estimate"].iloc[0]])
 
 
-def bands_held(results: Results) -> Iterator[Sentence]:
+def bands_held(results: Results) -> Iterator[str]:
     """Report the coverage of the stated bands, in contact and free."""
     rows = results.rows("force_mae", kind="compensated", component=FORCES)
     held = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
@@ -95,13 +95,13 @@ def felt_while_fitted(results: Results) -> list[str]:
     return results.with_role("fit", found["recording"])
 
 
-def counted(results: Results) -> Iterator[Sentence]:
+def counted(results: Results) -> Iterator[str]:
     """Report the number of contacts on each recording without a sensor, also zero."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         yield say("contacts.counted", name=name, count=len(rows))
 
 
-def largest_contacts(results: Results) -> Iterator[Sentence]:
+def largest_contacts(results: Results) -> Iterator[str]:
     """Report the largest force on each contact recording without a sensor."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         if len(rows):
@@ -109,14 +109,14 @@ def largest_contacts(results: Results) -> Iterator[Sentence]:
             yield say("contacts.largest", name=name, row=largest)
 
 
-def elsewhere(results: Results) -> Iterator[Sentence]:
+def elsewhere(results: Results) -> Iterator[str]:
     """Report the contacts that are not on the flange: stated forces hold only for the flange."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         if count := int((rows["off_flange"] == "yes").sum()):
             yield say("contacts.elsewhere", name=name, count=count, total=len(rows))
 
 
-def detection(results: Results) -> Iterator[Sentence]:
+def detection(results: Results) -> Iterator[str]:
     """Report the contacts found by their force, those of the weakest that past samples alone show,
     and the smallest push detected along each axis.
     """
@@ -168,7 +168,7 @@ def score(results: Results, estimate: str) -> Score | None:
     return Score(found, pushes, float(free["time_above"].max()))
 
 
-def claim(results: Results) -> Iterator[Sentence]:
+def claim(results: Results) -> Iterator[str]:
     """Report whether the claim holds, and why not."""
     if (claimed := score(results, CLAIMED)) is not None:
         yield say("claim.judged", claimed=claimed)
@@ -190,7 +190,7 @@ def touched(results: Results) -> list[str]:
     return [*rows["recording"]]
 
 
-def readings(results: Results) -> Iterator[Sentence]:
+def readings(results: Results) -> Iterator[str]:
     """Report largest force and share in contact by sensor, where no friction was fitted."""
     if len(results.tables["friction"]):
         return
@@ -198,7 +198,7 @@ def readings(results: Results) -> Iterator[Sentence]:
         yield say("sensed.reading", row=row)
 
 
-def uncalibrated(results: Results) -> Iterator[Sentence]:
+def uncalibrated(results: Results) -> Iterator[str]:
     """Report the assumptions of the static estimate, which replaces a fit."""
     if len(results.rows("force_mae", estimate="static")):
         yield say("sensed.uncalibrated", error=LEAST_ERROR, breakaway=BREAKAWAY, slow=SLOW)

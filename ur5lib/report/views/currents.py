@@ -8,7 +8,6 @@ import pandas as pd
 from ur5lib.identification.currents import UNDETERMINED
 from ur5lib.report.baseline import HELD, AgainstBaseline, Rival, bars
 from ur5lib.report.document import Number, State, Verdict
-from ur5lib.report.formats import Sentence
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import names, say
 from ur5lib.report.tables.friction import AS_PRINTED
@@ -48,14 +47,14 @@ def constants(results: Results) -> pd.DataFrame:
     )
 
 
-def remarks(results: Results) -> Iterator[Sentence]:
+def remarks(results: Results) -> Iterator[str]:
     """Return the remarks of the fit about joints."""
     rows = results.tables["remarks"].dropna(subset="joint")
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         yield say("currents.remark", robot=robot, numbers=group["joint"], remark=remark)
 
 
-def next_recordings(results: Results) -> Iterator[Sentence]:
+def next_recordings(results: Results) -> Iterator[str]:
     """Yield each arm's least determined parameters, and the command that designs a recording."""
     study, lab = results.study["study"], results.study.get("devices") or {}
     table = lab.get("table_m") or 0.0
@@ -65,7 +64,7 @@ def next_recordings(results: Results) -> Iterator[Sentence]:
         yield say("currents.next recording", worst=[*worst.itertuples()], **words)
 
 
-def farthest_in_time(results: Results) -> Iterator[Sentence]:
+def farthest_in_time(results: Results) -> Iterator[str]:
     """Say which dated recording of each arm is farthest from all those of the fit."""
     arms, dates, roles = results.arms(), results.dates(), results.roles()
     for robot in results.robots():
@@ -178,7 +177,7 @@ def on_every_run(results: Results, recording: str) -> pd.DataFrame:
     )
 
 
-def follows_the_mean(results: Results, recording: str) -> Iterator[Sentence]:
+def follows_the_mean(results: Results, recording: str) -> Iterator[str]:
     """Report that offsets follow the mean torque from run to run, beside the printed offset."""
     rows = results.rows("published_constants", regression=AS_PRINTED)
     joint = doubted_joint(results, recording)
@@ -192,7 +191,7 @@ def follows_the_mean(results: Results, recording: str) -> Iterator[Sentence]:
     yield say("constants.follow the mean", correlation=correlation, **words)
 
 
-def linear(results: Results, recording: str) -> Iterator[Sentence]:
+def linear(results: Results, recording: str) -> Iterator[str]:
     """Report how current and torque are correlated, without and with the printed friction."""
     rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
     without, friction = rows["correlation_without_friction"], rows["correlation"]

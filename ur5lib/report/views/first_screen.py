@@ -9,7 +9,6 @@ from scipy.special import bdtr, bdtrc
 from ur5lib.force.trial_contacts import MOST as MOST_TRIED
 from ur5lib.identification.samples import FEW
 from ur5lib.report.document import MOST_SHOWN, Verdict
-from ur5lib.report.formats import Sentence
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tables.models import STOP
@@ -82,7 +81,7 @@ def next_steps(results: Results) -> list[str]:
     return [*islice(steps, MOST)] or [say("steps.none")]
 
 
-def corrections(results: Results) -> Iterator[Sentence]:
+def corrections(results: Results) -> Iterator[str]:
     """Ask to correct what contradicts the study: stop signs, contacts in fit recordings, payloads
     that only the currents show, and fitted constants beside prior knowledge.
     """
@@ -104,7 +103,7 @@ def corrections(results: Results) -> Iterator[Sentence]:
         yield say("steps.contradiction", robot=robot, numbers=rows["joint"])
 
 
-def faulty_files(results: Results) -> Iterator[Sentence]:
+def faulty_files(results: Results) -> Iterator[str]:
     """Name recordings that lost many frames, and those whose force sensor's bias is in doubt."""
     shares = recordings.lost_shares(results)
     lost = {name: share for name, share in shares.items() if share >= MANY_LOST}
@@ -117,7 +116,7 @@ def faulty_files(results: Results) -> Iterator[Sentence]:
         yield say("steps.doubted", some=_some([*doubts["recording"]]))
 
 
-def missing_recordings(results: Results) -> Iterator[Sentence]:
+def missing_recordings(results: Results) -> Iterator[str]:
     """Ask for recordings that would determine the undetermined or narrow the band of forces."""
     for row in results.tables["excitation"].dropna(subset="motion").itertuples():
         motion = row.motion[0].lower() + row.motion[1:]
@@ -136,7 +135,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
             yield say("steps.narrower", robot=robot, now=now, best=best)
 
 
-def _some(names: list[str]) -> Sentence:
+def _some(names: list[str]) -> str:
     """Name the first recording, and count the others."""
     return say("steps.some", names=names)
 
@@ -144,7 +143,7 @@ def _some(names: list[str]) -> Sentence:
 IMPROBABLE = 0.025  # below this chance, the count of intervals that contain the truth is remarkable
 
 
-def findings(results: Results) -> list[Sentence]:
+def findings(results: Results) -> list[str]:
     """Return the findings, one item each, or the sentence that there are none."""
     taken_up = results.rows("contacts", estimate="Fmap", kind="load")
     sentences = [
@@ -171,7 +170,7 @@ def findings(results: Results) -> list[Sentence]:
     return sentences or [say("findings.none" if looked else "findings.unsearched")]
 
 
-def stop_signs(results: Results) -> Iterator[Sentence]:
+def stop_signs(results: Results) -> Iterator[str]:
     """Report the contradictions because of which no forces are stated."""
     rows = results.rows("quality", severity="stop")
     yield from _each("findings.stop recording", rows)
@@ -181,13 +180,13 @@ def stop_signs(results: Results) -> Iterator[Sentence]:
         yield say("findings.stop arm", row=row)
 
 
-def _each(template: str, rows: pd.DataFrame) -> Iterator[Sentence]:
+def _each(template: str, rows: pd.DataFrame) -> Iterator[str]:
     """Report the first few rows of a table, a sentence each."""
     for row in rows[:MOST_SHOWN].itertuples():
         yield say(template, row=row)
 
 
-def left_out(results: Results) -> list[Sentence]:
+def left_out(results: Results) -> list[str]:
     """Return results that the study's data do not allow or leave in doubt, with the reasons."""
     reasons = [*results.left_out, *left_out_fits(results)]
     if len(results.tables["friction"]) and not results.with_role("validate"):
@@ -197,14 +196,14 @@ def left_out(results: Results) -> list[Sentence]:
     return reasons
 
 
-def left_out_fits(results: Results) -> list[Sentence]:
+def left_out_fits(results: Results) -> list[str]:
     """Return the fits that were not possible or are in doubt, with the reasons."""
     remarks = results.tables["remarks"]
     rows = remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples()
     return [say("findings.left out fit", row=row) for row in rows]
 
 
-def nearest_model(results: Results) -> Iterator[Sentence]:
+def nearest_model(results: Results) -> Iterator[str]:
     """Report the model that is closest to the controller's torques, if the models differ."""
     compared = models.compare(results)
     if compared is None or compared.rows["model"].nunique() < 2:
@@ -215,7 +214,7 @@ def nearest_model(results: Results) -> Iterator[Sentence]:
         yield say("models.nearest", best=[*map(models.named, compared.best)], compared=compared)
 
 
-def _detection(results: Results) -> Iterator[Sentence]:
+def _detection(results: Results) -> Iterator[str]:
     """Report the contacts found, the false alarms, and the smallest push detected."""
     rows = results.rows("detection", estimate="Fmap")
     least = rows[rows["force_class_n"] == rows["force_class_n"].min()]
@@ -231,7 +230,7 @@ def _detection(results: Results) -> Iterator[Sentence]:
         )
 
 
-def beside_truth(truth: pd.DataFrame) -> Iterator[Sentence]:
+def beside_truth(truth: pd.DataFrame) -> Iterator[str]:
     """Report how many stated intervals contain the simulated truth, and the expected count."""
     stated = truth["within95"].dropna()
     if len(stated):

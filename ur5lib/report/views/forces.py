@@ -6,7 +6,6 @@ import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
 from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED
-from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
@@ -28,7 +27,7 @@ def searched(results: Results) -> pd.DataFrame:
     return results.rows("detection", estimate=GATED)
 
 
-def published(results: Results) -> Iterator[Sentence]:
+def published(results: Results) -> Iterator[str]:
     """Explain the published estimates, if they are compared."""
     if {"F", "F*"}.intersection(results.listed("force_mae", "estimate")):
         yield say("force.published")

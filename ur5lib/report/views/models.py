@@ -9,7 +9,7 @@ import pandas as pd
 from ur5lib.recordings.quality import GIVEN_LOAD, MODELLED
 from ur5lib.report.baseline import AgainstBaseline
 from ur5lib.report.document import Verdict
-from ur5lib.report.formats import SMALLEST_DIFFERENCE, Sentence
+from ur5lib.report.formats import SMALLEST_DIFFERENCE
 from ur5lib.report.reference import OLDER_MODEL
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
@@ -41,13 +41,13 @@ def printed_errors(results: Results, recording: str) -> pd.DataFrame:
     return rows.sort_values("mae", key=pd.Series.notna, kind="stable")
 
 
-def advice(results: Results) -> Iterator[Sentence]:
+def advice(results: Results) -> Iterator[str]:
     """Return advice on what to record to determine more of an arm."""
     for row in results.tables["excitation"].dropna(subset="advice").itertuples():
         yield say("models.advice", row=row)
 
 
-def identified(results: Results) -> Iterator[Sentence]:
+def identified(results: Results) -> Iterator[str]:
     """Report how many parameters of an arm the recordings determine."""
     for robot, parameters in results.tables["parameters"].groupby("robot", sort=False):
         determined = int((parameters["determined"] == "yes").sum())
@@ -69,7 +69,7 @@ def loop_older(results: Results) -> list[str]:
     return results.shown([*results.rows("torque_mae", model=OLDER_MODEL)["recording"]])
 
 
-def contradictions(results: Results) -> Iterator[Sentence]:
+def contradictions(results: Results) -> Iterator[str]:
     """Report the joints on which no gain lies in the ranges of all recordings of an arm."""
     ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
     ranges["robot"] = ranges["recording"].map(results.arms())
@@ -81,7 +81,7 @@ def contradictions(results: Results) -> Iterator[Sentence]:
             yield say("loop.contradiction", gain=gain, robot=robot, numbers=joints)
 
 
-def published_gains(results: Results) -> Iterator[Sentence]:
+def published_gains(results: Results) -> Iterator[str]:
     """Report on how many joints and recordings published gains fit as well as the best."""
     gains = results.tables["published_gains"]
     fits = gains.assign(fit=gains["fits"] == "yes", of=1).groupby("model", sort=False)

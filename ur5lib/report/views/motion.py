@@ -8,7 +8,6 @@ import pandas as pd
 
 from ur5lib.report.baseline import AgainstBaseline, Rival
 from ur5lib.report.document import Verdict
-from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results, with_zero
 from ur5lib.report.sentences import say
 
@@ -37,7 +36,7 @@ def errors(results: Results) -> pd.DataFrame:
     return with_zero(rows, "estimate", ["component"])
 
 
-def beside_imu(results: Results) -> Iterator[Sentence]:
+def beside_imu(results: Results) -> Iterator[str]:
     """Report the error of the encoders against the IMU, averaged over recordings with one."""
     rows = results.rows("acceleration_mae", estimate="encoders")
     if len(rows):
@@ -58,7 +57,7 @@ def bands(results: Results) -> pd.DataFrame:
     return means.groupby(key, sort=False).agg(list).reset_index()
 
 
-def place(results: Results) -> Iterator[Sentence]:
+def place(results: Results) -> Iterator[str]:
     """Report how far the IMU is from its described place, and which of the two is used."""
     table = results.tables["imu_calibration"]
     for arm, rows in table[table["quantity"] == "place"].groupby("robot", sort=False):
@@ -67,7 +66,7 @@ def place(results: Results) -> Iterator[Sentence]:
         yield say("motion.place", arm=arm, off=pairs, ratio=rows["held_out"].iloc[0])
 
 
-def innovations(results: Results) -> Iterator[Sentence]:
+def innovations(results: Results) -> Iterator[str]:
     """Report how many channels pass the tests of the innovations."""
     table = results.tables["innovations"]
     tests = {test: table[test] == "yes" for test in ("consistent", "white")}

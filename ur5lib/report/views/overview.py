@@ -7,7 +7,6 @@ import pandas as pd
 
 from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.findings import SEVERITIES
-from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.contacts import errors_in_contact
@@ -20,7 +19,7 @@ def arms(results: Results) -> list[str]:
     return results.robots() if results.many else []
 
 
-def pages(results: Results) -> Iterator[Sentence]:
+def pages(results: Results) -> Iterator[str]:
     """Say how a recording's own page is made, and name recordings that were left out."""
     if results.many:
         yield say("overview.pages", study=results.study["study"], name=next(iter(results.roles())))

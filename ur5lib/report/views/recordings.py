@@ -8,7 +8,6 @@ import yaml
 from ur5lib.report.baseline import bars
 from ur5lib.report.document import MOST_ROWS, Number, State, Verdict
 from ur5lib.report.findings import FEW, SEVERITIES, by_severity, group_findings
-from ur5lib.report.formats import Sentence
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 
@@ -26,7 +25,7 @@ def late(results: Results) -> list[str]:
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 
 
-def counted(results: Results) -> Iterator[Sentence]:
+def counted(results: Results) -> Iterator[str]:
     """Report how many findings there are, and the most frequent serious ones."""
     quality = results.tables["quality"]
     serious = quality[quality["severity"] != "note"]["finding"].value_counts()
@@ -50,7 +49,7 @@ def findings(results: Results) -> pd.DataFrame:
     )
 
 
-def count_findings(quality: pd.DataFrame) -> Sentence:
+def count_findings(quality: pd.DataFrame) -> str:
     """Return how many findings there are of each severity, most serious first."""
     found = quality["severity"].value_counts()
     counts = [(SPOKEN.get(name, name), int(found[name])) for name in SEVERITIES if name in found]
@@ -66,7 +65,7 @@ def _named(recordings: pd.Series) -> str:
 CODE_WIDTH = 110  # characters per line in the PDF
 
 
-def commit(results: Results) -> Iterator[Sentence]:
+def commit(results: Results) -> Iterator[str]:
     """Return the commit that made the results."""
     yield say("provenance.commit", commit=results.commit)
 
@@ -81,14 +80,14 @@ def errata(results: Results) -> list[str]:
     return [f"{each.place}: {each.error} Here: {each.choice}" for each in results.errata]
 
 
-def total_time(results: Results) -> Iterator[Sentence]:
+def total_time(results: Results) -> Iterator[str]:
     """Report the time of all jobs together."""
     times: pd.DataFrame = results.tables["run_times"]
     if len(times):
         yield say("provenance.times", sums=times[["jobs", "cpu_s", "start_up_s"]].sum())
 
 
-def configuration_heading(results: Results) -> Iterator[Sentence]:
+def configuration_heading(results: Results) -> Iterator[str]:
     """Return the sentence above the configuration."""
     cut = MOST_ROWS if results.study["recordings"][MOST_ROWS:] else 0
     yield say("provenance.configuration", cut=cut)
@@ -141,7 +140,7 @@ def judge_files(results: Results) -> Verdict:
     )
 
 
-def worst(results: Results) -> Sentence:
+def worst(results: Results) -> str:
     """Return the most serious finding with its file; among equals, that of the most frames.
 
     Recordings that were left out come before it.
