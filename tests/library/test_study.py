@@ -12,7 +12,7 @@ from tests.commands import words
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
 from ur5lib.study.model import Settings, Study, arms_without_fit, schema_text
-from ur5lib.study.reading import RENAMED, parse_study
+from ur5lib.study.reading import parse_study
 from ur5lib.study.schema import settings_text
 
 GONE = object()
@@ -301,35 +301,3 @@ def test_the_shipped_studies_are_valid(thesis_data: Path, tmp_path: Path, monkey
     studies = [PROJECT / "config.yaml", *(PROJECT / "workflow" / "studies").glob("thesis.yaml")]
     for path in studies:
         parse_study(yaml.safe_load(path.read_text()), path.name)
-
-
-OLD_SETTINGS = {
-    "repair_frames": {"max_gap_s": 0.2},
-    "fit_friction": {"order": 4, "cutoff_hz": 2.0},
-    "rebuild_forces": {"min_singular_value": 0.02},
-    "estimate_forces": {"contact_force_n": 10},
-    "set_threshold": {"false_alarms_per_min": 2},
-}
-
-
-def test_each_setting_of_an_earlier_version_is_told_its_new_name(raw: dict[str, Any]) -> None:
-    sentences = complaints(raw | {"settings": OLD_SETTINGS})
-    assert len(sentences) == sum(len(keys) for keys in OLD_SETTINGS.values())
-    assert any(
-        words("`settings.fit_friction.order` `settings.lowpass.currents.order`") <= words(s)
-        for s in sentences
-    )
-
-
-def test_new_names_of_settings_exist() -> None:
-    """What a message suggests is a key of the model."""
-    for new in RENAMED.values():
-        setting: Any = Settings()
-        for part in new.split("."):
-            setting = getattr(setting, part)
-
-
-def test_an_unknown_key_beside_a_renamed_one_is_reported_too(raw: dict[str, Any]) -> None:
-    sentences = complaints(raw | {"settings": {"fit_friction": {"order": 4, "ordre": 4}}})
-    assert any("unknown key `settings.fit_friction`" in sentence for sentence in sentences)
-    assert any("`settings.lowpass.currents.order`" in sentence for sentence in sentences)

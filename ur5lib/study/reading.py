@@ -31,21 +31,6 @@ DAY = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 NOT_OF_NAMES = re.compile(r"[^A-Za-z0-9_.-]+")
 CODE = "__use_yte__"  # Snakemake runs what a file with this key holds
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
-RENAMED = {  # settings of earlier versions, by step and key
-    ("repair_frames", "max_gap_s"): "frames.max_gap_s",
-    ("filter_signals", "order"): "lowpass.motion.order",
-    ("filter_signals", "cutoff_hz"): "lowpass.motion.cutoff_hz",
-    ("compare_accelerations", "order"): "lowpass.accelerations.order",
-    ("compare_accelerations", "cutoff_hz"): "lowpass.accelerations.cutoff_hz",
-    ("fit_friction", "order"): "lowpass.currents.order",
-    ("fit_friction", "cutoff_hz"): "lowpass.currents.cutoff_hz",
-    ("rebuild_forces", "order"): "lowpass.published_forces.order",
-    ("rebuild_forces", "cutoff_hz"): "lowpass.published_forces.cutoff_hz",
-    ("rebuild_forces", "min_singular_value"): "singularities.min_singular_value",
-    ("estimate_forces", "contact_force_n"): "contact.force_n",
-    ("compare_forces", "bias_window_s"): "sensor.bias_window_s",
-    ("set_threshold", "false_alarms_per_min"): "alarms.false_per_min",
-}
 
 
 def read_study(path: Path) -> Study:
@@ -90,7 +75,6 @@ def parse_study(raw: Raw, source: str) -> Study:
         *_repeated_names(raw),
         *_repeated_files(raw),
         *_devices_on_two_hosts(raw),
-        *_renamed_settings(raw),
         *_missing_results(raw),
     ]
     try:
@@ -99,8 +83,7 @@ def parse_study(raw: Raw, source: str) -> Study:
             problems += [*_different_arms(study), *_wrong_arms(study), *_misfits(study)]
     except ValidationError as error:
         schema = Study.model_json_schema()
-        unknown = (detail for detail in error.errors() if not _is_renamed(raw, detail["loc"]))
-        found = (explain(_as_stated(detail, stated), schema) for detail in unknown)
+        found = (explain(_as_stated(detail, stated), schema) for detail in error.errors())
         problems = [*found, *problems]
     if problems:
         raise InputError("\n".join(f"{source}: {problem}" for problem in dict.fromkeys(problems)))
@@ -329,21 +312,3 @@ def _devices_on_two_hosts(raw: Raw) -> Iterator[str]:
     named = [device for devices in lists if isinstance(devices, list) for device in devices]
     for device in sorted({str(device) for device in named if named.count(device) > 1}):
         yield f"hosts: {device} is listed twice; list it under the host that timestamps its samples"
-
-
-def _renamed_settings(raw: Raw) -> Iterator[str]:
-    """Yield a sentence with the present name for each setting of an earlier version."""
-    settings = raw.get("settings")
-    for (step, key), present in RENAMED.items():
-        old = settings.get(step) if isinstance(settings, dict) else None
-        if isinstance(old, dict) and key in old:
-            yield f"`settings.{step}.{key}` is now `settings.{present}`; move the value there"
-
-
-def _is_renamed(raw: Raw, location: tuple[int | str, ...]) -> bool:
-    """Return whether an unknown key is a step of an earlier version, with renamed keys only."""
-    if len(location) != 2 or location[0] != "settings":
-        return False
-    step, old = location[1], raw["settings"].get(location[1])
-    known = {key for of, key in RENAMED if of == step}
-    return bool(known) and isinstance(old, dict) and old.keys() <= known

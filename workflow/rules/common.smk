@@ -15,7 +15,6 @@ from ur5lib.report.document import MOST_SHOWN, Picture, contents
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import JOINT_SIZES, robot_path
 from ur5lib.steps.batches import Batches, Step
-from ur5lib.steps.progress import show_progress
 from ur5lib.steps.workers import FAILED, run_batch, run_step
 from ur5lib.strict import PLACEHOLDER, read_yaml
 from ur5lib.study.reading import names_by_pattern, parse_study, study_text
@@ -90,7 +89,6 @@ onstart:
             raise WorkflowError(str(error))
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
-    show_progress(logger, os.environ)
 
 
 wildcard_constraints:
