@@ -47,7 +47,7 @@ from ur5lib.pipeline.smoothed_motion import measured
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.signals.imu_calibration import ImuCalibration, calibrate
-from ur5lib.signals.imu_fusion import smooth_with_imu
+from ur5lib.smoothing.imu_fusion import smooth_with_imu
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.trajectories import group_by_path

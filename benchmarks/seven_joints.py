@@ -32,7 +32,7 @@ from ur5lib.report.house_style import STYLES
 from ur5lib.robots.description import Robot
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.tables import write_text
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.lowpass import zero_phase_lowpass

@@ -20,9 +20,9 @@ from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.signals.imu_fusion import ALL, WITH_BIASES, LinearImu, add_imu, linearise_imu
-from ur5lib.signals.noise import EncoderNoise
-from ur5lib.signals.smoothing import encoder_system
+from ur5lib.smoothing.encoders import encoder_system
+from ur5lib.smoothing.imu_fusion import ALL, WITH_BIASES, LinearImu, add_imu, linearise_imu
+from ur5lib.smoothing.noise import EncoderNoise
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 

@@ -50,7 +50,7 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.resampling import resample
-from ur5lib.signals.smoothing import SmoothedJoints, smooth_encoders
+from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.study.model import Settings

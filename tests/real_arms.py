@@ -44,7 +44,7 @@ from ur5lib.recordings.intake import Intake
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import Clock, SettledClock
 from ur5lib.signals.resampling import resample
-from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_record, write_json

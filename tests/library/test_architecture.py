@@ -25,10 +25,11 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "robots": {"errors", "lab", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recordings": BASE | {"lab"},
+    "smoothing": BASE | {"signals"},
     "recorder": BASE,
     "doubles": BASE | {"recorder", "stand"},
     "excitation": BASE | {"dynamics", "identification"},
-    "pipeline": BASE | ROOMS | {"lab"},
+    "pipeline": BASE | ROOMS | {"lab", "smoothing"},
     "report": BASE | ROOMS | {"excitation", "lab", "pipeline"},
     "study": BASE | {"recorder", "recordings", "stand"},
     "finished": {"errors", "pipeline", "recordings", "robots", "study", "tables"},
@@ -94,6 +95,18 @@ def test_a_part_imports_what_the_drawing_allows(part: str) -> None:
     for path in paths:
         used = {part_of(name) for name in imports(path) if name.startswith("ur5lib.")}
         assert used - {part} <= ARROWS[part], path
+
+
+def test_only_the_estimate_of_accelerations_smooths() -> None:
+    """Currents and forces take the motion from its file."""
+    users = {
+        path.stem
+        for path in [*MODULES, *SCRIPTS]
+        if path.parent.name != "smoothing"
+        and any(name.startswith("ur5lib.smoothing") for name in imports(path))
+    }
+    steps = {"smooth_motion", "fuse_imu", "compare_accelerations"}
+    assert users == steps | {"smoothed_motion", "fused_motion", "end_effector"}
 
 
 def test_no_module_imports_itself_by_way_of_others() -> None:

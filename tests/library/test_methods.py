@@ -32,7 +32,8 @@ from ur5lib.identification import (
     samples,
 )
 from ur5lib.robots import friction
-from ur5lib.signals import clock, device_clock, noise
+from ur5lib.signals import clock, device_clock
+from ur5lib.smoothing import noise
 from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 

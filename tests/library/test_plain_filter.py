@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ur5lib.signals import plain_filter
-from ur5lib.signals.plain_filter import filter_encoders, white_noise
+from ur5lib.smoothing import plain_filter
+from ur5lib.smoothing.plain_filter import filter_encoders, white_noise
 from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.008

@@ -29,7 +29,7 @@ from ur5lib.report.charts import residual_panels, scatter_panels
 from ur5lib.report.traces import TORQUE, Series, Traces, draw_traces
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
-from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, named, write_table
 

@@ -33,7 +33,7 @@ from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque
-from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 

@@ -17,7 +17,13 @@ from scipy.stats import chi2
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, jacobian, link_frames, velocity
 from ur5lib.robots.description import Robot
-from ur5lib.signals.imu_fusion import (
+from ur5lib.smoothing.encoders import (
+    SmoothedJoints,
+    SmoothedMotion,
+    encoder_system,
+    smooth_encoders,
+)
+from ur5lib.smoothing.imu_fusion import (
     ALL,
     LinearImu,
     add_imu,
@@ -25,18 +31,12 @@ from ur5lib.signals.imu_fusion import (
     linearise_imu,
     smooth_with_imu,
 )
-from ur5lib.signals.noise import (
+from ur5lib.smoothing.noise import (
     EncoderNoise,
     encoder_noise,
     motion_step,
     moving_mean,
     quantum,
-)
-from ur5lib.signals.smoothing import (
-    SmoothedJoints,
-    SmoothedMotion,
-    encoder_system,
-    smooth_encoders,
 )
 from ur5lib.timeseries import kalman
 from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
@@ -657,7 +657,7 @@ def test_what_is_constant_comes_from_where_a_joint_moves_most(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Only motion shows how late velocities are; here, a joint rests before and after it."""
-    monkeypatch.setattr("ur5lib.signals.noise.LONGEST", 3.0)
+    monkeypatch.setattr("ur5lib.smoothing.noise.LONGEST", 3.0)
     random, lag = np.random.default_rng(15), 4e-3
     time, segment = clock(1200)
 

@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 from scipy.linalg import solve_discrete_are
 
-from ur5lib.timeseries.steady_filter import steady_filter
+from ur5lib.smoothing.steady_filter import steady_filter
 
 
 @pytest.mark.parametrize("drive", [1e-5, 1e-2, 10.0])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from ur5lib.smoothing.together import Cost, minimise_together
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.together import Cost, minimise_together
 
 PLACES = np.array([[0.0, 1.0], [30.0, -2.0], [0.1, 0.1]])  # minima; the second is found last
 

@@ -21,7 +21,7 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.end_effector import ToolMotion, expected, point_acceleration, tool_motion
 from ur5lib.signals.resampling import resample
-from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated

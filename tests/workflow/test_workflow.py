@@ -174,7 +174,7 @@ def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
         ("ur5lib/timeseries/kalman.py",
          jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
         # Side branches: no force estimate runs again.
-        ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
+        ("ur5lib/smoothing/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
         ("ur5lib/signals/end_effector.py",  # a wrist sensor's tool moves by its Jacobian
          jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
         ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),

@@ -21,7 +21,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
 from ur5lib.signals.imu_calibration import AS_DRAWN, ImuCalibration, accelerometer_bias
-from ur5lib.signals.plain_filter import FilteredMotion
+from ur5lib.smoothing.plain_filter import FilteredMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import (
     THESIS_ACCELERATION,

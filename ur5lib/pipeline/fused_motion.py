@@ -8,8 +8,8 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import STATES, state_parts
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
-from ur5lib.signals.imu_fusion import LinearImu, Model, linearise_imu
-from ur5lib.signals.smoothing import SmoothedMotion
+from ur5lib.smoothing.encoders import SmoothedMotion
+from ur5lib.smoothing.imu_fusion import LinearImu, Model, linearise_imu
 from ur5lib.timeseries.arrays import Array
 
 BIASES = ("accelerometer_bias", "gyroscope_bias")

@@ -6,8 +6,8 @@ import numpy as np
 
 from ur5lib.pipeline.records.motion import Motion, MotionAccount, MotionNoise
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.signals.noise import EncoderNoise
-from ur5lib.signals.smoothing import KnownJoints, SmoothedJoints, SmoothedMotion
+from ur5lib.smoothing.encoders import KnownJoints, SmoothedJoints, SmoothedMotion
+from ur5lib.smoothing.noise import EncoderNoise
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment

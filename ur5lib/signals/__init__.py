@@ -1,1 +1,1 @@
-"""Device clocks, resampling, smoothed motion, IMU."""
+"""Device clocks, resampling, IMU calibration."""

@@ -22,7 +22,7 @@ from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for
-from ur5lib.signals.plain_filter import FilteredMotion, filter_encoders
+from ur5lib.smoothing.plain_filter import FilteredMotion, filter_encoders
 from ur5lib.tables import read_record, read_table, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 

@@ -11,7 +11,7 @@ from ur5lib.pipeline.smoothed_motion import known_joints, measured, motion_accou
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for
-from ur5lib.signals.imu_fusion import smooth_with_imu
+from ur5lib.smoothing.imu_fusion import smooth_with_imu
 from ur5lib.tables import read_record, write_json
 
 

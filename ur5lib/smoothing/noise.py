@@ -11,10 +11,10 @@ from scipy.linalg import expm
 from scipy.ndimage import uniform_filter1d
 from scipy.optimize import minimize
 
+from ur5lib.smoothing.steady_filter import SteadyFilter, steady_filter
+from ur5lib.smoothing.together import Cost, minimise_together
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
-from ur5lib.timeseries.steady_filter import SteadyFilter, steady_filter
-from ur5lib.timeseries.together import Cost, minimise_together
 
 JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
 VIBRATIONS = np.array([0.03, 0.2, 1.0, 4.0])  # intensities, relative to that of the whole recording

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
-from ur5lib.signals.noise import EncoderNoise, encoder_noise, measures, motion_step, quantum
+from ur5lib.smoothing.noise import EncoderNoise, encoder_noise, measures, motion_step, quantum
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import InnovationTest, LinearSystem, System, innovation_test, smooth
 from ur5lib.timeseries.segments import starts

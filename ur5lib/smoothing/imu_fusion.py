@@ -7,8 +7,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ur5lib.signals.end_effector import jacobian_derivative, point_jacobian
-from ur5lib.signals.noise import moving_mean
-from ur5lib.signals.smoothing import (
+from ur5lib.smoothing.encoders import (
     LINK,
     STATES,
     KnownJoints,
@@ -16,6 +15,7 @@ from ur5lib.signals.smoothing import (
     encoder_system,
     widen,
 )
+from ur5lib.smoothing.noise import moving_mean
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
 from ur5lib.timeseries.segments import chunks

@@ -6,7 +6,7 @@ import numpy as np
 from filterpy.common import Q_discrete_white_noise
 from filterpy.kalman import ExtendedKalmanFilter
 
-from ur5lib.signals.noise import RESOLUTION
+from ur5lib.smoothing.noise import RESOLUTION
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import starts, unbroken
 
