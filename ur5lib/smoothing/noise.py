@@ -1,6 +1,6 @@
 """The noise of encoders, estimated from a Kalman filter's innovations."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -12,7 +12,6 @@ from scipy.ndimage import uniform_filter1d
 from scipy.optimize import minimize
 
 from ur5lib.smoothing.steady_filter import SteadyFilter, steady_filter
-from ur5lib.smoothing.together import Cost, minimise_together
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
@@ -98,17 +97,13 @@ def _most_likely(parts: list["_Record"], period: float) -> Iterator["_Ratios"]:
     swings = np.log(2 * np.pi * period * np.array([min(SLOWEST, highest / 2), highest]))
     start = np.array([*START, swings.mean()])
 
-    def costs(joints: Sequence[int], parameters: Array) -> Array:
-        # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
-        filters, logdets = _whitened(_Ratios.from_parameters(parameters))
-        variances = [
-            parts[joint].variance(white)
-            for joint, white in zip(joints, filters.each(), strict=True)
-        ]
-        return logdets + 2 * np.log(np.array(variances) + NOTHING)
+    def most_likely(part: _Record) -> _Ratios:
+        def cost(parameters: Array) -> float:
+            # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
+            white, logdet = _whitened(_Ratios.from_parameters(parameters))
+            return float(logdet + 2 * np.log(part.variance(white) + NOTHING))
 
-    def minimise_one(cost: Cost) -> Array:
-        best: Array = minimize(
+        best = minimize(
             cost,
             start,
             method="Nelder-Mead",
@@ -118,10 +113,10 @@ def _most_likely(parts: list["_Record"], period: float) -> Iterator["_Ratios"]:
                 "xatol": 0.1,
                 "fatol": 1e-3,
             },
-        ).x
-        return best
+        )
+        return _Ratios.from_parameters(best.x)
 
-    return map(_Ratios.from_parameters, minimise_together(minimise_one, costs, len(parts)))
+    return map(most_likely, parts)
 
 
 def _joint_noise(

@@ -96,8 +96,9 @@ def configuration_heading(results: Results) -> Iterator[str]:
 def configuration(results: Results) -> str:
     """Return the study with every default filled in."""
     lines = [_Line(recording) for recording in results.study["recordings"][:MOST_ROWS]]
-    return yaml.safe_dump(
+    return yaml.dump(
         {**results.study, "recordings": lines},
+        Dumper=_Dumper,
         sort_keys=False,
         allow_unicode=True,
         default_flow_style=None,
@@ -109,7 +110,11 @@ class _Line(dict[str, object]):
     """A mapping that is written in braces, on one line."""
 
 
-yaml.SafeDumper.add_representer(
+class _Dumper(yaml.SafeDumper):
+    """Writes a study, and each of its recordings on one line."""
+
+
+_Dumper.add_representer(
     _Line, lambda dumper, line: dumper.represent_mapping("tag:yaml.org,2002:map", line, True)
 )
 
