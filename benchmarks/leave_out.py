@@ -392,6 +392,7 @@ def report_joints(rows: pd.DataFrame) -> None:
     print(
         "inside, all recordings",
         (weighted / samples.groupby(rows["joint"]).sum()).round(3).tolist(),
+        f"least {rows['inside'].min():.2f}",
     )
     square = rows["excess"] ** 2
     of_days = np.sqrt(square.groupby(rows["day"]).mean())

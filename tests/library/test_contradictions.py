@@ -21,11 +21,21 @@ from tests.made_tables import empty, table
 from ur5lib.errors import remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.current_regression import fit_currents, fit_without_each_path
-from ur5lib.identification.currents import CurrentFit, constants_doubt, parameters, torque_constants
+from ur5lib.identification.currents import (
+    CurrentFit,
+    constants_doubt,
+    parameters,
+    predict,
+    torque_constants,
+)
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record
-from ur5lib.identification.validation import explained
+from ur5lib.identification.validation import (
+    baseline_current,
+    explained,
+    least_squares_coefficients,
+)
 from ur5lib.pipeline.friction_fit import (
     ContradictionError,
     explained_by_others,
@@ -194,6 +204,16 @@ def test_a_current_without_torque_keeps_the_known_constant() -> None:
     assert (constants_doubt(fit)[[0, 4]] > 0.25).all()
     assert (constants_doubt(fit)[[1, 2, 3]] < 0.1).all()
     require_known_constants(fit, prior(0.3))
+
+
+def test_a_current_without_torque_is_predicted_as_well_as_by_least_squares() -> None:
+    """With the known constant in it, the prediction would err by the torque that it lacks."""
+    *records, other = (without_torque(make_record(k), [0, 4]) for k in (1, 2, 3, 9))
+    noise = [with_noise(own, seed) for seed, own in enumerate(records)]
+    fit, plain = fit_currents(noise, smooth, prior(0.3)), least_squares_coefficients(noise)
+    errors = other.current - predict(fit, other), other.current - baseline_current(other, plain)
+    ours, rival = (np.sqrt(np.mean(smooth(own, other) ** 2, axis=0)) for own in errors)
+    assert (ours <= 1.05 * rival)[[0, 4]].all()
 
 
 def test_four_joints_without_torque_are_a_stop_sign() -> None:

@@ -50,8 +50,11 @@ def made(joint: int, friction: tuple[float, ...], records: int = 6) -> Samples:
     return joint_samples(study, smooth)[joint]
 
 
-def test_with_one_path_nothing_can_be_left_out() -> None:
-    assert np.isnan(left_out_residuals(made(1, LOADED, records=1), known(1))).all()
+def test_a_single_path_is_judged_by_its_own_fit() -> None:
+    samples = made(1, LOADED, records=1)
+    coefficients = regress_samples(samples, known(1)).coefficients
+    predicted = samples.columns @ coefficients + held_current(samples, coefficients) * samples.held
+    np.testing.assert_allclose(left_out_residuals(samples, known(1)), samples.current - predicted)
 
 
 def test_friction_at_rest_beyond_that_in_motion_comes_back_from_many_stops() -> None:

@@ -80,8 +80,11 @@ def statements() -> Iterator[str]:
     yield f"σ₀ = {percent(prior.NOISE)} of the largest torque"
     yield f"counts as n₀ = {regression.USUAL:g} blocks"
     yield f"{percent(currents.OTHER_DAYS)} of the predicted friction"
-    yield f"less than {joint_regression.FEWEST * samples.STEP:g} s of paths were left out"
-    yield f"s is {current_regression.UNSEEN_MOVING:g} c in motion and c at rest"
+    yield f"less than {joint_regression.FEWEST * samples.STEP:g} s"
+    yield (
+        f"u = {current_regression.UNSEEN_MOVING:g} c in motion and "
+        f"{current_regression.UNSEEN_RESTING:g} c at rest"
+    )
     yield f"with more than {COUNTED[current_regression.FOLDS]} paths"
     yield f"{percent(payload.GEARS)} of the mass for the gears"
     yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"

@@ -38,7 +38,7 @@ from ur5lib.identification.samples import (
     record_paths,
 )
 from ur5lib.robots.friction import BASE, CONSIDERED, FITTED
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 # A torque constant is doubted, or contradicts the known one, where it is off by more than both:
@@ -48,11 +48,9 @@ DOUBTED, DOUBTED_RATIO = 3.0, 1.5
 DEVIATIONS, RATIO = 5.0, 1.75
 FOLDS = 10  # of cross-fitting, at most
 
-
-# Errors of a current along a path that no fit has seen, in motion and at rest, relative to Coulomb
-# friction: where none was left out; at least, since dry friction holds a resting joint anywhere
-# within it.
-UNSEEN_MOVING, UNSEEN_RESTING = 0.25, 1.0
+# Usual errors of a current along a path that no fit has seen, in motion and at rest, relative to
+# Coulomb friction; at rest at least, since dry friction holds a joint anywhere within it.
+UNSEEN_MOVING, UNSEEN_RESTING = 0.25, 1.25
 LEAST_RESTING = 1 / np.sqrt(3)
 
 
@@ -81,13 +79,14 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
     lost = np.flatnonzero(too_large(fit, prior)).tolist()
     if not lost:
         return fit
-    alone, known = torque_constants(fit), 1 / prior.inverse_constant.mean
+    alone, known = fit.joints, 1 / prior.inverse_constant.mean
     fit = fitted(replace(prior, pinned=tuple(lost)))
     joints = list(fit.joints)
     for joint in lost:
-        found = {"alone": float(alone[joint]), "known": float(known[joint])}
+        coefficients = alone[joint].estimate.coefficients
+        found = {"alone": float(1 / coefficients[0]), "known": float(known[joint])}
         remarks = *joints[joint].remarks, remark("current against constant", **found)
-        joints[joint] = replace(joints[joint], contradicted=found["alone"], remarks=remarks)
+        joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
     return replace(fit, joints=tuple(joints))
 
 
@@ -191,27 +190,34 @@ def fit_without_each_path(
 def _joint_fit(samples: Samples, prior: Prior, estimate: Estimate) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
-    residual, moving = left_out_residuals(samples, prior), samples.moving
-    in_motion, at_rest = left_out_rms(residual[moving]), left_out_rms(residual[~moving])
-    is_seen, coulomb = np.isfinite(in_motion), max(0.0, float(coefficients[2]))
-    least = LEAST_RESTING if is_seen else UNSEEN_RESTING
-    of_motion = samples.day[moving], samples.record[moving], samples.path[moving]
+    residual, path, moving = left_out_residuals(samples, prior), samples.path, samples.moving
+    coulomb = max(0.0, float(coefficients[2]))
+    in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING * coulomb)
+    at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING * coulomb)
+    is_left_out = moving.sum() >= FEWEST and len(np.unique(path)) > 1
+    of_motion = samples.day[moving], samples.record[moving], path[moving]
     return JointFit(
         FITTED,
         estimate,
         held_current(samples, coefficients),
-        NORMAL95 * (in_motion if is_seen else UNSEEN_MOVING * coulomb),
-        NORMAL95 * float(np.fmax(at_rest, least * coulomb)),
+        NORMAL95 * in_motion,
+        NORMAL95 * max(at_rest, LEAST_RESTING * coulomb),
         unseen_difference(estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)),
         _remarks(samples, estimate, prior),
-        None if is_seen else np.cov(estimate.replicates.T),
+        None if is_left_out else np.cov(estimate.replicates.T),
     )
 
 
-def left_out_rms(residual: Array) -> float:
-    """Return the root mean square [A] of residuals (n,) of paths left out, NaN of too few."""
-    known = residual[np.isfinite(residual)]
-    return float(np.sqrt(np.mean(known**2))) if len(known) >= FEWEST else np.nan
+def unseen_error(residual: Array, path: Labels, usual: float) -> float:
+    """Return the error [A], a standard deviation, along one more path.
+
+    s² = Σ r² / n + u² / P of residuals r (n,) along P paths, path: (n,) labels: a mean square over
+    few paths says little of another, of which a usual error u [A] is known. Too few residuals say
+    nothing.
+    """
+    if len(residual) < FEWEST:
+        return usual
+    return float(np.sqrt(np.mean(residual**2) + usual**2 / len(np.unique(path))))
 
 
 def _remarks(samples: Samples, estimate: Estimate, prior: Prior) -> tuple[Remark, ...]:

@@ -35,8 +35,8 @@ class JointFit:
     band_moving, band_rest: half of the 95 % band [A] around the low-passed current of a recording
     that was left out; unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
     (P, P), covariance of the coefficients where no motion that was left out shows their errors;
-    contradicted: torque constant [Nm/A] that the currents alone would give, None unless it
-    contradicts the known one, which the fit then keeps.
+    alone: (P,), coefficients that the currents alone would give, None unless their torque constant
+    contradicts the known one, which the estimate then keeps.
     """
 
     terms: tuple[str, ...]
@@ -47,11 +47,16 @@ class JointFit:
     unseen: Array
     remarks: tuple[Remark, ...]
     doubt: Array | None = None
-    contradicted: float | None = None
+    alone: Array | None = None
 
     def names(self) -> list[str]:
         """Return the parameters' names."""
         return ["torque_constant", "offset", *coefficient_names(self.terms)]
+
+    @property
+    def contradicted(self) -> float | None:
+        """The torque constant [Nm/A] that contradicts the known one, None without any."""
+        return None if self.alone is None else float(1 / self.alone[0])
 
     def std_error(self) -> Array:
         """Return the standard errors (P,) of the arm's parameters on any day."""
@@ -130,7 +135,8 @@ def motions(record: Record) -> Iterator[JointMotion]:
 def predicted(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
     """Predict the currents (N, n) [A] of n joints' motion without contact."""
     currents = [
-        columns @ model.estimate.coefficients + model.held * held
+        columns @ (model.estimate.coefficients if model.alone is None else model.alone)
+        + model.held * held
         for model, motion in zip(fit.joints, joints, strict=True)
         for columns, held in [columns_of(motion, model.terms)]
     ]

@@ -14,14 +14,13 @@ FEWEST = 20  # samples (2 s) of which an error is stated
 def left_out_residuals(samples: Samples, prior: Prior) -> Array:
     """Return measured minus predicted current (n,) [A], each path predicted from others.
 
-    They are of other days, too, if these have enough paths.
-    NaN if there is no other path.
+    They are of other days, too, if these have enough paths. A single path is predicted from itself.
     """
     residual = np.full(len(samples.current), np.nan)
     present = np.unique(samples.path)
-    for one in present if len(present) > 1 else []:
+    for one in present:
         test = samples.path == one
-        others = samples.where(apart_from(test, samples.path, samples.day))
+        others = samples.where(apart_from(test, samples.path, samples.day) | (len(present) == 1))
         here = samples.where(test)
         coefficients = regress_samples(others, prior).coefficients
         held = held_current(others, coefficients)
