@@ -164,13 +164,23 @@ def test_arms_that_sense_torque_have_no_currents() -> None:
     table = Table("Predicted currents [A]", ["current"], cells, "currents", "tables/currents.csv")
     code = Code(text="current: 3 A")
     blocks: list[Block] = [Paragraph([said]), table, code]
-    text, changed, kept = in_torques(Document("t", "", [Section("s", blocks)])).blocks()
+    text, changed, kept = in_torques(Document("t", "", [Section("s", blocks)]), {"t"}).blocks()
     assert isinstance(text, Paragraph)
     assert text.spans == ["Joint 2: 1.01 Nm/Nm, off by 0.3 Nm"]
     torques = [[Cell("RMSE [Nm]")]]
     caption = "Predicted torques [Nm]"
     assert changed == Table(caption, ["torque"], torques, "currents", "tables/currents.csv")
     assert kept == code
+
+
+def test_names_that_a_user_gave_keep_their_currents() -> None:
+    text = "On current-2, the current errs by 3 A; current-21 does not."
+    document = Document("No current, 3 A", "", [Section("s", [Paragraph([text])])])
+    reworded = in_torques(document, {"current-2", "current-21", "No current, 3 A"})
+    (told,) = reworded.blocks()
+    assert isinstance(told, Paragraph)
+    assert reworded.title == document.title
+    assert told.spans == ["On current-2, the torque errs by 3 Nm; current-21 does not."]
 
 
 @pytest.mark.parametrize(("other", "said"), [(False, "of ur5, upright"), (True, "of ur5, at zero")])

@@ -80,7 +80,7 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     outlook = outlook_of(arm, known, found)
     steps = [*before, BEFORE, *([] if ur else [BY_DRIVER])]
     page = excitation_page(asked, steps, command, found, outlook, drawn)
-    write_html(in_torques(page) if sensed else page, folder / "excitation.html")
+    write_html(in_torques(page, {arm.name}) if sensed else page, folder / "excitation.html")
     yield from found.margins.lines()
     yield from _worth_lines(found.task.problem, found.worth)
     yield from _band_lines(outlook, sensed)

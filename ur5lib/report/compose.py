@@ -85,7 +85,8 @@ def compose(contents: Contents, results: Results) -> Document:
         sections=[opening, *kept],
         notice=notice,
     ).numbered()
-    return in_torques(document) if results.sensed else document
+    names = {study["study"], study["title"], *results.robots(), *results.roles()}
+    return in_torques(document, names) if results.sensed else document
 
 
 def view(name: str) -> Callable[..., Any]:

@@ -1,6 +1,7 @@
 """The words of a report on arms whose joints sense torque, where those of UR arms have currents."""
 
 import re
+from collections.abc import Collection
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
@@ -17,25 +18,31 @@ WORDS = {
 KEPT = ("drawing", "figure", "home", "label", "link", "of", "path", "rule", "source")
 
 
-def in_torques(document: Document) -> Document:
-    """Return a report that speaks of sensed torques [Nm] instead of currents [A]."""
-    reworded: Document = _reworded(document)
+def in_torques(document: Document, names: Collection[str]) -> Document:
+    """Return a report that speaks of sensed torques [Nm] instead of currents [A].
+
+    names: of recordings, arms and studies, and titles, which a user has given and which stay.
+    """
+    longest_first = sorted(names, key=len, reverse=True)
+    given = re.compile(rf"(?<![\w-])({'|'.join(map(re.escape, longest_first))})(?![\w-])")
+    reworded: Document = _reworded(document, given)
     return reworded
 
 
-def _reworded(part: Any) -> Any:
+def _reworded(part: Any, given: re.Pattern[str]) -> Any:
     """Return a part of a document with other words; files, labels and code stay."""
     match part:
         case Code() | Equation():
             return part
         case str():
-            return _words(part)
+            words = given.split(part)  # in turn, text and a given name
+            return "".join(text if k % 2 else _words(text) for k, text in enumerate(words))
         case list() | tuple():
-            return type(part)(map(_reworded, part))
+            return type(part)(_reworded(one, given) for one in part)
     if not is_dataclass(part) or isinstance(part, type):
         return part
     names = (own.name for own in fields(part) if own.name not in KEPT)
-    return replace(part, **{name: _reworded(getattr(part, name)) for name in names})
+    return replace(part, **{name: _reworded(getattr(part, name), given) for name in names})
 
 
 def _words(text: str) -> str:
