@@ -60,7 +60,7 @@ def statements() -> Iterator[str]:
     yield f"counts as 0 ± {1e6 * clock.UNKNOWN_DRIFT:g} ppm"
     # motion and the IMU
     yield f"in windows of {noise.WINDOW:g} s"
-    yield f"jackknife over blocks of {segments.BLOCK:g} s. *Evidence:* on 20 simulated"
+    yield f"jackknife over blocks of {segments.BLOCK:g} s. Without β"
     # identification
     yield f"within the {percent(closed_loop.LEVEL)} point of F(2, n − 2)"
     yield f"narrower than a factor of {closed_loop.KNOWN:g}."
