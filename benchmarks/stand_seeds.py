@@ -210,10 +210,11 @@ def rotors(recordings: list[Taken]) -> Rotors:
     return Rotors([own.record.name for own in recordings], fit.value, fit.std_error)
 
 
-def fitted_map(recordings: list[Taken]) -> Friction:
-    """The map from motion to current."""
-    ratios = [controllers_ratio(own.signals, own.motion) for own in recordings]
-    prior = prior_of(recordings[0].robot, ratios)
+def fitted_map(recordings: list[Taken], others: list[Taken] | None = None) -> Friction:
+    """The map from motion to current; others: of the arm, which tell the controller's ratios."""
+    known = [*recordings, *(others or [])]
+    ratios = [controllers_ratio(own.signals, own.motion) for own in known]
+    prior = prior_of(known[0].robot, ratios)
     records = [own.record for own in recordings]
     return fitted_friction(records, prior, Smoother(*CURRENTS))
 

@@ -204,7 +204,9 @@ def predicted(folder: Path, friction: Friction, **given: Any) -> Predicted:
     input = SimpleNamespace(arm=robot_path("ur5"), **files)
     output = SimpleNamespace(currents=folder / "currents.parquet", summary=folder / "currents.json")
     lowpass = {"order": 4, "cutoff_hz": 2.0}
-    params = SimpleNamespace(role=given.get("role", "validate"), recording="made", **lowpass)
+    params = SimpleNamespace(
+        role=given.get("role", "validate"), recording="made", untouched=None, **lowpass
+    )
     script("predict_currents").predict_currents(input, output, params)
     return Predicted(read_record(Prediction, output.summary).load, Currents.read(output.currents))
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.gate import diagonal
 from ur5lib.timeseries.arrays import Array, Mask
@@ -61,7 +61,7 @@ def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Ar
     torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6). The
     prior is 0 ± FORCE, with a moment over LEVER.
     """
-    prior = np.diag(np.array([FORCE] * 3 + [FORCE * LEVER] * 3) ** 2.0)
+    prior = wrench_covariance(FORCE, LEVER)
     found = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
     error = np.sqrt(np.linalg.diagonal(found.covariance))
     known = finite_rows(torque + error)[:, None]

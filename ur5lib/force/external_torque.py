@@ -12,6 +12,7 @@ States = NDArray[np.int8]
 
 MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
 STATES = 5
+TARED = STATES  # as STILL, where a tare counts
 STOP = 0.4  # s; a joint that is slow for a shorter time reverses
 RELAXING = 1.0  # s, for which friction relaxes after a stop
 REACH = 0.25  # s, over which a low-pass at 2 Hz spreads the friction of a reversal
@@ -89,5 +90,5 @@ def _near(where: Mask, seconds: float, period: float) -> Mask:
 
 
 def is_still(states: States) -> Mask:
-    """Return the samples (N,) in which no joint moves."""
+    """Return the samples (N,) in which no joint moves, and no tare counts."""
     return np.asarray((states == STILL).all(axis=1))

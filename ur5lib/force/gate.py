@@ -84,7 +84,7 @@ class Noise:
     @classmethod
     def of(cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array) -> "Noise":
         """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
-        still = states == STILL
+        still = states >= STILL
         held = np.where(still, HELD * model.breakaway, 0.0) ** 2
         taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
         return cls(

@@ -16,6 +16,7 @@ from ur5lib.force.external_torque import (
     REVERSING,
     SETTLING,
     STATES,
+    STILL,
     States,
 )
 from ur5lib.timeseries.arrays import Array
@@ -24,6 +25,9 @@ SHORT, LONG = 0.5, 2.0  # s: half the duration of a push by hand, and twice its 
 SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, limits of the background's rate of renewal
 ENOUGH = 5  # paths, from which on the gate is as unsure as the bands
 LEAST = 1e-3  # Nm, least standard deviation
+# Of a joint that rests since a tare: most standard deviation of its background, in breakaway
+# torques, and rate of renewal [1/s], which is that of a joint that nobody touches.
+CREEP, LASTING = 0.15, 1e-3
 
 
 class Stretch(NamedTuple):
@@ -44,7 +48,8 @@ class ResidualModel:
     which dry friction holds a joint at rest; doubt: factor on bands of forces, beside the
     deviations, since few paths hardly show how paths differ; constants_doubt: (n,), relative
     standard deviations of the torque constants that the torques come from; sensed: whether the
-    torques are those of sensors at the links, behind the gears.
+    torques are those of sensors at the links, behind the gears; usual: whether it is that of other
+    arms, so that nothing tells the background of a resting arm from a slow press.
     """
 
     spread: Array
@@ -55,6 +60,7 @@ class ResidualModel:
     doubt: float = 1.0
     constants_doubt: Array | float = 0.0
     sensed: bool = False
+    usual: bool = False
 
     def variance(self, of: Array, states: States) -> Array:
         """Return the variances at each sample, of `spread` or `change`: (N, n) [Nm²]."""
@@ -77,6 +83,17 @@ class ResidualModel:
             self,
             spread=mixed(self.spread, usual.spread),
             change=mixed(self.change, usual.change),
+        )
+
+    def with_tare(self) -> "ResidualModel":
+        """Return the model with the state TARED: as STILL, but with a background that stays."""
+        spread = np.minimum(self.spread[STILL], CREEP * self.breakaway)
+        change = np.minimum(self.change[STILL], spread)
+        return replace(
+            self,
+            spread=np.vstack([self.spread, spread]),
+            change=np.vstack([self.change, change]),
+            rate=np.append(self.rate, LASTING),
         )
 
     def of_few_paths(self, paths: int) -> "ResidualModel":

@@ -12,8 +12,14 @@ import numpy as np
 from scipy.ndimage import binary_dilation
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wrench
+from ur5lib.force.contact_wrench import (
+    Wrench,
+    contact_wrench,
+    least_squares_wrench,
+    static_wrench,
+)
 from ur5lib.force.detection import Span, spans
+from ur5lib.force.external_torque import is_still
 from ur5lib.force.force_input import MEAN, ForceInput, held
 from ur5lib.force.gate import Observations, diagonal, find_contacts, log_odds
 from ur5lib.force.missed_contacts import (
@@ -152,7 +158,7 @@ def _estimate(seen: Observations) -> StretchEstimate:
     std = np.sqrt(np.maximum(second - wrench**2, 0.0))
     return StretchEstimate(
         wrench=wrench,
-        std=np.where(inside[:, None], std, shut),
+        std=np.hypot(np.where(inside[:, None], std, shut), _slow_press(seen, background.mean)),
         log_odds=log_odds(probability),
         background=background.mean,
         least_squares=plain.mean,
@@ -165,6 +171,20 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
     found = marked(spans(probability, OPENS, CLOSES), len(probability))
     reach = np.ones(2 * round(MARGIN / period) + 1, bool)
     return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
+
+
+def _slow_press(seen: Observations, background: Array) -> Array:
+    """Return the wrench (n, 6) of a slow press that would explain the background (n, 6) [Nm].
+
+    It is doubt where the whole arm rests, unless contact-free recordings or a tare show what the
+    background is; zero elsewhere.
+    """
+    resting = seen.model.usual & is_still(seen.states)
+    wrench = np.zeros((len(background), 6))
+    if resting.any():
+        std = np.sqrt(seen.noise.spread[resting])
+        wrench[resting], _ = static_wrench(background[resting], std, seen.jacobian[resting])
+    return seen.model.doubt * wrench
 
 
 def _std_while_shut(seen: Observations, likely: Array, inside: Mask) -> Array:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import finite_rows, past_states
+from ur5lib.force.external_torque import TARED, finite_rows, is_still, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.wrench_estimate import (
@@ -18,7 +18,7 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.recordings.quality import Contradictions
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 
 class Problem(NamedTuple):
@@ -35,6 +35,17 @@ class Problem(NamedTuple):
     def solve(self, jacobian: Array, prior: ContactPrior) -> WrenchEstimate:
         """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
         return estimate_wrench(self.input, jacobian, self.model, prior)
+
+    def held(self, tared: Mask) -> "Problem":
+        """Return the problem in which joints at rest keep their background since a tare.
+
+        tared: (N,). Where recordings without contact show how it changes, it may change so.
+        """
+        if not self.model.usual:
+            return self
+        states = self.input.states.copy()
+        states[tared & is_still(states)] = TARED
+        return Problem(replace(self.input, states=states), self.model.with_tare())
 
     def pushed(self, torque: Array) -> "Problem":
         """Return the problem with an additional external torque (N, 6) [Nm]."""
@@ -56,7 +67,8 @@ def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Pr
     torque, model = currents.external_torque, residuals.tau_ext
     if torque is None or model is None or not finite_rows(torque).any():
         return None
-    return Problem(force_input(motion, torque, currents), model)
+    problem = Problem(force_input(motion, torque, currents), model)
+    return problem if currents.tared is None else problem.held(currents.tared)
 
 
 def causal_odds(

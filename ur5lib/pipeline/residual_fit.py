@@ -100,7 +100,8 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
 
 def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
     """Return the residual models without contact-free recordings; arguments as above."""
-    return Residuals(tau_ext=usual_model(fit, cutoff).of_few_paths(LEAST_PATHS))
+    model = usual_model(fit, cutoff).of_few_paths(LEAST_PATHS)
+    return Residuals(tau_ext=replace(model, usual=True))
 
 
 def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[Remark]:

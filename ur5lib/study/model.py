@@ -41,6 +41,15 @@ def _day(value: Any) -> datetime.date:
 Day = Annotated[datetime.date, BeforeValidator(_day)]
 
 
+Second = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+def _in_order(span: tuple[float, float]) -> tuple[float, float]:
+    if span[1] <= span[0]:
+        raise ValueError("a start and a later end [s]")
+    return span
+
+
 class Part(Strict):
     """One run of an arm, and its use in the study: the keys that every format has."""
 
@@ -77,6 +86,11 @@ class Part(Strict):
         None,
         description="day of the recording, as in 2026-03-09; default: that of its start stamp (UTC)"
         ", where it has one; six dates or more show how an arm changes",
+    )
+    untouched: Annotated[tuple[Second, Second], AfterValidator(_in_order)] | None = Field(
+        None,
+        description="span [s] from the recording's start in which the arm rests and nothing "
+        "touches it, as in [0, 1.5]: a tare for the forces of role `contact`",
     )
 
     @cached_property

@@ -186,6 +186,11 @@ def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
         )
     if entry.get("gravity") is not None and entry.get("mounting") is not None:
         yield f"`{place}` has both `gravity` and `mounting`; remove one"
+    if entry.get("untouched") is not None and entry.get("role") in ("fit", "validate"):
+        yield (
+            f"`{place}.untouched` is a span of a recording with the role contact; nothing touches "
+            f"the arm in one with the role {entry['role']}; remove the key"
+        )
     start, end = _extent(entry)
     if end <= start:
         yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"

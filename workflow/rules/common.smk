@@ -204,7 +204,7 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """Return the description of a recording for its reader, without its use in the study."""
-    names = "name role robot date gravity mounting tool payload simulate truth".split()
+    names = "name role robot date gravity mounting tool payload untouched simulate truth".split()
     unread = dict.fromkeys(names, True) | {"force_sensor": {"mounting"}}
     return recording_of(wildcards).model_dump_json(exclude=unread)
 

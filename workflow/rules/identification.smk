@@ -151,6 +151,7 @@ rule predict_currents:
         code=code("predict_currents"),
         recording="{recording}",
         role=lambda wildcards: recording_of(wildcards).role,
+        untouched=lambda wildcards: recording_of(wildcards).untouched,
     run:
         run_step(rule, input, output, params, log)
 

@@ -13,6 +13,7 @@ from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.tare import tared
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
@@ -39,6 +40,8 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
                 load_torque = LoadRegressor.read(input.regressor).torque(payload.parameters)
         record, load_torque = with_load(record, load_torque, fit, smooth)
         currents = predicted_currents(record, fit, load_torque, Torques.read(input.torques), smooth)
+        if params.untouched is not None and params.role == "contact":
+            currents = tared(currents, motion, params.untouched, params.recording)
         known_maps = baselines(record, robot, friction.least_squares, signals)
         judged = scores(record, currents, known_maps, smooth)
         summary = replace(summary, load=load, scores=judged)

@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,7 +17,8 @@ class Currents(SegmentedTable):
     only [Nm]; load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque,
     friction_torque: what the gears transmit, and their friction, in that motion without contact
     [Nm]; load_loss: friction per torque transmitted, with its sign [Nm/Nm]; all three low-passed as
-    the external torque. All None where no currents were recorded, or no recording could be fitted.
+    the external torque; tared: (N,), where the external torques are counted from an untouched span,
+    None without one. All None where no currents were recorded, or no recording could be fitted.
     """
 
     predicted_current: Array | None = channel("predicted_current", "A", JOINTS, optional=True)
@@ -26,6 +29,7 @@ class Currents(SegmentedTable):
     gear_torque: Array | None = channel("tau_gears", "Nm", JOINTS, optional=True)
     friction_torque: Array | None = channel("tau_friction", "Nm", JOINTS, optional=True)
     load_loss: Array | None = channel("load_loss", "Nm/Nm", JOINTS, optional=True)
+    tared: Mask | None = channel("tared", "1", dtype=np.bool_, optional=True)
 
 
 @dataclass(frozen=True, kw_only=True)

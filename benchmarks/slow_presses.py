@@ -1,0 +1,148 @@
+"""Slow presses on simulated arms at rest, without a recording to fit on, seed by seed.
+
+    python -m benchmarks.slow_presses [<seeds>] [--quick]
+
+A UR5e or a UR16e with friction of its own is pressed for seconds, with up to 100 N at the flange or
+near it. In contact: RMSE of the force along the axes, share inside its 95 % band, median and
+largest delay of the contact; with `untouched: [0, 1.5]`, without it, by twenty lines (gravity, the
+maker's torque constants, the first 40 samples as zero, least squares), and of an estimate of zero.
+"""
+
+import tempfile
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import torch
+
+from benchmarks.harness.options import asked
+from benchmarks.simulated_contacts import FRICTION, posture
+from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, simulated
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.detection import TOUCH
+from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
+from ur5lib.pipeline.current_samples import Smoother
+from ur5lib.pipeline.force_estimates import fmap_problem
+from ur5lib.pipeline.residual_fit import usual_residuals
+from ur5lib.pipeline.tare import tared
+from ur5lib.recordings.entries import RtdeFiles
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
+
+ARMS, SEEDS = ("ur5e", "ur16e"), 50
+UNTOUCHED, STARTS = (0.0, 1.5), 2.0  # s
+FORCES, POINT = (30.0, 100.0), 0.1  # N, m: ranges
+RISES, HELD = (1.5, 5.0), (0, 3)  # s; number of further rises for which it is held
+FIRST = 40  # samples
+COLUMNS = ["seed", "by", "square", "inside", "samples", "late"]
+
+
+class Pressed(NamedTuple):
+    """A pressed recording; force: true (N, 3) [N]."""
+
+    taken: Taken
+    force: Array
+
+
+def main() -> None:
+    """Print a line for each estimate."""
+    seeds, _ = asked(__doc__, SEEDS)
+    torch.set_num_threads(1)
+    rows = pd.DataFrame([row for seed in range(seeds) for row in seed_rows(seed)], columns=COLUMNS)
+    print(f"{seeds} seeds{'':<15}RMSE [N]  inside  delay [s], longest   not found")
+    for name, own in rows.groupby("by", sort=False):
+        rmse = np.sqrt(own["square"].sum() / own["samples"].sum() / 3)
+        late, lost = own["late"], own["late"].isna().sum()
+        inside = own["inside"].sum() / own["samples"].sum()
+        print(
+            f"{name:<24}{rmse:>6.1f}{inside:>8.3f}{late.median():>11.2f}{late.max():>9.2f}{lost:>10}"
+        )
+
+
+def seed_rows(seed: int) -> Iterator[list[Any]]:
+    """Yield the sums over the samples in contact, by estimate."""
+    own = pressed(seed)
+    for name, found in {
+        "with an untouched span": estimate(own.taken, UNTOUCHED),
+        "without": estimate(own.taken, None),
+    }.items():
+        yield [seed, name, *sums(own.force, found.wrench, found.std), delay(own, found)]
+    for name, force in {"twenty lines": twenty_lines(own.taken), "zero": 0 * own.force}.items():
+        yield [seed, name, *sums(own.force, force, np.full_like(force, np.nan)), np.nan]
+
+
+def pressed(seed: int) -> Pressed:
+    """Simulate and read the recording of a seed."""
+    with tempfile.TemporaryDirectory() as folder:
+        entry = RtdeFiles(format="rtde-csv", folder=folder, file="robot.csv")
+        taken = simulated(load_robot(robot_path(ARMS[seed % 2])), plan(seed), entry)
+        return Pressed(taken, taken.truth.at(taken.signals.time).wrench[:, :3])
+
+
+def plan(seed: int) -> dict[str, Any]:
+    """Return the plan of a seed: pushes that overlap add up to one that is held."""
+    random = np.random.default_rng([seed, 3])
+    way, rise = random.normal(size=3), random.uniform(*RISES)
+    push = {
+        "kind": "push",
+        "force": (random.uniform(*FORCES) * way / np.linalg.norm(way)).tolist(),
+        "point": random.uniform(-POINT, POINT, 3).tolist(),
+        "seconds": 2 * rise,
+    }
+    starts = STARTS + rise * np.arange(1 + random.integers(*HELD))
+    factors = {
+        f"{of}_factor": random.uniform(*FRICTION, 6).tolist() for of in ("coulomb", "viscous")
+    }
+    return {
+        "trajectory": {"kind": "standstill", "posture": posture(random)},
+        "seconds": starts[-1] + 2 * rise + STARTS,
+        "seed": seed,
+        "contacts": [push | {"start_s": start} for start in starts.tolist()],
+    } | factors
+
+
+def estimate(own: Taken, untouched: tuple[float, float] | None) -> WrenchEstimate:
+    """F̂ᵐᵃᵖ without a recording to fit on."""
+    friction = fitted_map([], [own])
+    known = currents(friction, own)
+    if untouched:
+        known = tared(known, own.motion, untouched, own.record.name)
+    problem = fmap_problem(own.motion, known, usual_residuals(friction.fit, CURRENTS.cutoff))
+    assert problem is not None
+    return problem.solve(own.kinematics.jacobian[problem.rows], ContactPrior())
+
+
+def twenty_lines(own: Taken) -> Array:
+    """The force (N, 3) [N] by least squares from gravity and the maker's constants."""
+    constant = np.array(own.robot.maker_torque_constants())
+    torque = own.record.torque - constant * own.record.current
+    torque = Smoother(*CURRENTS)(torque - torque[:FIRST].mean(axis=0), own.record)
+    linear = np.linalg.pinv(own.kinematics.jacobian[:, :3].mT)
+    return np.asarray((linear @ torque[..., None])[..., 0], np.float64)
+
+
+def sums(true: Array, wrench: Array, std: Array) -> tuple[float, float, int]:
+    """Square of the error [N²], mean over axes inside the band, number of samples in contact."""
+    rows = in_contact(true)
+    error = (wrench[:, :3] - true)[rows]
+    inside = np.abs(error) <= NORMAL95 * std[rows, :3]
+    return float((error**2).sum()), float(inside.mean(axis=1).sum()), int(rows.sum())
+
+
+def delay(own: Pressed, found: WrenchEstimate) -> float:
+    """Time [s] from touch to the first sample of the gate's contact, NaN if there is none."""
+    rows = in_contact(own.force)
+    odds = np.flatnonzero(rows & (found.log_odds > np.log(OPENS / (1 - OPENS))))
+    period = own.taken.motion.period
+    return float(odds[0] - np.argmax(rows)) * period if len(odds) else np.nan
+
+
+def in_contact(force: Array) -> Array:
+    """Samples (N,) at which a force (N, 3) counts as touched."""
+    return np.linalg.norm(force, axis=1) > TOUCH
+
+
+if __name__ == "__main__":
+    main()
