@@ -361,9 +361,22 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
     told = said(judge_force(study(detection=searched, contacts=[contact] * 4)))
     assert told == (
         "not determined: No force sensor was recorded: contacts are plausible only, their size is "
-        "untested. Contacts found: 4, on 1 of 1 recordings; 0.0 false alarms per minute on "
-        "validate recordings."
+        "untested. Contacts found: 4, on 1 of 1 recordings. False alarms on validate recordings: "
+        "0.0 a minute."
     )
+
+
+@pytest.mark.parametrize(
+    ("recording", "told"),
+    [
+        ("seen", "False alarms on validate recordings: 0.5 a minute, of past currents alone 3.0."),
+        ("fitted", "No validate recording without an undeclared load shows how many alarms"),
+    ],
+)
+def test_false_alarms_stand_on_the_card_of_force(recording: str, told: str) -> None:
+    rates = {"alarms_per_min": 0.5, "causal_alarms_per_min": 3.0}
+    searched = [{"recording": recording, "estimate": "Fmap", **rates}]
+    assert told in judge_force(study(force_mae=touched(4.0), detection=searched)).evidence
 
 
 # No recording to fit

@@ -141,6 +141,14 @@ def quiet(results: Results) -> pd.DataFrame:
     return rows[~rows["recording"].isin(loaded(results)["recording"])]
 
 
+def false_alarms(results: Results) -> Iterator[str]:
+    """Report the alarms of F̂ᵐᵃᵖ where nothing touches the arm, of all samples and of past ones."""
+    if len(results.rows("detection", estimate="Fmap")):
+        rows = quiet(results)
+        causal = rows["causal_alarms_per_min"].dropna()
+        yield say("force.false alarms", alarms=rows["alarms_per_min"], causal=causal)
+
+
 class Score(NamedTuple):
     """How an estimate detects pushes along z.
 
@@ -235,7 +243,12 @@ def judge_force(results: Results) -> Verdict:
         topic=TOPIC,
         state=state(error, 1.0, covered, tested=known and calibrated and rival.better.empty),
         sentence=rival.after(told, "N", 1),
-        evidence=say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
+        evidence=joined(
+            [
+                say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
+                *false_alarms(results),
+            ]
+        ),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
         caption=say("force.caption", known=known),
         numbers=tuple(_numbers(row, share, held)),
@@ -280,7 +293,6 @@ def _unjudged(results: Results) -> Verdict:
     if len(results.tables["force_mae"]):
         return Verdict(TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
-    alarms = quiet(results)["alarms_per_min"]
-    known = counts or len(alarms)
-    evidence = say("force.plausible", counts=counts, alarms=alarms) if known else ""
+    found = [say("force.plausible", counts=counts)] if counts else []
+    evidence = joined([*found, *false_alarms(results)])
     return Verdict(TOPIC, "not determined", say("force.no sensor"), evidence)
