@@ -250,7 +250,8 @@ class Fold:
                 "currents": self.own(own, "currents.parquet"),
                 "summary": self.own(own, "currents.json"),
             },
-            self.study.lowpass | {"recording": own.name, "role": role},
+            self.study.lowpass
+            | {"recording": own.name, "role": role, "untouched": own.entry.get("untouched")},
         )
 
     def forces(self, own: Recording) -> None:
