@@ -25,7 +25,6 @@ PRINTED = {  # what each prints at least
     "long_recording": ["1 min", "processor time", "wall s"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "slow_presses": ["1 seeds", "with an untouched span", "twenty lines"],
-    "accelerometer": ["virtual test stand, 1 seeds", "true motion", "F^map in contact"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
