@@ -32,6 +32,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
 ARMS, SEEDS = ("ur5e", "ur16e"), 50
+FIRST_SEED = 100  # on those below, constants were chosen
 UNTOUCHED, STARTS = (0.0, 1.5), 2.0  # s
 FORCES, POINT = (30.0, 100.0), 0.1  # N, m: ranges
 RISES, HELD = (1.5, 5.0), (0, 3)  # s; number of further rises for which it is held
@@ -50,7 +51,8 @@ def main() -> None:
     """Print a line for each estimate."""
     seeds, _ = asked(__doc__, SEEDS)
     torch.set_num_threads(1)
-    rows = pd.DataFrame([row for seed in range(seeds) for row in seed_rows(seed)], columns=COLUMNS)
+    chosen = range(FIRST_SEED, FIRST_SEED + seeds)
+    rows = pd.DataFrame([row for seed in chosen for row in seed_rows(seed)], columns=COLUMNS)
     print(f"{seeds} seeds{'':<15}RMSE [N]  inside  delay [s], longest   not found")
     for name, own in rows.groupby("by", sort=False):
         rmse = np.sqrt(own["square"].sum() / own["samples"].sum() / 3)
