@@ -68,9 +68,9 @@ def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Ar
     return np.where(known, found.mean, np.nan), np.where(known, error, np.nan)
 
 
+WEIGHT = 2.0  # of the typical contact's covariance, as one sample: with 1, small changes decide
 ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
 LEVERS = 20.0  # of the typical lever, likewise
-WEIGHT = 1.0  # of the typical contact, in independent samples
 UNTOLD = 0.05  # m, lever of a force in the moments that are stated
 BLUR = 0.05  # s, of the time of a change by the 2 Hz low-pass: half of its width
 
@@ -122,11 +122,12 @@ def learned_size(
 ) -> Array:
     """Learn the covariance P (6, 6) of a contact's wrench from its own samples; arguments as above.
 
-    P maximises the evidence by expectation-maximisation, a typical contact counting as one
-    independent sample: P = (Σ w E[F Fᵀ] + P_usual) / (w n + 1). The force part is a full matrix;
-    the moment part is isotropic and tied to the force: its lever is the typical one, which counts
-    as 20 independent samples. Otherwise a moment explains what friction took of a short contact,
-    and a small change of the prior gives another force.
+    P maximises the evidence by expectation-maximisation, a contact of twice the typical covariance
+    counting as one independent sample: P = (Σ w E[F Fᵀ] + 2 P_usual) / (w n + 1). Near a
+    singularity, little else tells how large the part is that torques do not show. The force part is
+    a full matrix; the moment part is isotropic and tied to the force: its lever is the typical one,
+    which counts as 20 independent samples. Otherwise a moment explains what friction took of a
+    short contact, and a small change of the prior gives another force.
     """
     known = finite_rows(torque)
     torque, jacobian, noise = torque[known], jacobian[known], noise[known]
@@ -135,8 +136,8 @@ def learned_size(
         # expectation: Σ E[F Fᵀ] = Σ (F̂ F̂ᵀ + cov F)
         estimate = regularised_wrench(torque, jacobian, noise, size)
         square = estimate.mean.T @ estimate.mean + estimate.covariance.sum(axis=0)  # (6, 6)
-        # maximisation: P = (w Σ E[F Fᵀ] + P_usual) / (w n + 1)
-        square = (worth * square + WEIGHT * prior.usual()) / (count + WEIGHT)
+        # maximisation: P = (w Σ E[F Fᵀ] + 2 P_usual) / (w n + 1)
+        square = (worth * square + WEIGHT * prior.usual()) / (count + 1)
         size = np.zeros((6, 6))
         size[:3, :3] = square[:3, :3]
         usual_moment, moment = prior.lever**2 * np.trace(square[:3, :3]), np.trace(square[3:, 3:])
