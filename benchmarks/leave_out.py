@@ -6,7 +6,8 @@ Takes results/<study> as built; by default that of `make`, of a ur5. Each path o
 to fit on is left out in turn, with its day if other days have enough paths: friction, residual
 model and threshold come from the other recordings, by the workflow's own steps, and what was left
 out is treated as a recording to validate on. Then each recording to fit on is the only one. Alarms
-are counted on recordings without contact, loaded or not: all of them are false. The largest force
+are counted on recordings without contact, loaded or not, those from past currents alone
+(`causal`) too: all of them are false. The largest force
 in an alarm is given in its standard deviations. Of each joint, the share of the current inside its
 band, and by how much friction in motion differs from the predicted one. The rigid-body model stays
 the study's: the controller's own torque tells it, not the currents.
@@ -31,7 +32,7 @@ from ur5lib.errors import InputError
 from ur5lib.force.external_torque import SLOW
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
-from ur5lib.pipeline.contacts import alarms_by_odds, strongest
+from ur5lib.pipeline.contacts import alarms_by_odds, raised_live, strongest
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
@@ -289,15 +290,20 @@ class Fold:
         rows = []
         for own in tested:
             forces = Forces.read(self.own(own, "forces.parquet"))
+            minute = forces.period / 60
             for name in forces.log_odds:
                 # Where no fitted recording has this estimate, contact is what is the likelier.
                 found = alarms_by_odds(forces, name, thresholds.get(name, 0.0))
-                minute = forces.period / 60
                 lasted = sum(last - first for first, last in found.raised) * minute
                 stated = [strongest(span, forces.time, found) for span in found.raised]
                 most = max((np.abs(s.force / s.force_std).max() for s in stated), default=0.0)
-                row = own.name, name, len(stated), len(found.evidence) * minute, lasted, most
-                rows.append(dict(zip(ALARMS, row, strict=True)))
+                rows.append(
+                    [own.name, name, len(stated), len(found.evidence) * minute, lasted, most]
+                )
+            if (odds := forces.causal_log_odds) is not None:
+                raised = raised_live(odds, thresholds.get("causal", 0.0))
+                lasted = sum(last - first for first, last in raised) * minute
+                rows.append([own.name, "causal", len(raised), len(odds) * minute, lasted, np.nan])
         return pd.DataFrame(rows, columns=ALARMS)
 
 
@@ -318,10 +324,9 @@ def report_alarms(label: str, found: pd.DataFrame) -> None:
             flush=True,
         )
         for own in part[part["alarms"] > 0].itertuples():
-            print(
-                f"{'':>14}{own.alarms} on {own.recording}, {60 * own.in_alarm:.1f} s, "
-                f"force up to {own.deviations:.1f} deviations"
-            )
+            line = f"{'':>14}{own.alarms} on {own.recording}, {60 * own.in_alarm:.1f} s"
+            stated = f", force up to {own.deviations:.1f} deviations"
+            print(line + (stated if np.isfinite(own.deviations) else ""))
 
 
 def refusal(fold: Fold, tested: list[Recording]) -> str | None:

@@ -34,9 +34,10 @@ from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.segments import unbroken
 
-TORQUES = {
-    "tau_ext": ("external_torque", joint_states),
-    "tau_causal": ("causal_torque", past_states),
+PAST_ALONE = 1.3  # factor on errors of the causal torque: other months' do not average out so soon
+TORQUES = {  # by their model: the torque, the states of joints, and a factor on the errors
+    "tau_ext": ("external_torque", joint_states, 1.0),
+    "tau_causal": ("causal_torque", past_states, PAST_ALONE),
 }
 REST = 10.0  # s, below which hardly anything shows what friction holds at rest
 # Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
@@ -63,10 +64,10 @@ def residual_models(
         if len(friction.explained) - len(unknown) < min(DIRECTIONS, len(friction.explained)):
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
     models, refused = dict[str, ResidualModel](), None
-    for name, (field, states_of) in TORQUES.items():
+    for name, (field, states_of, margin) in TORQUES.items():
         try:
             runs = inputs(recordings, field, states_of)
-            models[name] = _residual_model(runs, friction, cutoff)
+            models[name] = _residual_model(runs, friction, cutoff).wider(margin)
         except RefusalError as refusal:
             refused = refusal.remark
     if refused and "tau_ext" not in models and not friction.senses_torque():
