@@ -23,7 +23,13 @@ from ur5lib.report.views.currents import (
     judge_currents,
     next_recordings,
 )
-from ur5lib.report.views.first_screen import drawn, findings, left_out, next_steps
+from ur5lib.report.views.first_screen import (
+    drawn,
+    findings,
+    left_out,
+    next_steps,
+    verdicts,
+)
 from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
@@ -128,7 +134,24 @@ def test_torque_constants_are_good_where_the_data_determine_them(
 
 def test_torque_constants_that_no_recording_determines_are_not_usable() -> None:
     rows = [constant(joint, 10.0, **UNKNOWN) for joint in (1, 2)]
-    assert judge_constants(study(friction=rows)).state == "not determined"
+    verdict = judge_constants(study(friction=rows))
+    assert verdict.state == "not determined"
+    assert (verdict.evidence, verdict.numbers) == ("", ())  # no constant but the known ones
+
+
+@pytest.mark.parametrize(("value", "expected"), [(15.8, "good"), (15.95, "usable")])
+def test_a_constant_farther_off_than_those_of_other_arms_is_not_good(
+    value: float, expected: str
+) -> None:
+    """Of 95 % of arms, it is within 1.96 times the known one's standard deviation, here of 3."""
+    verdict = judge_constants(study(friction=[constant(1, 10.0), constant(6, value)]))
+    assert verdict.state == expected
+    assert ("joint 6" in verdict.sentence) is (expected == "usable")
+
+
+def test_a_refused_constant_is_told_with_what_the_currents_would_give() -> None:
+    rows = [constant(1, 10.0, **REFUSED), constant(2, 11.0)]
+    assert "142 Nm/A" in judge_constants(study(friction=rows)).sentence
 
 
 def test_a_torque_constant_that_contradicts_the_known_one_is_not_to_be_used() -> None:
@@ -152,6 +175,13 @@ def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
         sentences.add(verdict.sentence)
     assert sentences == {say("constants.contradicted"), say("constants.not fitted")}
     assert judge_constants(study()) is None
+
+
+@pytest.mark.parametrize("code", ["unlikely constant", "current against constant"])
+def test_a_contradiction_is_a_finding(code: str) -> None:
+    """No fault is denied beside a card and a step that name one."""
+    doubt = {"robot": "ur5", "step": "friction", "joint": 2, "remark": "contradicts", "code": code}
+    assert findings(study(remarks=[doubt])) == ["ur5, joint 2: contradicts."]
 
 
 # Data quality
@@ -198,6 +228,15 @@ def test_a_link_model_is_judged_on_unseen_recordings() -> None:
     mean, most = verdict.numbers
     assert (mean.value, mean.place, mean.baseline) == (0.1, "joint 1", 1.0)
     assert (most.value, most.place) == (0.1, "joint 1 on seen")
+
+
+@pytest.mark.parametrize("motion", ["target", "measured"])
+def test_a_link_model_is_compared_with_a_model_at_a_motion(motion: str) -> None:
+    """At the target motion, whose torques the controller computes, an error of zero is no news."""
+    rows = [row | {"motion": motion} for row in torques({"A": 0.0001})]
+    sentence = judge_links(study(torque_mae=rows)).sentence
+    assert f"at the {motion} motion" in sentence
+    assert "the controller's own model" in sentence
 
 
 def test_a_link_model_is_said_to_be_as_far_off_as_it_is() -> None:
@@ -281,6 +320,15 @@ def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> N
     assert (held.value, held.place) == (86, "joint 3 on fitted")
 
 
+@pytest.mark.parametrize(("held", "wide"), [(0.985, False), (0.995, True)])
+def test_bands_of_currents_that_hold_more_than_they_state_are_called_wide(
+    held: float, wide: bool
+) -> None:
+    verdict = judge_currents(study(current_rmse=predicted(0.2, held)))
+    assert verdict.state == "good"
+    assert ("wider than stated" in verdict.sentence) is wide
+
+
 @pytest.mark.parametrize(("rival", "expected"), [(0.17, "usable"), (0.195, "good")])
 def test_currents_that_plain_least_squares_predicts_better_are_not_good(
     rival: float, expected: str
@@ -361,15 +409,19 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
     told = said(judge_force(study(detection=searched, contacts=[contact] * 4)))
     assert told == (
         "not determined: No force sensor was recorded: contacts are plausible only, their size is "
-        "untested. Contacts found: 4, on 1 of 1 recordings. False alarms on validate recordings: "
-        "0.0 a minute."
+        "untested. Contacts found: 4, on 1 of 1 recordings. False alarms in 1.0 minutes of "
+        "validate recordings without an undeclared load: 0.0 a minute."
     )
 
 
 @pytest.mark.parametrize(
     ("recording", "told"),
     [
-        ("seen", "False alarms on validate recordings: 0.5 a minute, of past currents alone 3.0."),
+        (
+            "seen",
+            "False alarms in 1.0 minutes of validate recordings without an undeclared load: 0.5 a "
+            "minute, of past currents alone 3.0.",
+        ),
         ("fitted", "No validate recording without an undeclared load shows how many alarms"),
     ],
 )
@@ -377,6 +429,25 @@ def test_false_alarms_stand_on_the_card_of_force(recording: str, told: str) -> N
     rates = {"alarms_per_min": 0.5, "causal_alarms_per_min": 3.0}
     searched = [{"recording": recording, "estimate": "Fmap", **rates}]
     assert told in judge_force(study(force_mae=touched(4.0), detection=searched)).evidence
+
+
+def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
+    """A short recording without alarms does not halve those of a long one; classes of contacts
+    are no further recordings.
+    """
+    results = study()
+    lengths = {"fitted": 30.0, "seen": 90.0}
+    table = results.tables["recordings"]
+    table["duration_s"] = table["recording"].map(lengths).fillna(60.0)
+    rates = {"estimate": "Fmap", "alarms_per_min": 4.0, "causal_alarms_per_min": 2.0}
+    still = rates | {"alarms_per_min": 0.0, "causal_alarms_per_min": 0.0, "recording": "fitted"}
+    rows = [rates | {"recording": "seen", "force_class_n": force} for force in (3.0, 5.0)]
+    tables = {**results.tables, "detection": pd.DataFrame([*rows, still])}
+    roles = [entry | {"role": "validate"} for entry in results.study["recordings"]]
+    judged = Results({"recordings": roles}, tables, Path())
+    evidence = judge_force(judged).evidence
+    assert "in 2.0 minutes" in evidence
+    assert "3.0 a minute, of past currents alone 1.5" in evidence
 
 
 # No recording to fit
@@ -436,7 +507,7 @@ def test_the_estimate_without_a_fit_is_never_called_good() -> None:
 
 def test_findings_count_contacts_false_alarms_and_the_smallest_push() -> None:
     """Of the weakest class, of quiet validate recordings, along the worst axis."""
-    known = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 0.0}
+    known = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 0.5}
     least = dict(zip(("x", "y", "z"), (14.0, 28.0, 12.0), strict=True))
     push = {f"smallest_force_95_{axis}": force for axis, force in least.items()}
     counts = {"force_class_n": 5.0, "contacts": 4, "found": 3}
@@ -446,7 +517,6 @@ def test_findings_count_contacts_false_alarms_and_the_smallest_push() -> None:
         known | counts | push,
         known | counts | twice | {"recording": "fitted", "alarms_per_min": 9.0},
         known | counts | thrice | {"recording": "pushed", "force_class_n": 20.0, "found": 4},
-        known | {"alarms_per_min": 1.0},
     ]
     contacts = [{"recording": name, "estimate": "Fmap", "kind": "contact"} for name in ROLES]
     found = findings(study(detection=rows, contacts=contacts))
@@ -513,6 +583,38 @@ def test_motion_is_judged_beside_an_imu_alone() -> None:
     )
     nothing = [row | {"component": "x", "mae": 0.551, "zero_mae": 0.552}]
     assert percents(judge_motion(study(acceleration_mae=nothing)).sentence) == [100]
+
+
+# Several arms
+
+
+def of_two_arms(**tables: list[dict[str, Any]]) -> Results:
+    """A study with two validate recordings: seen of a ur5, fitted of a ur10e."""
+    results = study(**tables)
+    arms = {"fitted": "ur10e", "seen": "ur5", "pushed": "ur5"}
+    entries = [
+        entry | {"robot": arms[entry["name"]], "role": "validate"}
+        for entry in results.study["recordings"]
+    ]
+    return Results({"recordings": entries}, results.tables, Path())
+
+
+def test_no_arm_hides_another() -> None:
+    """A mean over arms of 0.8 would be usable."""
+    rows = predicted(0.1) + predicted(1.5, recording="fitted")
+    results = of_two_arms(current_rmse=[row | {"r2": 1 - row["rmse_2hz"] ** 2} for row in rows])
+    (card,) = [one for one in verdicts(results) if one.topic == "Friction and currents"]
+    assert card.state == "do not use"
+    assert percents(card.sentence) == [150, 10]
+    assert card.sentence.startswith("ur10e: ")
+    assert [number.place for number in card.numbers][:1] == ["ur10e, joint 1"]
+
+
+def test_an_arm_of_which_nothing_is_determined_is_told_beside_others() -> None:
+    rows = [constant(1, 10.0), constant(1, 10.0, **UNKNOWN) | {"robot": "ur10e"}]
+    (card,) = [one for one in verdicts(of_two_arms(friction=rows)) if "constants" in one.topic]
+    assert card.state == "usable"
+    assert "ur10e: The recordings determine no torque constant." in card.sentence
 
 
 # Drawings, first figure, next steps

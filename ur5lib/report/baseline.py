@@ -20,6 +20,7 @@ ZERO = "an estimate of zero"
 BETTER = 0.5  # smallest skill of a good estimate: less than half the error of zero
 LESS = 0.95  # share of an error, below which that of a simple rival is less
 HELD = 0.9  # smallest share of readings in a good 95 % band
+WIDE = 0.99  # smallest share, from which on a 95 % band is wider than it states
 WIDTH, HEIGHT = 160.0, 48.0  # of a drawing
 GAP = 0.25  # of the step from bar to bar
 LEAST = 1.5  # height that is still seen

@@ -108,6 +108,17 @@ class Results:
             self, study={**self.study, "title": title, "recordings": [entry]}, tables=tables
         )
 
+    def of_arm(self, robot: str) -> "Results":
+        """Return the results of one arm's recordings."""
+        arms = self.arms()
+        entries = [one for one in self.study["recordings"] if arms[one["name"]] == robot]
+        known = {"recording": [one["name"] for one in entries], "robot": robot}
+        tables = {
+            table: self.rows(table, **{key: known[key] for key in known if key in rows})
+            for table, rows in self.tables.items()
+        }
+        return replace(self, study={**self.study, "recordings": entries}, tables=tables)
+
     @property
     def many(self) -> bool:
         """Whether there are more recordings than a table has rows."""

@@ -1,5 +1,6 @@
 """Contact forces: errors, bands, contacts found, alarms, readings of the sensor, the verdict."""
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -135,18 +136,29 @@ def detection(results: Results) -> Iterator[str]:
 
 
 def quiet(results: Results) -> pd.DataFrame:
-    """Return the alarms of F̂ᵐᵃᵖ on validate recordings without an undeclared load."""
+    """Return the alarms of F̂ᵐᵃᵖ on validate recordings without an undeclared load, with the
+    recordings' minutes; a recording has one row.
+    """
     validated = results.with_role("validate")
     rows = results.rows("detection", estimate="Fmap", recording=validated)
-    return rows[~rows["recording"].isin(loaded(results)["recording"])]
+    rows = rows[~rows["recording"].isin(loaded(results)["recording"])].drop_duplicates("recording")
+    lengths = results.tables["recordings"].set_index("recording")["duration_s"]
+    return rows.assign(minutes=rows["recording"].map(lengths).astype(float) / 60)
 
 
 def false_alarms(results: Results) -> Iterator[str]:
     """Report the alarms of F̂ᵐᵃᵖ where nothing touches the arm, of all samples and of past ones."""
     if len(results.rows("detection", estimate="Fmap")):
         rows = quiet(results)
-        causal = rows["causal_alarms_per_min"].dropna()
-        yield say("force.false alarms", alarms=rows["alarms_per_min"], causal=causal)
+        rate, causal = (a_minute(rows, f"{kind}alarms_per_min") for kind in ("", "causal_"))
+        yield say("force.false alarms", minutes=rows["minutes"].sum(), rate=rate, causal=causal)
+
+
+def a_minute(rows: pd.DataFrame, column: str) -> float:
+    """Return the alarms a minute of recordings together, NaN where none has a rate."""
+    known = rows.dropna(subset=column)
+    minutes = known["minutes"].sum()
+    return float((known[column] * known["minutes"]).sum() / minutes) if minutes else math.nan
 
 
 class Score(NamedTuple):

@@ -1,23 +1,26 @@
 """Friction, torque constants and motor currents: fits, prediction, payload, and the verdicts."""
 
 from collections.abc import Iterator, Set
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
-from ur5lib.report.baseline import HELD, AgainstBaseline, Rival, bars
+from ur5lib.report.baseline import HELD, WIDE, AgainstBaseline, Rival, bars
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import names, say
 from ur5lib.report.tables.friction import AS_PRINTED
 from ur5lib.report.tables.models import STOP
+from ur5lib.timeseries.metrics import NORMAL95
 
 LEAST_KNOWN = 3  # parameters that the next recording is designed for
 MOST_COMPARED = 12  # columns that fit on a page
 PARAMETERS = {"torque_constant": "k", "offset": "b"}
 CONSTANTS, CURRENTS = "Torque constants", "Friction and currents"  # topics
 CONSTANT = "a constant current"
+CONTRADICTIONS = ["unlikely constant", "current against constant"]  # codes of remarks
 MODELS = {"fitted": "ours", "least_squares": "rival"}  # the rival has no prior
 
 
@@ -49,7 +52,15 @@ def constants(results: Results) -> pd.DataFrame:
 
 def remarks(results: Results) -> Iterator[str]:
     """Return the remarks of the fit about joints."""
-    rows = results.tables["remarks"].dropna(subset="joint")
+    yield from _by_joints(results.tables["remarks"].dropna(subset="joint"))
+
+
+def contradictions(results: Results) -> Iterator[str]:
+    """Return the remarks on currents and constants that contradict the known ones."""
+    yield from _by_joints(results.rows("remarks", code=CONTRADICTIONS))
+
+
+def _by_joints(rows: pd.DataFrame) -> Iterator[str]:
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         yield say("currents.remark", robot=robot, numbers=group["joint"], remark=remark)
 
@@ -211,27 +222,33 @@ def judge_constants(results: Results) -> Verdict | None:
     if rows.empty:
         return None
     shares = rows.groupby("joint")["prior_share"].max()
-    ratio = rows["value"] / rows["known"]
-    farthest = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
-    known, contradicted = ([*rows.loc[where, "joint"].unique()] for where in (determined, refused))
+    known = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
-    state: State = "good" if determined.all() and not refused.any() else "usable"
+    far = (rows["value"] - rows["known"]).abs() > NORMAL95 * rows["known_std"]
+    apart = [*rows.loc[determined & far & ~rows["joint"].isin(unlikely), "joint"]]
+    state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
     if unlikely or not known:
         state = "do not use" if unlikely else "not determined"
-    number = Number(
-        "torque constant", float(farthest["value"]), "Nm/A", f"joint {farthest['joint']}"
-    )
-    number = number.within(farthest["low"], farthest["high"], "95 %")
+    words = {"known": known, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
     return Verdict(
         topic=CONSTANTS,
         state=state,
-        sentence=say("constants.verdict", known=known, refused=contradicted, unlikely=unlikely),
-        evidence=say("constants.evidence", row=farthest),
+        sentence=say("constants.verdict", **words),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
-        numbers=(number.beside(farthest["known"], "the known constant"),),
+        **_farthest(rows) if known else {},
     )
+
+
+def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
+    """Return evidence and numbers of a verdict: the constant farthest from the known one."""
+    ratio = rows["value"] / rows["known"]
+    row = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
+    number = Number("torque constant", float(row["value"]), "Nm/A", f"joint {row['joint']}")
+    number = number.within(row["low"], row["high"], "95 %")
+    beside = number.beside(row["known"], "the known constant")
+    return {"evidence": say("constants.evidence", row=row), "numbers": (beside,)}
 
 
 def judge_currents(results: Results) -> Verdict:
@@ -250,7 +267,7 @@ def judge_currents(results: Results) -> Verdict:
     held = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * held, "%", place)
-    told = say("currents.verdict", against=against, hold=held >= HELD)
+    told = say("currents.verdict", against=against, hold=held >= HELD, wide=held >= WIDE)
     return Verdict(
         topic=CURRENTS,
         state=against.state(held, tested=rival.better.empty),

@@ -1,6 +1,6 @@
 """The first screen: verdicts, one figure, the next steps for the user, and the findings."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import chain, islice
 
 import pandas as pd
@@ -21,17 +21,18 @@ from ur5lib.report.views import (
     motion,
     recordings,
 )
+from ur5lib.report.views.arms import Judge, by_arm
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.forces import PUSHES, pushes_found, searched
 
-VERDICTS: list[Callable[[Results], Verdict | None]] = [
+VERDICTS: list[Judge] = [
     recordings.judge_files,
-    models.judge_links,
-    currents.judge_constants,
-    currents.judge_currents,
+    by_arm(models.judge_links),
+    by_arm(currents.judge_constants),
+    by_arm(currents.judge_currents),
     contacts.judge_force,
-    motion.judge_motion,
-    arm_state.judge_drift,
+    by_arm(motion.judge_motion),
+    by_arm(arm_state.judge_drift),
 ]
 
 
@@ -70,7 +71,6 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
 MOST = 3  # steps that a reader remembers
 NARROWER = 0.95  # of the band of forces, from which on a recording is worth naming
 MANY_LOST = 0.1  # share of lost frames from which a recording is worth repeating
-CONTRADICTIONS = ["unlikely constant", "current against constant"]  # codes of remarks
 ASKING = ["no motion", "one path", "few paths"]  # codes of remarks that ask for a recording
 
 
@@ -99,7 +99,9 @@ def corrections(results: Results) -> Iterator[str]:
         mass = {"mass": row.configured + row.mass, "std": row.std_error}
         some = _some([*loads["recording"]])
         yield say("steps.payload", some=some, recording=row.recording, **mass)
-    for robot, rows in results.rows("remarks", code=CONTRADICTIONS).groupby("robot", sort=False):
+    for robot, rows in results.rows("remarks", code=currents.CONTRADICTIONS).groupby(
+        "robot", sort=False
+    ):
         yield say("steps.contradiction", robot=robot, numbers=rows["joint"])
 
 
@@ -148,6 +150,7 @@ def findings(results: Results) -> list[str]:
     taken_up = results.rows("contacts", estimate="Fmap", kind="load")
     sentences = [
         *stop_signs(results),
+        *currents.contradictions(results),
         *nearest_model(results),
         *comparison.rebuilt(results),
         *_each("findings.load", currents.loaded(results)),
@@ -222,7 +225,7 @@ def _detection(results: Results) -> Iterator[str]:
         yield say("findings.contacts", rows=least)
     free = contacts.quiet(results)
     if len(free):
-        yield say("findings.false alarms", rate=free["alarms_per_min"].mean())
+        yield say("findings.false alarms", rate=contacts.a_minute(free, "alarms_per_min"))
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield say(

@@ -139,6 +139,7 @@ def judge_links(results: Results) -> Verdict:
     against = AgainstBaseline(rows, "mae_2hz", "zero_mae_2hz", "Nm", 3)
     loads = results.rows("quality", finding=GIVEN_LOAD, recording=[*rows["recording"].unique()])
     words = {"model": named(compared.best[0]), "unseen": compared.unseen, "loads": loads}
+    words["motion"] = rows["motion"].iloc[0].replace("_", " ")
     return Verdict(
         topic=LINKS,
         state=against.state(tested=compared.unseen and loads.empty, better=CLOSE),

@@ -1,0 +1,49 @@
+"""Verdicts on several arms: each arm is judged by itself, so that none hides another in a mean."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from ur5lib.report.document import Number, State, Verdict
+from ur5lib.report.formats import joined
+from ur5lib.report.results import Results
+
+Judge = Callable[[Results], Verdict | None]
+SEVEREST: list[State] = ["do not use", "usable", "good", "not determined"]
+
+
+def by_arm(judge: Judge) -> Judge:
+    """Return a judge of all arms of a study, each by its own results."""
+
+    def judged(results: Results) -> Verdict | None:
+        arms = results.robots()
+        if len(arms) < 2:
+            return judge(results)
+        found = {arm: verdict for arm in arms if (verdict := judge(results.of_arm(arm)))}
+        return together(found) if found else None
+
+    return judged
+
+
+def together(verdicts: Mapping[str, Verdict]) -> Verdict:
+    """Return the verdict on all arms: the severest, with the sentences of each, the severest first;
+    good only if all are.
+    """
+    arms = sorted(verdicts, key=lambda arm: SEVEREST.index(verdicts[arm].state))
+    severest = verdicts[arms[0]]
+    told: dict[str, list[str]] = {}
+    for arm in arms:
+        told.setdefault(verdicts[arm].sentence, []).append(arm)
+    mixed = severest.state == "good" and verdicts[arms[-1]].state != "good"
+    return replace(
+        severest,
+        state="usable" if mixed else severest.state,
+        sentence=joined(f"{', '.join(of)}: {sentence}" for sentence, of in told.items()),
+        evidence=joined(f"{arm}: {one}" for arm in arms if (one := verdicts[arm].evidence)),
+        caption=f"{arms[0]}: {severest.caption}" if severest.caption else "",
+        numbers=tuple(_of(arm, one) for arm in arms for one in verdicts[arm].numbers),
+    )
+
+
+def _of(arm: str, number: Number) -> Number:
+    """Return a number of an arm with the arm's name in its place."""
+    return replace(number, place=f"{arm}, {number.place}" if number.place else arm)
