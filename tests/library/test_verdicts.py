@@ -387,7 +387,8 @@ def test_no_mean_over_axes_hides_the_worst_one() -> None:
 @pytest.mark.parametrize(
     ("rows", "expected"),
     [
-        (touched(4.9), "good"),
+        (touched(4.1), "good"),
+        (touched(4.9), "usable"),  # or more than half of the force, by its interval of 3.9 to 5.9
         (touched(5.0), "usable"),
         (touched(10.0), "do not use"),
         ([*touched(1.0)[:1], *touched(6.0, mean_force=5.0)[1:]], "do not use"),  # along one axis
@@ -401,6 +402,16 @@ def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: str) 
     assert judge_force(study(force_mae=rows, detection=searched)).state == expected
     stopped = study(force_mae=rows, quality=[finding("stop", "contradiction")])
     assert judge_force(stopped).state == "do not use"
+
+
+def test_a_force_beside_a_doubted_sensor_is_not_good() -> None:
+    """The next step asks for the sensor's bias, so that the card cannot rely on it."""
+    doubt = finding("warning", "offset", device="force", recording="pushed")
+    verdict = judge_force(study(force_mae=touched(2.0), quality=[doubt]))
+    assert verdict.state == "usable"
+    assert "bias is uncertain on pushed" in verdict.evidence
+    elsewhere = study(force_mae=touched(2.0), quality=[doubt | {"recording": "seen"}])
+    assert judge_force(elsewhere).state == "good"
 
 
 def test_without_a_sensor_contacts_are_plausible_only() -> None:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
-from ur5lib.report.baseline import ZERO, Rival, error_bar, state
+from ur5lib.report.baseline import BETTER, ZERO, Rival, error_bar, state
 from ur5lib.report.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.formats import joined
 from ur5lib.report.results import Results
@@ -247,13 +247,16 @@ def judge_force(results: Results) -> Verdict:
     stated = judged.dropna(subset="coverage95")
     held = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
     known, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != UNCALIBRATED
+    sure = row["mae_high"] < (1 - BETTER) * row["mean_force"]  # not if it has no interval
+    doubted = doubted_biases(results, [*means.index])
+    relied = sure and calibrated and rival.better.empty and not doubted
     error = max(one["mae"] / one["mean_force"] for one in (row, share))
     covered = 1.0 if held is None else held["coverage95"]
-    about = {"known": known, "calibrated": calibrated}
+    about = {"known": known, "calibrated": calibrated, "doubted": doubted}
     told = say("force.verdict", row=row, estimate=_named(row["estimate"]))
     return Verdict(
         topic=TOPIC,
-        state=state(error, 1.0, covered, tested=known and calibrated and rival.better.empty),
+        state=state(error, 1.0, covered, tested=relied),
         sentence=rival.after(told, "N", 1),
         evidence=joined(
             [
@@ -265,6 +268,12 @@ def judge_force(results: Results) -> Verdict:
         caption=say("force.caption", known=known),
         numbers=tuple(_numbers(row, share, held)),
     )
+
+
+def doubted_biases(results: Results, among: list[str]) -> list[str]:
+    """Return the recordings, of some, on which the force sensor's bias is uncertain."""
+    told = {"device": "force", "severity": "warning", "finding": "offset"}
+    return [*results.rows("quality", recording=among, **told)["recording"].unique()]
 
 
 def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:

@@ -226,7 +226,7 @@ def judge_constants(results: Results) -> Verdict | None:
     known = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
     far = (rows["value"] - rows["known"]).abs() > NORMAL95 * rows["known_std"]
-    apart = [*rows.loc[determined & far & ~rows["joint"].isin(unlikely), "joint"]]
+    apart = [*rows.loc[far & ~rows["joint"].isin(unlikely), "joint"]]
     state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
     if unlikely or not known:
         state = "do not use" if unlikely else "not determined"

@@ -113,9 +113,8 @@ def faulty_files(results: Results) -> Iterator[str]:
         names = sorted(lost, key=lambda name: -lost[name])
         worst = {"share": lost[names[0]], "file": results.file_of(names[0])}
         yield say("steps.lossy", some=_some(names), **worst)
-    doubts = results.rows("quality", device="force", severity="warning", finding="offset")
-    if len(doubts):
-        yield say("steps.doubted", some=_some([*doubts["recording"]]))
+    if doubted := contacts.doubted_biases(results, [*results.roles()]):
+        yield say("steps.doubted", some=_some(doubted))
 
 
 def missing_recordings(results: Results) -> Iterator[str]:
