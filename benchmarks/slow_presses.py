@@ -4,8 +4,9 @@
 
 A UR5e or a UR16e with friction of its own is pressed for seconds, with up to 100 N at the flange or
 near it. In contact: RMSE of the force along the axes, share inside its 95 % band, median and
-largest delay of the contact; with `untouched` from 0 to 1.5 s, without it, by twenty lines (gravity, the
-maker's torque constants, the first 40 samples as zero, least squares), and of an estimate of zero.
+largest delay of the contact; with `untouched` from 0 to 1.5 s, without it, by twenty lines
+(gravity, the maker's torque constants, the first 40 samples as zero, least squares), and of an
+estimate of zero.
 """
 
 import tempfile

@@ -10,7 +10,7 @@ import pytest
 from tests.commands import Command
 from tests.synthetic import poor_log
 from ur5lib.channels import columns
-from ur5lib.recordings.copies import MOST, fingerprint
+from ur5lib.recordings.copies import MAX_ROWS_KEPT, fingerprint
 from ur5lib.robots.description import Robot
 
 STUDY = """
@@ -84,7 +84,7 @@ def test_a_repeated_motion_is_another_run(log: pd.DataFrame, check: Callable) ->
 
 
 def test_a_fingerprint_is_small_and_needs_currents(log: pd.DataFrame) -> None:
-    assert len(fingerprint(log)) == MOST
+    assert len(fingerprint(log)) == MAX_ROWS_KEPT
     assert fingerprint(log.drop(columns=columns("actual_current"))) == []
     damaged = log.assign(actual_q_0=1e300, actual_current_0=np.nan)
     assert fingerprint(damaged) == []

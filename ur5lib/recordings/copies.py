@@ -15,12 +15,12 @@ from ur5lib.recordings.innovations import CURRENT
 from ur5lib.timeseries.arrays import Array, Labels
 
 # rad, A; coarser than formats write, finer than noise, with borders between decimals
-STEPS = {"actual_q": np.pi / 3000, CURRENT: np.pi / 300}
-MOST = 256  # rows that are kept
-LEAST = 8  # rows from which on two recordings are compared
-ALIKE = 0.5  # share of common rows; of copies nearly all, of other runs hardly one
-LARGEST = 1e9  # steps; damaged cells are larger
-BITS = 53  # of an integer that every reader of JSON knows
+RESOLUTION = {"actual_q": np.pi / 3000, CURRENT: np.pi / 300}
+MAX_ROWS_KEPT = 256  # rows that are kept
+MIN_ROWS_COMPARED = 8  # rows from which on two recordings are compared
+MIN_COMMON_SHARE = 0.5  # share of common rows; of copies nearly all, of other runs hardly one
+MAX_STEPS = 1e9  # steps; damaged cells are larger
+EXACT_INTEGER_BITS = 53  # of an integer that every reader of JSON knows
 
 
 def fingerprint(frames: pd.DataFrame) -> list[int]:
@@ -30,17 +30,19 @@ def fingerprint(frames: pd.DataFrame) -> list[int]:
     channels of the robot; none where currents were not recorded.
     """
     joints = joint_count(frames)
-    steps = {column: step for name, step in STEPS.items() for column in columns(name, joints)}
+    steps = {column: step for name, step in RESOLUTION.items() for column in columns(name, joints)}
     if not {*steps} <= {*frames}:
         return []
     known = np.all([frames[name].notna() for name in steps], axis=0)
     rounded = {name: _rounded(frames[name].to_numpy()[known], steps[name]) for name in steps}
     hashes = pd.util.hash_pandas_object(pd.DataFrame(rounded), index=False).to_numpy()
-    return [int(one) for one in np.unique(hashes >> np.uint64(64 - BITS))[:MOST]]
+    return [
+        int(one) for one in np.unique(hashes >> np.uint64(64 - EXACT_INTEGER_BITS))[:MAX_ROWS_KEPT]
+    ]
 
 
 def _rounded(values: Array, step: float) -> Labels:
-    return np.rint(values / step).clip(-LARGEST, LARGEST).astype("int32")
+    return np.rint(values / step).clip(-MAX_STEPS, MAX_STEPS).astype("int32")
 
 
 def same_runs(fingerprints: Mapping[str, Sequence[int]]) -> Iterator[tuple[str, str]]:
@@ -57,7 +59,10 @@ def same_runs(fingerprints: Mapping[str, Sequence[int]]) -> Iterator[tuple[str, 
 
 def _are_alike(one: Sequence[int], other: Sequence[int]) -> bool:
     """Return whether the shorter of two recordings has mostly rows of the other."""
-    last = min((rows[-1] for rows in (one, other) if len(rows) == MOST), default=1 << BITS)
+    last = min(
+        (rows[-1] for rows in (one, other) if len(rows) == MAX_ROWS_KEPT),
+        default=1 << EXACT_INTEGER_BITS,
+    )
     known = [{row for row in rows if row <= last} for rows in (one, other)]
     fewest = min(map(len, known))
-    return fewest >= LEAST and len(known[0] & known[1]) > ALIKE * fewest
+    return fewest >= MIN_ROWS_COMPARED and len(known[0] & known[1]) > MIN_COMMON_SHARE * fewest

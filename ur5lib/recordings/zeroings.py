@@ -20,17 +20,19 @@ from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frame
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
-BESIDE = 20  # samples on each side of a step, which lie on two parallel lines
-SLOWEST = 0.02  # s, between samples; to a slower sensor, the end of a contact is one step, too
-LEAST = 2.0  # N, of a step
+SAMPLES_BESIDE_STEP = 20  # samples on each side of a step, which lie on two parallel lines
+MAX_PERIOD = 0.02  # s, between samples; to a slower sensor, the end of a contact is one step, too
+MIN_STEP = 2.0  # N, of a step
 # Of a step, how far the samples beside it may lie from their lines, and its end from zero unless
 # they lie farther. Of the steps of more than 1 N in the real recordings, where nobody zeroed the
 # sensor, none ends within 0.3 of zero, and none has samples so near their lines.
-NEAR, AT_ZERO = 0.3, 0.1
-REACTION, COMPARED = 0.02, 0.2  # s from a step: currents have followed the end of a contact
-SHOWN = 0.25  # of its torque, the share that currents then show; friction holds some of it
+MAX_DISTANCE_FROM_LINES, MAX_DISTANCE_FROM_ZERO = 0.3, 0.1
+# s from a step: currents have followed the end of a contact
+REACTION_TIME, COMPARED_TIME = 0.02, 0.2
+# of its torque, which currents then show; friction holds some of it
+MIN_SHARE_SHOWN_BY_CURRENTS = 0.25
 ON_ROBOT_CLOCK = StartOffset(0.0, 0.0, drift_std=0.0)
-SURE = 4.0  # standard errors by which a current changes
+MIN_STANDARD_ERRORS = 4.0  # standard errors by which a current changes
 
 
 @dataclass(frozen=True)
@@ -99,23 +101,31 @@ def _sudden_zeros(reading: Array, time: Array, late: float) -> Iterator[Zeroing]
     """
     force = reading[:, :3]
     change = np.linalg.norm(force[2:] - force[:-2], axis=1)
-    sudden = (change > LEAST / 2) & (np.linalg.norm(force[2:], axis=1) < 2 * NEAR * change)
-    rows = np.flatnonzero(sudden & (time[2:] - time[:-2] <= 2 * SLOWEST)) + 1
-    rows = rows[(rows >= BESIDE) & (rows < len(force) - BESIDE)]
-    for near in np.split(rows, np.flatnonzero(np.diff(rows) > BESIDE) + 1):
+    sudden = (change > MIN_STEP / 2) & (
+        np.linalg.norm(force[2:], axis=1) < 2 * MAX_DISTANCE_FROM_LINES * change
+    )
+    rows = np.flatnonzero(sudden & (time[2:] - time[:-2] <= 2 * MAX_PERIOD)) + 1
+    rows = rows[(rows >= SAMPLES_BESIDE_STEP) & (rows < len(force) - SAMPLES_BESIDE_STEP)]
+    for near in np.split(rows, np.flatnonzero(np.diff(rows) > SAMPLES_BESIDE_STEP) + 1):
         falls = [_fall(reading, time + late, row) for row in near.tolist()]
         best = min(falls, key=lambda fall: fall.misfit, default=None)
         # a sensor that is gone sends zeros
-        if best is not None and best.misfit < NEAR and force[best.row + 1 :].any():
+        if (
+            best is not None
+            and best.misfit < MAX_DISTANCE_FROM_LINES
+            and force[best.row + 1 :].any()
+        ):
             yield best
 
 
 def _fall(reading: Array, time: Array, row: int) -> Zeroing:
     """Return the reading's step at a row as a zeroing."""
-    step = _step(reading[row - BESIDE : row], reading[row + 1 : row + 1 + BESIDE])
+    step = _step(
+        reading[row - SAMPLES_BESIDE_STEP : row], reading[row + 1 : row + 1 + SAMPLES_BESIDE_STEP]
+    )
     size, end = (float(np.linalg.norm(force[:3])) for force in (step.size, step.after))
     away = float(np.linalg.norm(step.residual[:, :3], axis=1).max())
-    fits = size > LEAST and end < max(AT_ZERO * size, away)
+    fits = size > MIN_STEP and end < max(MAX_DISTANCE_FROM_ZERO * size, away)
     return Zeroing(row, float(time[row]), step.size, away / size if fits else np.inf)
 
 
@@ -138,7 +148,7 @@ def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: Star
     unsure = start.std + (UNSURE * zeroing.time if start.drift_std is None else 0.0)
     since = robot["time"].to_numpy() - zeroing.time
     before, after = (
-        np.flatnonzero((REACTION + unsure < away) & (away < COMPARED + unsure))
+        np.flatnonzero((REACTION_TIME + unsure < away) & (away < COMPARED_TIME + unsure))
         for away in (-since, since)
     )
     count = min(len(before), len(after))
@@ -150,7 +160,10 @@ def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: Star
     step = _step(*np.split(np.nan_to_num(torque), 2))
     expected = _torque(arm, q[count - 1 : count], zeroing.change[:3]) * np.isfinite(constants)
     shown, noise = expected @ step.size, np.linalg.norm(expected * step.std_error)
-    return bool(abs(shown) > max(SURE * noise, SHOWN * expected @ expected))
+    return bool(
+        abs(shown)
+        > max(MIN_STANDARD_ERRORS * noise, MIN_SHARE_SHOWN_BY_CURRENTS * expected @ expected)
+    )
 
 
 def _torque(arm: Robot, q: Array, force: Array) -> Array:
