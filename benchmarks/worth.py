@@ -1,13 +1,15 @@
 """What each part of F̂ᵐᵃᵖ earns: its scores without the part, beside those with all of them.
 
-    python -m benchmarks.worth [<study> [<robot>]] [--quick]
+    python -m benchmarks.worth [<study> [<robot>]] [--constants] [--quick]
 
 Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings to
 fit on is left out in turn, with its day if other days have enough paths, and judged; before, all
 are fitted, and what shares neither path nor day with them is judged. In contact by the force
 sensor, and in pushes that are drawn with a seed and put onto recordings without contact: RMSE of
 the force, share of samples inside its 95 % band, contacts found. Without contact: false alarms.
-PARTS says what stands in the place of a part. `--quick` does the first fold alone.
+PARTS says what stands in the place of a part. `--constants` multiplies each of CONSTANTS by FACTORS
+instead, and prints the range within which no score differs by more than SAME. `--quick` does the
+first fold alone.
 """
 
 import sys
@@ -16,6 +18,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
@@ -86,9 +89,10 @@ def of_a_free_arm(_: Array, missed: Array, free: Array) -> Array:
     return np.broadcast_to(np.sqrt(free), missed.shape)
 
 
+WHOLE = "nothing"
 ESTIMATE, GATE = "ur5lib.force.wrench_estimate", "ur5lib.force.gate"
 PARTS = {
-    "nothing": Part(),
+    WHOLE: Part(),
     "friction of the run": Part(without_gears("friction")),
     "joint states": Part({"ur5lib.force.residual_model._moments": pooled}),
     "load friction of gears": Part(without_gears("loss")),
@@ -103,18 +107,71 @@ PARTS = {
     ),
 }
 
+FACTORS = (0.25, 0.5, 2.0, 4.0)
+SAME = {"rmse": 0.2, "inside": 0.02, "found": 0.05, "alarms": 0.25}  # N, shares, 1/min
+CONSTANTS = {  # a field of the prior, or the places of a constant
+    "typical contact [N]": "force",
+    "its lever [m]": "lever",
+    "magnitudes of the gate [N]": "sizes",
+    "duration of contacts [s]": "duration",
+    "of pauses [s]": "pause",
+    "load friction besides the fit's": "load_friction",
+    "friction of a run": "friction_std",
+    "what dry friction absorbs at rest": "stiction",
+    "in motion": "rubbing",
+    "hunting": "hunting",
+    "settling [s]": "settling",
+    "mean of what stiction takes": ["ur5lib.force.force_input.MEAN", f"{ESTIMATE}.MEAN"],
+    "least deviation at rest": [f"{GATE}.HELD"],
+    "weight of the typical lever": ["ur5lib.force.contact_wrench.LEVERS"],
+    "weight of the typical contact": ["ur5lib.force.contact_wrench.WEIGHT"],
+    "gate closes": [f"{ESTIMATE}.CLOSES"],
+    "margin [s]": [f"{ESTIMATE}.MARGIN"],
+    "κ": [f"{ESTIMATE}.MISSED_TO"],
+    "blur [s]": ["ur5lib.force.contact_wrench.BLUR"],
+}
+
 
 def main() -> None:
-    """Print a line for each part."""
-    given = arm_options(__doc__).parse_args()
+    """Print a line for each part, or constant."""
+    options = arm_options(__doc__)
+    options.add_argument("--constants", action="store_true", help="the range of each constant")
+    given = options.parse_args()
+    parts = {WHOLE: Part()} | all_scaled() if given.constants else PARTS
     [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
     study = read_study(folder, given.robot, ("fit", "validate", "contact"))
     rows: list[dict[str, Any]] = []
     for fitted, tested in folds(study)[: 1 if given.quick else None]:
         with tempfile.TemporaryDirectory() as kept:
-            rows += without_parts(Fold(study, fitted, Path(kept)), tested)
-    print(table(pd.DataFrame(rows)))
+            rows += without_parts(Fold(study, fitted, Path(kept)), tested, parts)
+    found = pd.DataFrame(rows)
+    print(ranges(found) if given.constants else table(found))
+
+
+def value(name: str) -> Any:
+    """Return what a constant is."""
+    where = CONSTANTS[name]
+    return getattr(ContactPrior(), where) if isinstance(where, str) else resolve_name(where[0])
+
+
+def all_scaled() -> dict[str, Part]:
+    """Return all constants times all factors."""
+    return {of(name, factor): scaled(name, factor) for name in CONSTANTS for factor in FACTORS}
+
+
+def of(name: str, factor: float) -> str:
+    """Return the name of a constant times a factor."""
+    return f"{name} × {factor:g}"
+
+
+def scaled(name: str, factor: float) -> Part:
+    """Return the part that has a constant times a factor in its place."""
+    where, own = CONSTANTS[name], value(name)
+    other = tuple(factor * one for one in own) if isinstance(own, tuple) else factor * own
+    return (
+        Part(prior={where: other}) if isinstance(where, str) else Part(dict.fromkeys(where, other))
+    )
 
 
 def folds(study: Study) -> list[tuple[list[Recording], list[Recording]]]:
@@ -129,12 +186,14 @@ def is_judged(own: Recording) -> bool:
     return own.entry["role"] != "contact" or len(sensed(own)) > 0
 
 
-def without_parts(fold: Fold, tested: list[Recording]) -> Iterator[dict[str, Any]]:
+def without_parts(
+    fold: Fold, tested: list[Recording], parts: Mapping[str, Part]
+) -> Iterator[dict[str, Any]]:
     """Yield what is counted in recordings without each of the parts."""
     if why := refusal(fold, tested):
         print(f"{', '.join(own.name for own in tested)}: {why}", file=sys.stderr)
         return
-    for name, part in PARTS.items():
+    for name, part in parts.items():
         with ExitStack() as changed:
             for place, other in part.instead.items():
                 changed.enter_context(patch(place, other))
@@ -198,6 +257,56 @@ def table(rows: pd.DataFrame) -> str:
         for part in rows["part"].unique()
     ]
     return markdown(COLUMNS, lines)
+
+
+def ranges(rows: pd.DataFrame) -> str:
+    """A line for each constant: what it is, and the range in which the scores are the same."""
+    sums = rows.groupby(["part", "by"]).sum()
+    return markdown(
+        ["constant", "value", "scores are the same"],
+        [
+            [
+                name,
+                told(value(name)),
+                ranged(name, {factor for factor in FACTORS if same(sums, of(name, factor))}),
+            ]
+            for name in CONSTANTS
+        ],
+    )
+
+
+def told(number: Any) -> str:
+    """Return a number, or several, as text."""
+    return ", ".join(f"{one:g}" for one in np.atleast_1d(number))
+
+
+def ranged(name: str, held: set[float]) -> str:
+    """Return the range of a constant by the factors about one that change nothing."""
+    low, high = 1.0, 1.0
+    for factor in FACTORS[1::-1]:
+        low = factor if factor in held and low == 2 * factor else low
+    for factor in FACTORS[2:]:
+        high = factor if factor in held and factor == 2 * high else high
+    return f"× {low:g} to × {high:g}" if low < high else "none"
+
+
+def same(sums: pd.DataFrame, part: str) -> bool:
+    """Return whether no score of a part differs from that of the whole by more than SAME."""
+    return all(
+        np.abs(scores(sums.loc[part, by]) - scores(sums.loc[WHOLE, by])).le(pd.Series(SAME)).all()
+        for by in sums.loc[WHOLE].index
+    )
+
+
+def scores(own: pd.Series) -> pd.Series:
+    """Return what SAME limits, of sums; zero what they do not tell."""
+    ratios = {
+        "rmse": np.sqrt(own["square"] / own["samples"]),
+        "inside": own["inside"] / own["samples"],
+        "found": own["found"] / own["contacts"],
+        "alarms": own["found"] / own["minutes"],
+    }
+    return pd.Series(ratios).where(np.isfinite, 0.0)
 
 
 def figures(sums: pd.DataFrame, part: str, by: str) -> list[str]:
