@@ -300,12 +300,13 @@ def same(sums: pd.DataFrame, part: str) -> bool:
 
 def scores(own: pd.Series) -> pd.Series:
     """Return what SAME limits, of sums; zero what they do not tell."""
-    ratios = {
-        "rmse": np.sqrt(own["square"] / own["samples"]),
-        "inside": own["inside"] / own["samples"],
-        "found": own["found"] / own["contacts"],
-        "alarms": own["found"] / own["minutes"],
-    }
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = {
+            "rmse": np.sqrt(own["square"] / own["samples"]),
+            "inside": own["inside"] / own["samples"],
+            "found": own["found"] / own["contacts"],
+            "alarms": own["found"] / own["minutes"],
+        }
     return pd.Series(ratios).where(np.isfinite, 0.0)
 
 

@@ -12,6 +12,7 @@ from ur5lib.force import (
     detection,
     external_torque,
     force_input,
+    gate,
     grasp,
     missed_contacts,
     residual_model,
@@ -31,6 +32,7 @@ from ur5lib.identification import (
     regression,
     samples,
 )
+from ur5lib.pipeline import residual_fit
 from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock
 from ur5lib.smoothing import noise
@@ -89,28 +91,42 @@ def statements() -> Iterator[str]:
     yield f"{percent(payload.GEARS)} of the mass for the gears"
     yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"
     yield f"prior width {percent(payload.JOINTS)})"
-    yield (f"| {percent(payload.GEARS)}, {percent(payload.JOINTS)}, {percent(payload.LEFT)} |")
+    yield (
+        f"loads (gears {percent(payload.GEARS)}, joints {percent(payload.JOINTS)}, uncertainty "
+        f"{percent(payload.LEFT)})"
+    )
     # residuals
     five, three, one = (f"{residual_model.few_paths(paths):.2g}" for paths in (5, 3, 1))
     yield f"the number of paths: {five} for five, {three} for three."
     yield f"multiply its bands by {one},"
     yield f"**One or two paths** count as {COUNTED[samples.LEAST_PATHS]};"
     # contacts
-    yield (f"| {PRIOR.force:g} N, {100 * PRIOR.lever:g} cm; {listed(PRIOR.sizes)} N |")
-    yield f"| {PRIOR.duration:g} s, {PRIOR.pause:g} s |"
-    yield f"| {percent(PRIOR.load_friction)}; {percent(PRIOR.friction_std)} |"
-    yield f"| {contact_wrench.LEVERS:g} samples; 1/{1 / force_input.MEAN:g} |"
-    yield f"| {PRIOR.stiction:g}, {PRIOR.rubbing:g} |"
-    yield f"| {listed(PRIOR.hunting)}; {PRIOR.settling:g} s |"
-    yield (
-        f"| {wrench_estimate.OPENS:g}, {wrench_estimate.CLOSES:g}, {wrench_estimate.MARGIN:g} s |"
-    )
-    yield f"| {missed_contacts.MISSED_TO:g}; {contact_wrench.BLUR:g} s |"
+    yield f"| typical contact | {PRIOR.force:g} N |"
+    yield f"| its lever | {100 * PRIOR.lever:g} cm |"
+    yield f"| magnitudes of the gate | {listed(PRIOR.sizes)} N |"
+    yield f"| duration of contacts | {PRIOR.duration:g} s |"
+    yield f"| of pauses | {PRIOR.pause:g} s |"
+    yield f"| load friction besides the fit's | {percent(PRIOR.load_friction)} |"
+    yield f"| friction of a run | {percent(PRIOR.friction_std)} |"
+    yield f"(share of the breakaway torque) | {PRIOR.stiction:g} |"
+    yield f"| in motion | {PRIOR.rubbing:g} |"
+    yield f"| hunting (shares) | {listed(PRIOR.hunting)} |"
+    yield f"| settling | {PRIOR.settling:g} s |"
+    yield f"| mean of what stiction takes | 1/{1 / force_input.MEAN:g} |"
+    yield f"| least deviation at rest | {gate.HELD:g} |"
+    yield f"| weight of the typical lever | {contact_wrench.LEVERS:g} samples |"
+    yield f"| weight of the typical contact | {contact_wrench.WEIGHT:g} |"
+    yield f"| gate closes (opens at {wrench_estimate.OPENS:g}) | {wrench_estimate.CLOSES:g} |"
+    yield f"| margin | {wrench_estimate.MARGIN:g} s |"
+    yield f"| κ | {missed_contacts.MISSED_TO:g} |"
+    yield f"| blur | {contact_wrench.BLUR:g} s |"
+    yield f"the factor {residual_fit.PAST_ALONE:g} on errors of the past alone"
     yield f"κ is {missed_contacts.MISSED_TO:g}."
     yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"
     yield (
-        f"| {external_torque.STOP:g} s, {external_torque.RELAXING:g} s; "
-        f"{external_torque.RELAXING:g} s |"
+        f"(a stop counts after {external_torque.STOP:g} s and relaxes for "
+        f"{external_torque.RELAXING:g} s, friction of a stopped joint renews within "
+        f"{external_torque.RELAXING:g} s)"
     )
     yield f"contain a lever of {100 * contact_wrench.UNTOLD:g} cm"
     yield f"counts as {contact_wrench.LEVERS:g} independent samples"
