@@ -66,4 +66,4 @@ rule figures:
 # The report's figures as PDF of the width of a paper's column.
 rule paper:
     input:
-        as_wide_as_a_column(outputs_in("figures")),
+        [as_wide_as_a_column(path) for path in outputs_in("figures") if path.endswith(".svg")],

@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 import pandas as pd
 
 from ur5lib.report.document import Number, State
-from ur5lib.report.formats import SMALLEST_DIFFERENCE, joined, rounded
+from ur5lib.report.formats import SMALLEST_DIFFERENCE, rounded
 from ur5lib.report.sentences import say
 
 ZERO = "an estimate of zero"
@@ -73,7 +73,7 @@ class Rival:
             return verdict
         words = {"better": self.better, "joints": self.better.index.name == "joint"}
         told = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
-        return joined([verdict, told])
+        return f"{verdict} {told}"
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,6 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SMALLEST_DIFFERENCE = 5e-5  # visible with four decimals
 
 
-def joined(parts: Iterable[str], between: str = " ") -> str:
-    """Return texts one after the other."""
-    return between.join(parts)
-
-
 def capital(text: str) -> str:
     """Return a text with a capital letter."""
     return text[:1].upper() + text[1:]

@@ -18,7 +18,7 @@ from ur5lib.report import formats
 from ur5lib.strict import read_yaml
 
 FILTERS = (
-    *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joined", "joints"),
+    *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joints"),
     *("percent", "power", "rounded", "signed", "significant", "to"),
 )
 

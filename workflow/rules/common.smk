@@ -409,13 +409,9 @@ def drawn_by(rule, of=""):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
-def as_wide_as_a_column(figures):
-    """Return the figures of a paper, as wide as its columns, from those of the report."""
-    return [
-        path.replace(f"{RESULTS}/figures", f"{RESULTS}/paper/figures").replace(".svg", ".pdf")
-        for path in figures
-        if path.endswith(".svg")
-    ]
+def as_wide_as_a_column(figure):
+    """Return the path of a figure for a paper, as wide as its columns, by that of the report's."""
+    return figure.replace(f"{RESULTS}/figures", f"{RESULTS}/paper/figures").replace(".svg", ".pdf")
 
 
 def tables_of(studies, names):

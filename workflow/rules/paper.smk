@@ -8,7 +8,11 @@ for drawing in [step for step in workflow.rules if step.name.startswith("draw_")
         input:
             **dict(drawing.input.items()),
         output:
-            **dict(zip(drawing.output.keys(), as_wide_as_a_column(drawing.output))),
+            **{
+                name: as_wide_as_a_column(figure)
+                for name, figure in drawing.output.items()
+                if figure.endswith(".svg")
+            },
         log:
             **traces(f"{drawing.name}_for_paper", *map("{{{}}}".format, drawing.wildcard_names)),
         group:

@@ -40,7 +40,7 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
                 load_torque = LoadRegressor.read(input.regressor).torque(payload.parameters)
         record, load_torque = with_load(record, load_torque, fit, smooth)
         currents = predicted_currents(record, fit, load_torque, Torques.read(input.torques), smooth)
-        if params.untouched is not None and params.role == "contact":
+        if params.untouched is not None:
             currents = tared(currents, motion, params.untouched, params.recording)
         known_maps = baselines(record, robot, friction.least_squares, signals)
         judged = scores(record, currents, known_maps, smooth)

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from ur5lib.report.document import Number, State, Verdict
-from ur5lib.report.formats import joined
 from ur5lib.report.results import Results
 
 Judge = Callable[[Results], Verdict | None]
@@ -37,8 +36,8 @@ def together(verdicts: Mapping[str, Verdict]) -> Verdict:
     return replace(
         severest,
         state="usable" if mixed else severest.state,
-        sentence=joined(f"{', '.join(of)}: {sentence}" for sentence, of in told.items()),
-        evidence=joined(f"{arm}: {one}" for arm in arms if (one := verdicts[arm].evidence)),
+        sentence=" ".join(f"{', '.join(of)}: {sentence}" for sentence, of in told.items()),
+        evidence=" ".join(f"{arm}: {one}" for arm in arms if (one := verdicts[arm].evidence)),
         caption=f"{arms[0]}: {severest.caption}" if severest.caption else "",
         numbers=tuple(_of(arm, one) for arm in arms for one in verdicts[arm].numbers),
     )

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.formats import capital, fixed, joined
+from ur5lib.report.formats import capital, fixed
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import name, say
 
@@ -25,7 +25,7 @@ def audited(results: Results) -> list[str]:
 def sentences(results: Results, recording: str) -> Iterator[str]:
     """Yield the verdicts on a recording's sensor, a sentence each."""
     for text in verdicts(results.rows("audit", recording=recording)):
-        yield capital(joined([text, "."], ""))
+        yield capital(f"{text}.")
 
 
 def faults(results: Results) -> Iterator[str]:

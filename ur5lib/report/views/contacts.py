@@ -10,7 +10,6 @@ from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.baseline import BETTER, ZERO, Rival, error_bar, state
 from ur5lib.report.document import MOST_SHOWN, Number, Verdict
-from ur5lib.report.formats import joined
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
@@ -258,7 +257,7 @@ def judge_force(results: Results) -> Verdict:
         topic=TOPIC,
         state=state(error, 1.0, covered, tested=relied),
         sentence=rival.after(told, "N", 1),
-        evidence=joined(
+        evidence=" ".join(
             [
                 say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
                 *false_alarms(results),
@@ -310,10 +309,10 @@ def _numbers(row: pd.Series, share: pd.Series, held: pd.Series | None) -> Iterat
 def _unjudged(results: Results) -> Verdict:
     """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
-        return Verdict(TOPIC, "not determined", say("force.none"), joined(readings(results)))
+        return Verdict(TOPIC, "not determined", say("force.none"), " ".join(readings(results)))
     if len(results.tables["force_mae"]):
         return Verdict(TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
     found = [say("force.plausible", counts=counts)] if counts else []
-    evidence = joined([*found, *false_alarms(results)])
+    evidence = " ".join([*found, *false_alarms(results)])
     return Verdict(TOPIC, "not determined", say("force.no sensor"), evidence)
