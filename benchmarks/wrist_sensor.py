@@ -18,7 +18,7 @@ import yaml
 
 from benchmarks.harness.options import asked
 from ur5lib.lab.new import new_lab
-from ur5lib.pipeline.records.force_errors import Audit
+from ur5lib.records.force_errors import Audit
 from ur5lib.tables import read_record
 
 SEEDS, SECONDS = 20, 60.0

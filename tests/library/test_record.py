@@ -22,12 +22,12 @@ from ur5lib.doubles.controller import EmulatedController
 from ur5lib.doubles.emulated import HOST, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.errors import InputError
-from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
 from ur5lib.recorder.device import Identity
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState
 from ur5lib.stand.plan import SimulatedRecording

@@ -10,9 +10,9 @@ from benchmarks.serial_arms import figures, with_motors
 from tests.library.test_from_urdf import made_up, planar, saved
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.intake import read_and_repair
+from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.stand.plan import SimulatedRecording
