@@ -23,27 +23,29 @@ if not workflow.overwrite_configfiles:
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/robots.smk"
+include: "workflow/rules/arms.smk"
 include: "workflow/rules/stand.smk"
 include: "workflow/rules/recordings.smk"
-include: "workflow/rules/signals.smk"
-include: "workflow/rules/dynamics.smk"
-include: "workflow/rules/identification.smk"
-include: "workflow/rules/force.smk"
+
+
+if REFERENCE:
+
+    include: "workflow/rules/thesis.smk"
+
+
 include: "workflow/rules/report.smk"
 include: "workflow/rules/paper.smk"
-include: "workflow/rules/batches.smk"
 include: "workflow/rules/cluster.smk"
 
 
 onsuccess:
-    list_left_out()
+    list_unreadable()
     if Path(f"{RESULTS}/report.html").exists():
         print(f"report: {RESULTS}/report.html, {RESULTS}/report.pdf")
 
 
 onerror:
-    list_left_out()
+    list_unreadable()
     if FAILED:
         print(f"\n{len(FAILED)} failed:", *FAILED, sep="\n")
 
@@ -52,15 +54,13 @@ onerror:
 rule all:
     input:
         rules.write_report.output,
-        of_every_job("output"),
+        outputs_in(""),
 
 
 # A report shows the figures of a few recordings; `snakemake figures` draws those of all.
 rule figures:
     input:
         lambda wildcards: expand(rules.draw_figures.output, recording=RECORDINGS),
-        lambda wildcards: expand(rules.draw_tracking.output, recording=examined()),
-        lambda wildcards: expand(rules.draw_published_forces.output, recording=RECORDINGS),
 
 
 # The report's figures as PDF of the width of a paper's column.

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.harness.options import asked
-from ur5lib.pipeline.health import FALSE_ALARMS
+from ur5lib.steps.track_health import FALSE_ALARMS
 from ur5lib.timeseries.changes import Series, coloured, find_changes
 
 ARMS, DATES, APART = 100, 20, 3.0  # days between dates

@@ -22,7 +22,7 @@ from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.study import read_arms
 from ur5lib.leaderboard.tables import tables
-from ur5lib.pipeline.estimators import OWN
+from ur5lib.force.estimators import OWN
 from ur5lib.tables import write_csv, write_text
 
 QUICK = (OURS, "zero", "least squares", "momentum observer")

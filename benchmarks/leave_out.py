@@ -32,7 +32,7 @@ from ur5lib.errors import InputError
 from ur5lib.force.external_torque import SLOW
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
-from ur5lib.pipeline.contacts import alarms_by_odds, raised_live, strongest
+from ur5lib.steps.judge_contacts import alarms_by_odds, raised_live, strongest
 from ur5lib.records.currents import Currents
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction

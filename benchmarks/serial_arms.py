@@ -26,8 +26,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarm_threshold, alarms, match, spans
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.currents import BETWEEN_DAYS, BETWEEN_RUNS
-from ur5lib.pipeline.force_estimates import fmap_problem
-from ur5lib.pipeline.residual_fit import residual_models
+from ur5lib.force.problem import fmap_problem
+from ur5lib.steps.fit_residuals import residual_models
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import Motor, Robot
 from ur5lib.robots.from_urdf import robot_from_urdf

@@ -24,16 +24,16 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
-from ur5lib.pipeline.carried import carried
-from ur5lib.pipeline.clocks import own_clocks
-from ur5lib.pipeline.current_prediction import predicted_currents
-from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.force_estimates import fmap_problem
-from ur5lib.pipeline.friction_fit import fitted_friction
-from ur5lib.pipeline.imu_samples import imu_samples
-from ur5lib.pipeline.residual_fit import residual_models
-from ur5lib.pipeline.smoothed_motion import measured, motion_record
-from ur5lib.pipeline.torques import joint_torques, rotor_samples
+from ur5lib.records.carried import carried
+from ur5lib.steps.read_recording import own_clocks
+from ur5lib.steps.predict_currents import predicted_currents
+from ur5lib.identification.current_samples import Smoother, controllers_ratio, current_record, prior_of
+from ur5lib.force.problem import fmap_problem
+from ur5lib.steps.fit_friction import fitted_friction
+from ur5lib.signals.imu_samples import imu_samples
+from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
+from ur5lib.steps.compute_torques import joint_torques, rotor_samples
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.currents import Currents

@@ -38,8 +38,8 @@ from ur5lib.force.gate import diagonal
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
 from ur5lib.leaderboard.tables import markdown
-from ur5lib.pipeline import force_input
-from ur5lib.pipeline.force_estimates import fmap_problem
+from ur5lib.force import force_input
+from ur5lib.force.problem import fmap_problem
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
@@ -70,7 +70,7 @@ def without_gears(field: str) -> Mapping[str, Any]:
         own = original(currents)
         return own and replace(own, **{field: 0 * getattr(own, field)})
 
-    return {"ur5lib.pipeline.force_input.gears": gears}
+    return {"ur5lib.force.force_input.gears": gears}
 
 
 def pooled(stretches: Any, joints: int, moments: Any = residual_model._moments) -> Array:

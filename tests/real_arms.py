@@ -25,16 +25,16 @@ from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
-from ur5lib.pipeline.carried import carried
-from ur5lib.pipeline.current_prediction import predicted_currents
-from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.force_estimates import Problem, fmap_problem
-from ur5lib.pipeline.friction_fit import fitted_friction
-from ur5lib.pipeline.residual_fit import residual_models
-from ur5lib.pipeline.sensor_comparison import sensor_wrenches
-from ur5lib.pipeline.sensor_reading import by_own_clock, moved_tool
-from ur5lib.pipeline.smoothed_motion import measured, motion_record
-from ur5lib.pipeline.torques import joint_torques
+from ur5lib.records.carried import carried
+from ur5lib.steps.predict_currents import predicted_currents
+from ur5lib.identification.current_samples import Smoother, controllers_ratio, current_record, prior_of
+from ur5lib.force.problem import Problem, fmap_problem
+from ur5lib.steps.fit_friction import fitted_friction
+from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.steps.judge_sensor import sensor_wrenches
+from ur5lib.steps.sensor_reading import by_own_clock, moved_tool
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
+from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.recordings.intake import Intake
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques

@@ -70,7 +70,7 @@ def snakemake(
 
 def fork_worker() -> None:
     """Fork a worker, which a run finds idle."""
-    from ur5lib.steps.workers import IDLE, Worker, serve
+    from ur5lib.jobs.workers import IDLE, Worker, serve
 
     worker = Worker.__new__(Worker)
     worker.connection, other = multiprocessing.Pipe()

@@ -22,6 +22,10 @@ class InputError(Exception):
         return printable(super().__str__())
 
 
+class UnreadableError(InputError):
+    """A recording cannot be read; the rest of its study goes on without it."""
+
+
 @dataclass(frozen=True)
 class Remark:
     """A remark of a step, by the code of its sentence in `report/templates/findings.yaml`.

@@ -9,10 +9,10 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
-from ur5lib.pipeline.estimators import GATED
+from ur5lib.force.estimators import GATED
 from ur5lib.records.forces import Forces
 from ur5lib.records.truth import Truth
-from ur5lib.report.tables.making import lazy_results, make_table
+from ur5lib.tidy.making import lazy_results, make_table
 from ur5lib.tables import read_json
 from ur5lib.timeseries.sampling import interpolated
 

@@ -22,8 +22,8 @@ from tests.artefacts.documents import (
 )
 from tests.conftest import PROJECT
 from ur5lib.finished import FinishedStudy
-from ur5lib.pipeline.estimators import PUBLISHED
-from ur5lib.report.reference import read_reference
+from ur5lib.force.estimators import PUBLISHED
+from ur5lib.thesis.reference import read_reference
 from ur5lib.tables import channel, read_json, read_table
 
 TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"

@@ -7,7 +7,7 @@ import pytest
 
 from tests.conftest import said
 from tests.made_records import signals_of
-from ur5lib.pipeline.carried import carried, disagreements
+from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload
 

@@ -13,15 +13,15 @@ from scipy.stats import f as fisher
 from tests.made_tables import table
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.identification import closed_loop
-from ur5lib.identification.closed_loop import (
+from ur5lib.thesis import gains as closed_loop
+from ur5lib.thesis.gains import (
     JointGains,
     Tracking,
     estimate_gains,
     simulate_closed_loop,
     tracking_cost,
 )
-from ur5lib.pipeline.closed_loop import gain_summary, published_gains, simulated, tracking_of
+from ur5lib.thesis.closed_loop import gain_summary, published_gains, simulated, tracking_of
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array

@@ -15,7 +15,8 @@ from tests.artefacts.documents import browser
 from ur5lib.report.charts import response_panel
 from ur5lib.report.document import Document, Picture, Section
 from ur5lib.report.house_style import JOINTS, save
-from ur5lib.report.render import LEVELS, packed_lines, write_html
+from ur5lib.report.render import LEVELS, html_page, packed_lines
+from ur5lib.tables import write_text
 from ur5lib.report.traces import CURRENT, WRENCH, Panel, Traces, draw_traces
 from ur5lib.tables import read_csv
 
@@ -91,7 +92,7 @@ def report(figures: Path) -> Path:
         Picture("Others.", currents, words, "others", "b.csv", "draw", "still"),
     ]
     document = Document("Report", "Of a test.", [Section("Figures", [*pictures])]).numbered()
-    write_html(document, figures / "report.html")
+    write_text(html_page(document), figures / "report.html")
     return figures / "report.html"
 
 

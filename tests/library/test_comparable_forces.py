@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ur5lib.pipeline.sensor_comparison import compared_estimates
+from ur5lib.steps.judge_sensor import compared_estimates
 
 WRENCH = np.ones((5, 6))
 

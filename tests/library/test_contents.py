@@ -32,9 +32,9 @@ from ur5lib.report.document import (
     Table,
     contents,
 )
-from ur5lib.report.reference import Erratum
+from ur5lib.thesis.reference import Erratum
 from ur5lib.report.results import Results
-from ur5lib.report.tables.making import declarations
+from ur5lib.tidy.making import declarations
 from ur5lib.report.torques import in_torques
 
 TABLES_MADE = declarations()

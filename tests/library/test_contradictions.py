@@ -36,14 +36,14 @@ from ur5lib.identification.validation import (
     explained,
     least_squares_coefficients,
 )
-from ur5lib.pipeline.friction_fit import (
+from ur5lib.steps.fit_friction import (
     ContradictionError,
     explained_by_others,
     require_known_constants,
     require_no_stop_sign,
     require_single_runs,
 )
-from ur5lib.pipeline.residual_fit import residual_models
+from ur5lib.steps.fit_residuals import residual_models
 from ur5lib.recordings.quality import Contradictions, Quality, contradiction
 from ur5lib.records.friction import Friction
 from ur5lib.report.findings import worded

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from tests.library.test_smoothing import POINT, Motion, kinematics, random_states
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, velocity
-from ur5lib.pipeline.imu_samples import imu_samples
+from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Mounting, Robot

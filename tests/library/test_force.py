@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.force.current_based import (
+from ur5lib.force.published import environment_on_arm
+from ur5lib.thesis.current_based import (
     delay,
-    environment_on_arm,
     friction_torque,
     motor_torque,
     motor_torque_as_published,

@@ -24,8 +24,8 @@ from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import Record, columns_of, passed
 from ur5lib.identification.validation import Scores
-from ur5lib.pipeline.checkup import checkup, dated
-from ur5lib.pipeline.health import health_of, together
+from ur5lib.steps.judge_joints import checkup, dated
+from ur5lib.steps.track_health import health_of, together
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.records.prediction import Prediction

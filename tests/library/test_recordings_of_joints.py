@@ -15,8 +15,8 @@ from tests.library.test_seven_joints import arm
 from ur5lib.commands.described import describe_urdf
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
-from ur5lib.pipeline.current_samples import prior_of
-from ur5lib.pipeline.smoothed_motion import measured, motion_record
+from ur5lib.identification.current_samples import prior_of
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import check_robot
 from ur5lib.recordings.entries import ENTRY

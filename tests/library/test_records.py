@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.made_records import same
-from ur5lib.pipeline.force_input import force_input
+from ur5lib.force.force_input import force_input
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents, LoadRegressor

@@ -34,8 +34,9 @@ from ur5lib.report.document import (
     Table,
 )
 from ur5lib.report.house_style import save
-from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
-from ur5lib.report.render import write_html, write_pdf
+from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, read_reference
+from ur5lib.report.render import html_page, pdf_document
+from ur5lib.tables import write_bytes, write_text
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import cell
 from ur5lib.report.tabulated import extremes
@@ -96,7 +97,7 @@ def test_a_mention_of_nothing_is_an_error() -> None:
 
 
 def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path) -> None:
-    write_html(document, tmp_path / "report.html")
+    write_text(html_page(document), tmp_path / "report.html")
     page = fromstring((tmp_path / "report.html").read_text())
     scripts = [element.attrib for element in page.iter("script")]
     assert scripts == [{"type": "text/plain"}, {}]  # the figure's lines, and what zooms into them
@@ -109,10 +110,10 @@ def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path
 
 
 def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) -> None:
-    write_pdf(document, tmp_path / "report.pdf")
+    write_bytes(pdf_document(document), tmp_path / "report.pdf")
     pdf = (tmp_path / "report.pdf").read_bytes()
     assert pdf.startswith(b"%PDF")
-    write_pdf(document, tmp_path / "again.pdf")
+    write_bytes(pdf_document(document), tmp_path / "again.pdf")
     assert (tmp_path / "again.pdf").read_bytes() == pdf
 
 

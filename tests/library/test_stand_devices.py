@@ -14,9 +14,9 @@ from tests.entries import read_and_repair
 from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
-from ur5lib.pipeline.carried import configured_payload
-from ur5lib.pipeline.clocks import own_clocks
-from ur5lib.pipeline.estimators import Run, controller
+from ur5lib.records.carried import configured_payload
+from ur5lib.steps.read_recording import own_clocks
+from ur5lib.force.estimators import Run, controller
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.realtime_stream import read_stream

@@ -21,7 +21,7 @@ from tests.conftest import PROJECT, said, shared_folder
 from tests.entries import read_and_repair
 from tests.synthetic import write_recording
 from ur5lib.channels import columns
-from ur5lib.pipeline.carried import carried
+from ur5lib.records.carried import carried
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.current_checks import foreign_currents

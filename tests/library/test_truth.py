@@ -10,7 +10,7 @@ import pytest
 
 from ur5lib.identification.currents import Parameter
 from ur5lib.identification.rotor_inertia import Terms
-from ur5lib.pipeline.fused_motion import no_fused_motion
+from ur5lib.smoothing.fused_motion import no_fused_motion
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Rotors

@@ -20,10 +20,10 @@ from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
 from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, judged_load
 from ur5lib.identification.validation import least_squares_coefficients
-from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.estimators import GATED
-from ur5lib.pipeline.force_estimates import is_fitted
-from ur5lib.pipeline.residual_fit import usual_residuals
+from ur5lib.records.carried import Carried
+from ur5lib.force.estimators import GATED
+from ur5lib.force.problem import is_fitted
+from ur5lib.steps.fit_residuals import usual_residuals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.records.contacts import Alarm, Detected
 from ur5lib.records.currents import Currents, LoadRegressor

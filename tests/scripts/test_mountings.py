@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.scripts.conftest import script
-from ur5lib.force.current_based import wrench_from_torque
-from ur5lib.pipeline.current_samples import current_record
+from ur5lib.thesis.current_based import wrench_from_torque
+from ur5lib.identification.current_samples import current_record
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.motion import FusedMotion, Motion

@@ -13,7 +13,7 @@ from tests.scripts.conftest import script
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
-from ur5lib.force.current_based import friction_torque
+from ur5lib.thesis.current_based import friction_torque
 from ur5lib.recordings.quality import Contradictions, Quality, StartOffset
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches

@@ -178,7 +178,7 @@ def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
         ("ur5lib/signals/end_effector.py",  # a wrist sensor's tool moves by its Jacobian
          jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
         ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),
-        ("ur5lib/identification/closed_loop.py",
+        ("ur5lib/thesis/gains.py",
          jobs("estimate_gains", "draw_tracking", TABULATED) | REPORT),
         ("ur5lib/robots/friction.py",
          jobs(*FROM_FRICTION) | FRICTION | REPORT),
@@ -203,7 +203,7 @@ def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
         ("ur5lib/report/house_style.py",
          jobs("draw_figures", "draw_tracking") | DRAWINGS | DOCUMENT),
         ("ur5lib/cli.py", {}),
-        ("ur5lib/report/tables/friction.py", jobs(TABULATED) | REPORT),
+        ("ur5lib/tidy/friction.py", jobs(TABULATED) | REPORT),
     ],
 )  # fmt: skip
 def test_editing_code_reruns_its_users(

@@ -13,9 +13,6 @@ from rich.progress import track
 from rich.table import Table
 
 from ur5lib.errors import InputError
-from ur5lib.pipeline.carried import carried, disagreements
-from ur5lib.pipeline.clocks import own_clocks
-from ur5lib.pipeline.postures import checked_postures
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import too_short, touched
 from ur5lib.recordings.innovations import CURRENT
@@ -24,14 +21,16 @@ from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import given_load, stop_signs
 from ur5lib.recordings.touch_checks import unfelt
 from ur5lib.recordings.unchecked import unchecked
+from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.signals import Signals
 from ur5lib.report.findings import by_finding, group_findings, worded
-from ur5lib.report.tables.files import name_copies
-from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
+from ur5lib.steps.read_postures import checked_postures
+from ur5lib.steps.read_recording import own_clocks
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
+from ur5lib.tidy import files, table
 
 SEVERE = ("stop", "error")
 WORST = [*SEVERE, "warning", "note", "nothing"]
@@ -100,10 +99,11 @@ def print_tables(
     named: recordings all of whose findings and clocks are printed, as of a single one; none: each
     finding once, and the least certain clock of each device.
     """
-    kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "contradictions": {}}
-    quality, offsets = name_copies(make_table("quality", kinds)), make_table("clocks", kinds)
+    findings = {name: files.quality(quality) for name, quality in qualities.items()}
+    quality = files.name_copies(table("quality", findings))
+    offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
     names = [name for name in qualities if name in named] if named else [*qualities]
-    quality, offsets = (table[table["recording"].isin(names)] for table in (quality, offsets))
+    quality, offsets = (own[own["recording"].isin(names)] for own in (quality, offsets))
     if named or len(names) == 1:
         console.print(_findings(quality, names))
     else:

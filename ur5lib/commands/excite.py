@@ -26,11 +26,12 @@ from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
 from ur5lib.report.excitation import LOAD, excitation_figure, excitation_page
 from ur5lib.report.house_style import save
-from ur5lib.report.render import write_html
+from ur5lib.report.render import html_page
 from ur5lib.report.torques import in_torques
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.strict import read_yaml
+from ur5lib.tables import write_text
 
 BEFORE = (
     "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
@@ -80,7 +81,8 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     outlook = outlook_of(arm, known, found)
     steps = [*before, BEFORE, *([] if ur else [BY_DRIVER])]
     page = excitation_page(asked, steps, command, found, outlook, drawn)
-    write_html(in_torques(page, {arm.name}) if sensed else page, folder / "excitation.html")
+    page = in_torques(page, {arm.name}) if sensed else page
+    write_text(html_page(page), folder / "excitation.html")
     yield from found.margins.lines()
     yield from _worth_lines(found.task.problem, found.worth)
     yield from _band_lines(outlook, sensed)

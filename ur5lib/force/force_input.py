@@ -1,11 +1,14 @@
 """A recording as the force estimates use it: motion, external torque, and the friction of gears."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from ur5lib.force.external_torque import REVERSING, States
+from ur5lib.force.external_torque import REVERSING, States, joint_states
+from ur5lib.records.currents import Currents
+from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 MEAN = 0.5  # of what dry friction may take of a contact at rest: anything from nothing to all
@@ -103,3 +106,44 @@ class ForceInput:
             doubt=None if self.doubt is None else self.doubt[rows],
             gears=None if self.gears is None else self.gears.at(rows),
         )
+
+
+def force_input(
+    motion: Motion,
+    torque: Array,
+    currents: Currents,
+    states_of: Callable[[Array, Labels, float], States] = joint_states,
+) -> ForceInput:
+    """Return the measured motion and an external torque (N, 6) [Nm] of the same recording."""
+    states = states_of(motion.motor_qd, motion.segment, motion.period)
+    return ForceInput(
+        motion.q,
+        motion.motor_qd,
+        torque,
+        states,
+        motion.segment,
+        motion.period,
+        currents.load_doubt,
+        gears(currents),
+    )
+
+
+def inputs(
+    recordings: Iterable[tuple[Currents, Motion]],
+    torque: str = "external_torque",
+    states_of: Callable[[Array, Labels, float], States] = joint_states,
+) -> list[ForceInput]:
+    """Return the inputs of the recordings that have an external torque, a field of `Currents`."""
+    return [
+        force_input(motion, known, currents, states_of)
+        for currents, motion in recordings
+        if (known := getattr(currents, torque)) is not None
+    ]
+
+
+def gears(currents: Currents) -> Gears | None:
+    """Return what the fit says of the gears in a motion, None where that is unknown."""
+    load, loss, friction = currents.gear_torque, currents.load_loss, currents.friction_torque
+    if load is None or loss is None or friction is None:
+        return None
+    return Gears(load, loss, friction)

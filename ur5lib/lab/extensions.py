@@ -38,7 +38,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "friction": Kind("TERMS", "ur5lib.robots.friction"),
-    "estimators": Kind("ESTIMATORS", "ur5lib.pipeline.estimators"),
+    "estimators": Kind("ESTIMATORS", "ur5lib.force.estimators"),
     "formats": Kind("FORMATS", "ur5lib.recordings.own_formats"),
 }
 

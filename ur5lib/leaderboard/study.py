@@ -9,7 +9,8 @@ import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.force.force_input import Gears
+from ur5lib.force.force_input import Gears, force_input
+from ur5lib.identification.current_samples import current_record
 from ur5lib.identification.currents import (
     breakaway_torque,
     friction_current,
@@ -19,9 +20,7 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.samples import path_of
 from ur5lib.leaderboard.momentum import momentum_rate
 from ur5lib.leaderboard.run import Estimate, Run
-from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.current_samples import current_record
-from ur5lib.pipeline.force_input import force_input
+from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches

@@ -384,12 +384,11 @@ class ChannelFiles(ArrayFiles):
     format: Literal["channel-files"] = Field(description="format of the files")
 
 
-ENTRY: TypeAdapter[Files] = TypeAdapter(
-    Annotated[
-        ThesisFiles | StreamFiles | RtdeFiles | TableFiles | StoredFiles | ChannelFiles,
-        Field(discriminator="format"),
-    ]
-)
+Entry = Annotated[
+    ThesisFiles | StreamFiles | RtdeFiles | TableFiles | StoredFiles | ChannelFiles,
+    Field(discriminator="format"),
+]
+ENTRY: TypeAdapter[Files] = TypeAdapter(Entry)
 
 
 def expand(columns: Sequence[str]) -> list[str]:

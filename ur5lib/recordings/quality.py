@@ -88,7 +88,7 @@ class Quality:
 
 @dataclass(frozen=True)
 class Contradictions:
-    """contradictions.json: what in a recording contradicts the study, and doubts about it.
+    """What in a recording contradicts the study, and doubts about it.
 
     stop_signs: contradictions with which no forces may be stated; findings: about its payload, its
     tool, its length and the targets of its currents.

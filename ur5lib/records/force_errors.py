@@ -49,7 +49,7 @@ class Compared:
 class AuditRow:
     """A value in the audit of a wrist's force sensor, with its 95 % interval from low to high.
 
-    verdict: unknown, wrong or right, as by `ur5lib.pipeline.sensor_audit.row`; empty without an
+    verdict: unknown, wrong or right, as by `ur5lib.steps.judge_audit.row`; empty without an
     expected value.
     """
 

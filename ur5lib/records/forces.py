@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED, Answer
+from ur5lib.force.estimators import GATED, NEW, PUBLISHED, Answer
 from ur5lib.records.motion import Motion
 from ur5lib.records.table import JOINTS, WRENCH, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ur5lib.identification.closed_loop import JointGains
+from ur5lib.thesis.gains import JointGains
 from ur5lib.timeseries.arrays import Array
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
+from ur5lib.signals.clock import SettledClock
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
 
@@ -55,11 +56,20 @@ class FusedMotion(Motion):
 
 @dataclass(frozen=True)
 class MotionAccount:
-    """The estimated noise by name, and the test of the innovations, in motion.json and
-    fused_motion.json by smoother.
+    """The estimated noise by name, and the test of the innovations.
 
     noise: what varies with time as its quantiles (3, 6) of 10, 50 and 90 %, what lasts as (6,).
     """
 
     noise: dict[str, Array]
     innovations: InnovationTest
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """alignment.json: the clocks of the devices, by which the signals are aligned, and how well the
+    smoother's motion explains the encoders.
+    """
+
+    clocks: dict[str, SettledClock]
+    encoders: MotionAccount

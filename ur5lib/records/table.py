@@ -6,7 +6,7 @@ to a table by these declarations alone.
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, partial
 from pathlib import Path
@@ -141,7 +141,32 @@ class Table:
         """
         footer = read_footer(path)
         load = partial(read_columns, path, rows=rows, footer=footer)
-        return cls._of([*footer.schema.names], load)
+        made = cls._of([*footer.schema.names], load)
+        made.__dict__["_path"] = path
+        return made
+
+    def anew(self, rows: Labels | None = None) -> Self:
+        """Return the table of a file with nothing loaded, so that what this one holds can be freed.
+
+        rows: ascending, those to read; all by default. A table in memory is returned as it is.
+        """
+        path = self.__dict__.get("_path")
+        if path is not None:
+            return self.read(path, rows)
+        return self if rows is None else self._at(rows)
+
+    def _at(self, rows: Labels) -> Self:
+        """Return some rows of a table in memory."""
+        values = {name: getattr(self, name) for name in _channels(type(self))}
+        taken: dict[str, Any] = {
+            name: {key: own[rows] for key, own in value.items()}
+            if isinstance(value, Mapping)
+            else value
+            if value is None
+            else value[rows]
+            for name, value in values.items()
+        }
+        return type(self)(**taken)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame) -> Self:

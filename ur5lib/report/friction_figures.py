@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 
 from ur5lib.identification.currents import CurrentFit, Parameter, predict
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
-from ur5lib.pipeline.published_constants import CurrentTorque
 from ur5lib.report.charts import residual_panels, scatter_panels
 from ur5lib.report.house_style import Drawing, house_style, nothing_to_draw
 from ur5lib.robots.description import CurrentToTorque
+from ur5lib.thesis.published_constants import CurrentTorque
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.1  # s between the samples that are drawn

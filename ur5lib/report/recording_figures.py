@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from ur5lib.pipeline.estimators import NEW
+from ur5lib.force.estimators import NEW
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents

@@ -23,7 +23,7 @@ from markupsafe import Markup
 from ur5lib.report.document import Document
 from ur5lib.report.house_style import STYLES
 from ur5lib.report.traces import BAND_EDGES, column_name
-from ur5lib.tables import read_csv, write_bytes, write_text
+from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -33,8 +33,8 @@ LEVELS = 511  # to which a line's values are rounded: two for each dot of a pane
 COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 
 
-def write_html(document: Document, path: str | Path) -> None:
-    """Write a self-contained HTML file, with styles, figures and a script that zooms into them."""
+def html_page(document: Document) -> str:
+    """Return a self-contained page, with styles, figures and a script that zooms into them."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -47,12 +47,11 @@ def write_html(document: Document, path: str | Path) -> None:
     equations = _blocks(data, "equation")
     for block, drawn in zip(equations, _drawn([e["equation"] for e in equations]), strict=True):
         block["drawn"] = drawn
-    page = environment.get_template("report.html.jinja").render(document=data)
-    write_text(page, path)
+    return environment.get_template("report.html.jinja").render(document=data)
 
 
-def write_pdf(document: Document, path: str | Path) -> None:
-    """Write the same document as PDF; typst reads only a temporary folder."""
+def pdf_document(document: Document) -> bytes:
+    """Return the same document as PDF; typst reads only a temporary folder."""
     data = document.as_data()
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
@@ -67,7 +66,8 @@ def write_pdf(document: Document, path: str | Path) -> None:
             shutil.copy(block["path"], root / picture)
             block["path"] = picture
         (root / "report.json").write_text(json.dumps(data), encoding="utf-8")
-        write_bytes(typst.compile(root / "report.typ", root=root, timestamp=0), path)
+        compiled: bytes = typst.compile(root / "report.typ", root=root, timestamp=0)
+        return compiled
 
 
 def _blocks(data: dict[str, Any], kind: str) -> list[dict[str, Any]]:

@@ -19,11 +19,11 @@ from ur5lib.errors import InputError
 from ur5lib.lab.places import IN_CLONE, WORKFLOW
 from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
-from ur5lib.report.printed_numbers import COLUMNS as PRINTED
-from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.robots.description import Robot
 from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
+from ur5lib.thesis.printed_numbers import COLUMNS as PRINTED
+from ur5lib.thesis.reference import Erratum, read_reference
 
 AT_REST = "at rest"
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
@@ -68,9 +68,9 @@ class Results:
     def read(
         cls,
         study: str,
-        tables: Sequence[str],
-        figures: Sequence[str],
-        reference: str | None,
+        tables: Sequence[Path],
+        figures: Sequence[Path],
+        reference: Path | None,
         arms: Sequence[Robot] = (),
     ) -> "Results":
         """Read a study's results.
@@ -80,9 +80,9 @@ class Results:
         """
         return cls(
             study=yaml.load(study, FAST_LOADER),
-            tables={Path(path).stem: read_csv(path) for path in tables},
+            tables={path.stem: read_csv(path) for path in tables},
             figures=Path(os.path.commonpath(figures)),
-            drawn=frozenset(Path(path).parent.name for path in figures),
+            drawn=frozenset(path.parent.name for path in figures),
             errata=read_reference(reference).errata,
             commit=commit(),
             versions=versions(),
@@ -96,7 +96,7 @@ class Results:
         Raises InputError where the recording was left out.
         """
         if name not in {*self.tables["recordings"]["recording"]}:
-            raise InputError(f"{name} was left out, see tables/left_out.csv: it has no page")
+            raise InputError(f"{name} cannot be read, see tables/quality.csv: it has no page")
         (entry,) = (one for one in self.study["recordings"] if one["name"] == name)
         title = f"{name}, {self.study['title']}"
         known = {"recording": name, "robot": self.arms()[name]}

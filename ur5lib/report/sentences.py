@@ -13,7 +13,7 @@ import jinja2
 import pandas as pd
 from jinja2.environment import TemplateExpression
 
-from ur5lib.pipeline.estimators import ESTIMATES, PUBLISHED
+from ur5lib.force.estimators import ESTIMATES, PUBLISHED
 from ur5lib.report import formats
 from ur5lib.strict import read_yaml
 

@@ -1,5 +1,10 @@
 # The report's figures for a paper, made by `snakemake paper` alone: drawn by the same scripts as PDF
 # of the width of a column.
+def as_wide_as_a_column(figure):
+    """Return the path of a figure for a paper, as wide as its columns, by that of the report's."""
+    return figure.replace(f"{RESULTS}/figures", f"{RESULTS}/paper/figures").replace(".svg", ".pdf")
+
+
 for drawing in [step for step in workflow.rules if step.name.startswith("draw_")]:
 
     rule:
@@ -15,8 +20,6 @@ for drawing in [step for step in workflow.rules if step.name.startswith("draw_")
             },
         log:
             **traces(f"{drawing.name}_for_paper", *map("{{{}}}".format, drawing.wildcard_names)),
-        group:
-            drawing.ruleinfo.group
         params:
             **dict(drawing.params.items()),
         run:

@@ -1,19 +1,202 @@
-rule repair_frames:
+# The steps of a recording, in their order. One ends where recordings wait for each other: for the
+# drifts of hosts, the arm's model, its friction, its load in other recordings, its residuals, its
+# thresholds.
+
+
+rule read_recording:
     input:
-        raw=lambda wildcards: raw_files(wildcards.recording),
-        arm=arm_file,
+        raw=of_recording(SELECTION.raw_files),
+        arm=parameter_of("described.yaml"),
     output:
         robot=result("robot.parquet"),
         force=result("force.parquet"),
         imu=result("imu.parquet"),
+        kinematics=result("kinematics.parquet"),
         quality=result("quality.json"),
+        clocks=result("own_clocks.json"),
     log:
-        **traces("repair_frames", "{recording}"),
-    group:
-        in_cluster("read")
+        **traces("read_recording", "{recording}"),
     params:
-        code=code("repair_frames"),
-        recording=what_was_recorded,
+        code=code("read_recording"),
+        recording=of_recording(SELECTION.entry_to_read),
         max_gap_s=SETTINGS.frames.max_gap_s,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+# Recordings at rest, without time: none of the other steps runs for them.
+rule read_postures:
+    input:
+        raw=of_recording(SELECTION.raw_files),
+        arm=parameter_of("described.yaml"),
+    output:
+        postures=posture("postures.json"),
+        judgement=posture("judgement.json"),
+    log:
+        **traces("read_postures", "{recording}"),
+    params:
+        code=code("read_postures", *WORDS_OF_FINDINGS),
+        recording=of_recording(SELECTION.entry_to_read),
+        gravity=of_recording(SELECTION.gravity),
+        payload=of_recording(SELECTION.payload),
+        tcp=of_recording(SELECTION.tcp),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule align_recording:
+    input:
+        **({"drifts": parameter_of("drifts.json")} if STUDY.hosts else {}),
+        robot=result("robot.parquet"),
+        force=result("force.parquet"),
+        imu=result("imu.parquet"),
+        clocks=result("own_clocks.json"),
+    output:
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        noise=result("motion_noise.parquet"),
+        alignment=result("alignment.json"),
+    log:
+        **traces("align_recording", "{recording}"),
+    params:
+        code=code("align_recording"),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule compute_torques:
+    input:
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        torques=result("torques.parquet"),
+        premises=result("premises.json"),
+    log:
+        **traces("compute_torques", "{recording}"),
+    params:
+        code=code("compute_torques"),
+        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
+        gravity=of_recording(SELECTION.gravity),
+        payload=of_recording(SELECTION.payload),
+        tcp=of_recording(SELECTION.tcp),
+        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule estimate_load:
+    input:
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        torques=result("torques.parquet"),
+        friction=parameter_of("friction.json"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        payload=result("payload.json"),
+    log:
+        **traces("estimate_load", "{recording}"),
+    params:
+        code=code("estimate_load"),
+        recording="{recording}",
+        gravity=of_recording(SELECTION.gravity),
+        lowpass=design(SETTINGS.lowpass.currents),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule predict_currents:
+    input:
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        torques=result("torques.parquet"),
+        premises=result("premises.json"),
+        payload=result("payload.json"),
+        unloaded=lambda wildcards: results(
+            "payload.json", fitted_on(SELECTION.arm(wildcards.recording))
+        ),
+        friction=parameter_of("friction.json"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        currents=result("currents.parquet"),
+        summary=result("currents.json"),
+    log:
+        **traces("predict_currents", "{recording}"),
+    params:
+        code=code("predict_currents"),
+        recording="{recording}",
+        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
+        gravity=of_recording(SELECTION.gravity),
+        untouched=lambda wildcards: RECORDINGS[wildcards.recording].untouched,
+        lowpass=design(SETTINGS.lowpass.currents),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule estimate_forces:
+    input:
+        signals=result("signals.parquet"),
+        kinematics=result("kinematics.parquet"),
+        motion=result("motion.parquet"),
+        torques=result("torques.parquet"),
+        currents=result("currents.parquet"),
+        premises=result("premises.json"),
+        friction=parameter_of("friction.json"),
+        residuals=parameter_of("residuals.json"),
+        arm=parameter_of("described.yaml"),
+    output:
+        forces=result("forces.parquet"),
+    log:
+        **traces("estimate_forces", "{recording}"),
+    params:
+        code=code("estimate_forces"),
+        lowpass=design(SETTINGS.lowpass.currents),
+        contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule judge_recording:
+    input:
+        **BY_THE_THESIS,
+        quality=result("quality.json"),
+        force=result("force.parquet"),
+        imu=result("imu.parquet"),
+        kinematics=result("kinematics.parquet"),
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        noise=result("motion_noise.parquet"),
+        alignment=result("alignment.json"),
+        torques=result("torques.parquet"),
+        premises=result("premises.json"),
+        currents=result("currents.parquet"),
+        prediction=result("currents.json"),
+        forces=result("forces.parquet"),
+        arm=parameter_of("arm.yaml"),
+        friction=parameter_of("friction.json"),
+        residuals=parameter_of("residuals.json"),
+        threshold=parameter_of("threshold.json"),
+        calibration=parameter_of("imu.json"),
+        calibration_without_each=parameter_of("imu_without_each.json"),
+    output:
+        sensor=result("sensor.parquet"),
+        fused=result("fused_motion.parquet"),
+        accelerations=result("accelerations.parquet"),
+        judgement=result("judgement.json"),
+    log:
+        **traces("judge_recording", "{recording}"),
+    params:
+        code=code("judge_recording", COLUMNS, *WORDS_OF_FINDINGS),
+        recording="{recording}",
+        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
+        date=of_recording(SELECTION.date),
+        gravity=of_recording(SELECTION.gravity),
+        mounting=of_recording(SELECTION.sensor_mounting),
+        is_examined=lambda wildcards: wildcards.recording in SELECTION.examined,
+        currents_lowpass=design(SETTINGS.lowpass.currents),
+        accelerations_lowpass=design(SETTINGS.lowpass.accelerations),
+        contact_force_n=SETTINGS.contact.force_n,
+        bias_window_s=SETTINGS.sensor.bias_window_s,
+        min_singular_value=SETTINGS.singularities.min_singular_value,
     run:
         run_step(rule, input, output, params, log)

@@ -1,14 +1,20 @@
 # One rule for each simulated recording: which files it has depends on what is simulated.
-for recording in SIMULATED:
+def way_points(name):
+    """Return the file of way-points of a simulated recording, if any."""
+    given = getattr(RECORDINGS[name].simulate.trajectory, "way_points", None)
+    return {"way_points": given} if isinstance(given, str) else {}
+
+
+for recording in SELECTION.simulated:
 
     rule:
         name:
             f"simulate_recording_{recording}"
         input:
             **way_points(recording),
-            arm=described(RECORDINGS[recording].arm.known_as),
+            arm=f"{RESULTS}/parameters/{SELECTION.arm(recording)}/described.yaml",
         output:
-            raw=raw_files(recording),
+            raw=SELECTION.raw_files(recording),
             truth=f"{RESULTS}/truth/{recording}.parquet",
             summary=f"{RESULTS}/truth/{recording}.json",
         log:
@@ -16,8 +22,10 @@ for recording in SIMULATED:
         params:
             code=code("simulate_recording"),
             format=RECORDINGS[recording].format,
-            gravity=gravities([recording])[0],
-            plan=RECORDINGS[recording].plan().model_dump_json(),
+            folder=RECORDINGS[recording].folder,
+            truth=f"{RESULTS}/truth/{recording}",
+            gravity=SELECTION.gravity(recording),
+            plan=RECORDINGS[recording].plan().model_dump(mode="json"),
         run:
             run_step("simulate_recording", input, output, params, log)
 
@@ -28,12 +36,12 @@ if TRUTHS:
         input:
             truth=[f"{truth}.parquet" for truth in TRUTHS.values()],
             truth_summary=[f"{truth}.json" for truth in TRUTHS.values()],
-            clocks=results("clocks.json", TRUTHS),
+            alignment=results("alignment.json", TRUTHS),
             motion=results("motion.parquet", TRUTHS),
             fused=results("fused_motion.parquet", TRUTHS),
             accelerations=results("accelerations.parquet", TRUTHS),
             forces=results("forces.parquet", TRUTHS),
-            described=[described(robot) for robot in ROBOTS],
+            described=parameters("described.yaml"),
             fitted=parameters("arm.yaml"),
             rotors=parameters("rotor_inertia.json"),
             identification=parameters("identification.json"),
@@ -43,12 +51,9 @@ if TRUTHS:
             truth=f"{RESULTS}/tables/truth.csv",
         log:
             **traces("compare_with_truth"),
-        group:
-            in_cluster("document")
         params:
-            **SETTINGS.lowpass.accelerations.model_dump(),
             code=code("compare_with_truth"),
             recordings=[*TRUTHS],
-            robots=ROBOTS,
+            lowpass=design(SETTINGS.lowpass.accelerations),
         run:
             run_step(rule, input, output, params, log)

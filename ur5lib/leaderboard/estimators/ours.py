@@ -1,7 +1,7 @@
 """This project's gated estimates, as the study holds them (docs/methods.md)."""
 
+from ur5lib.force.estimators import ESTIMATES, GATED
 from ur5lib.leaderboard.estimator import Estimator, ready
-from ur5lib.pipeline.estimators import ESTIMATES, GATED
 
 OURS = ESTIMATES["Fmap"]
 

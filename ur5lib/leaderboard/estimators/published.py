@@ -6,8 +6,8 @@ not published. F̂* = J⁻ᵀ (k i + b - τ_C - τ_fr) is Equation 6.9 of the th
 constants and its low-pass without delay; F̂ is the same without the friction τ_fr (6.8).
 """
 
+from ur5lib.force.estimators import ESTIMATES
 from ur5lib.leaderboard.estimator import Estimator, ready
-from ur5lib.pipeline.estimators import ESTIMATES
 
 CONTROLLER = ESTIMATES["controller_currents"]
 ESTIMATORS = [

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
-from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
+from ur5lib.force.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.baseline import BETTER, ZERO, Rival, error_bar, state
 from ur5lib.report.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.results import Results

@@ -11,8 +11,8 @@ from ur5lib.report.baseline import HELD, WIDE, AgainstBaseline, Rival, bars
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import names, say
-from ur5lib.report.tables.friction import AS_PRINTED
-from ur5lib.report.tables.models import STOP
+from ur5lib.tidy.friction import AS_PRINTED
+from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
 LEAST_KNOWN = 3  # parameters that the next recording is designed for

@@ -11,7 +11,6 @@ from ur5lib.identification.samples import FEW
 from ur5lib.report.document import MOST_SHOWN, Verdict
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import say
-from ur5lib.report.tables.models import STOP
 from ur5lib.report.views import (
     arm_state,
     comparison,
@@ -24,6 +23,7 @@ from ur5lib.report.views import (
 from ur5lib.report.views.arms import Judge, by_arm
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.forces import PUSHES, pushes_found, searched
+from ur5lib.tidy.models import STOP
 
 VERDICTS: list[Judge] = [
     recordings.judge_files,

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ur5lib.force.estimators import GATED, NEW, PUBLISHED
 from ur5lib.force.trial_contacts import MOST
-from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded

@@ -10,9 +10,9 @@ from ur5lib.recordings.quality import GIVEN_LOAD, MODELLED
 from ur5lib.report.baseline import AgainstBaseline
 from ur5lib.report.document import Verdict
 from ur5lib.report.formats import SMALLEST_DIFFERENCE
-from ur5lib.report.reference import OLDER_MODEL
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
+from ur5lib.thesis.reference import OLDER_MODEL
 
 LINKS = "Link model"  # topic
 CLOSE = 1 - MODELLED  # least skill of a good link model

@@ -1,0 +1,87 @@
+"""The contact wrench from the external torque: the problem, and its solution."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from ur5lib.force.causal_gate import causal_log_odds
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import TARED, finite_rows, is_still, past_states
+from ur5lib.force.force_input import ForceInput, force_input
+from ur5lib.force.residual_model import ResidualModel, Residuals
+from ur5lib.force.wrench_estimate import (
+    WrenchEstimate,
+    estimate_wrench,
+    used_rows,
+)
+from ur5lib.recordings.quality import Contradictions
+from ur5lib.records.currents import Currents
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+
+class Problem(NamedTuple):
+    """An external torque with its motion, and its residual model without contact."""
+
+    input: ForceInput
+    model: ResidualModel
+
+    @property
+    def rows(self) -> Labels:
+        """Return the rows (M,) of the samples that the estimate uses."""
+        return used_rows(self.input.segment, self.input.period)
+
+    def solve(self, jacobian: Array, prior: ContactPrior) -> WrenchEstimate:
+        """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
+        return estimate_wrench(self.input, jacobian, self.model, prior)
+
+    def held(self, tared: Mask) -> "Problem":
+        """Return the problem in which joints at rest keep their background since a tare.
+
+        tared: (N,). Where recordings without contact show how it changes, it may change so.
+        """
+        if not self.model.usual:
+            return self
+        states = self.input.states.copy()
+        states[tared & is_still(states)] = TARED
+        return Problem(replace(self.input, states=states), self.model.with_tare())
+
+    def pushed(self, torque: Array) -> "Problem":
+        """Return the problem with an additional external torque (N, 6) [Nm]."""
+        return self._replace(input=replace(self.input, torque=self.input.torque + torque))
+
+
+def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
+    """Return whether friction is known, or withheld as recordings contradict the study."""
+    return bool(
+        friction.from_ or friction.fit.joints or friction.stopped or contradictions.stop_signs
+    )
+
+
+def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Problem | None:
+    """Return the problem of F̂ᵐᵃᵖ.
+
+    None where its torque is not known, as throughout a recording of half a second.
+    """
+    torque, model = currents.external_torque, residuals.tau_ext
+    if torque is None or model is None or not finite_rows(torque).any():
+        return None
+    problem = Problem(force_input(motion, torque, currents), model)
+    return problem if currents.tared is None else problem.held(currents.tared)
+
+
+def causal_odds(
+    motion: Motion,
+    currents: Currents,
+    residuals: Residuals,
+    jacobian: Array,
+    prior: ContactPrior,
+) -> Array | None:
+    """Return the log-odds (N,) of contact from past currents, None where their torque is not known.
+
+    jacobian: (M, 6, 6), at `used_rows`.
+    """
+    if currents.causal_torque is None or residuals.tau_causal is None:
+        return None
+    run = force_input(motion, currents.causal_torque, currents, past_states)
+    return causal_log_odds(run, jacobian, residuals.tau_causal, prior)

@@ -1,0 +1,1 @@
+"""Jobs of the workflow: rules run their steps in warm processes."""

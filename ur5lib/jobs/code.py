@@ -1,0 +1,55 @@
+"""The code of a step, as a checksum: Snakemake knows nothing of the modules that a step imports."""
+
+import re
+from collections.abc import Collection, Iterable
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+
+from ur5lib.lab.extensions import source_files
+from ur5lib.lab.places import PACKAGE
+
+TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?: .*\n)+", re.MULTILINE)  # types change no result
+IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
+
+
+def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
+    """Return a checksum of a step's module, of all modules that it uses, and of files.
+
+    files: of the library, too. It is the same wherever the library is installed. Extensions of a
+    user count as code of the steps whose modules take them up.
+    """
+    first = PACKAGE / "steps" / f"{step}.py"
+    modules, unseen = set[Path](), {first}
+    while unseen:
+        modules |= unseen
+        unseen = {used for module in unseen for used in imported_modules(module)} - modules
+    library = sorted(modules - {first} | {*files})
+    every = [first, *library, *source_files(modules)]
+    return sha256(b"".join(map(_content, every))).hexdigest()[:16]
+
+
+@cache
+def _content(path: Path) -> bytes:
+    return path.read_bytes()
+
+
+@cache
+def imported_modules(path: Path) -> set[Path]:
+    """Return the files of ur5lib modules that a Python file imports, without importing them."""
+    statements = IMPORT.findall(TYPES.sub("", _content(path).decode()))
+    names = {module for module, _ in statements}
+    names |= {f"{module}.{name}" for module, of in statements for name in re.findall(r"\w+", of)}
+    stems = [PACKAGE.parent.joinpath(*name.split(".")) for name in names]
+    files = [file for stem in stems for file in (stem.with_suffix(".py"), stem / "__init__.py")]
+    return {file for file in files if file.is_file()}
+
+
+def in_library(paths: Iterable[str | Path]) -> list[Path]:
+    """Return those files that belong to the library: they count as code of a step."""
+    return [Path(path) for path in paths if Path(path).is_relative_to(PACKAGE)]
+
+
+def of_study(paths: Iterable[str | Path]) -> list[str]:
+    """Return those files that belong to the study: inputs of a step."""
+    return [str(path) for path in paths if not Path(path).is_relative_to(PACKAGE)]

@@ -1,0 +1,151 @@
+"""Files of a job as the typed arguments of its step, and the step's results as files.
+
+A step is a function of records. Its parameters have the names of its rule's inputs and params, and
+their types say how a file is read; what it returns is written under the names of its outputs.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, partial
+from inspect import signature
+from pathlib import Path
+from types import UnionType
+from typing import Any, get_args, get_origin, get_type_hints
+
+import pandas as pd
+
+from ur5lib.records.table import Table
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.tables import (
+    ByKey,
+    read_csv,
+    read_record,
+    read_table,
+    write_bytes,
+    write_csv,
+    write_json,
+    write_rows,
+    write_table,
+    write_text,
+)
+
+Files = Mapping[str, str | list[str]]
+PLAIN = (str, int, float, bool)  # settings that need no conversion
+
+
+def arguments(step: Callable[..., Any], input: Files, params: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a step's arguments by name; one whose file or setting is missing has its default.
+
+    input: paths; a parameter of type Mapping takes a list of files by the folders in which they
+    lie, of recordings or arms. Raises InputError where a file is not as its type says.
+    """
+    types = _types(step)
+    files = {name: _read(types[name], paths) for name, paths in input.items() if name in types}
+    settings = {name: _setting(types[name], own) for name, own in params.items() if name in types}
+    whole = _single_tuple(step)
+    return {whole[0]: whole[1](**files, **settings)} if whole else files | settings
+
+
+def write(step: Callable[..., Any], result: Any, output: Files) -> None:
+    """Write what a step returns: a record, or several under the names of the outputs.
+
+    Several are the fields of a NamedTuple, or a dictionary. The numbers of a figure are written
+    beside it. None: the step has written its files itself.
+    """
+    kind = get_type_hints(step)["return"]
+    for name, (own, value) in _parts(kind, result, output).items():
+        _write(own, value, Path(str(output[name])))
+
+
+def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:
+    """Return the type and value of each output."""
+    if result is None:
+        return {}
+    if hasattr(result, "_asdict") and {*result._fields} & {*output}:
+        kinds, values = get_type_hints(kind), result._asdict()
+    elif get_origin(kind) is dict and {*result} & {*output}:
+        kinds, values = dict.fromkeys(result, get_args(kind)[1]), result
+    else:
+        return {next(iter(output)): (kind, result)}
+    return {name: (kinds[name], values[name]) for name in values if name in output}
+
+
+@cache
+def _types(step: Callable[..., Any]) -> dict[str, Any]:
+    """Return the types of a step's parameters; of an optional one, without None."""
+    whole = _single_tuple(step)
+    types = get_type_hints(whole[1] if whole else step, include_extras=True)
+    return {name: _without_none(kind) for name, kind in types.items() if name != "return"}
+
+
+def _single_tuple(step: Callable[..., Any]) -> tuple[str, Any] | None:
+    """Return name and type of the one parameter of a step that takes all it is given as a tuple."""
+    hints = get_type_hints(step)
+    names = [*signature(step).parameters]
+    kind = hints[names[0]]
+    return (names[0], kind) if len(names) == 1 and hasattr(kind, "_fields") else None
+
+
+def _without_none(kind: Any) -> Any:
+    """Return the type of what may be absent; a union of several types stays."""
+    if not isinstance(kind, UnionType):
+        return kind
+    others = [part for part in get_args(kind) if part is not type(None)]
+    return others[0] if len(others) == 1 else kind
+
+
+def _read(kind: Any, paths: str | Sequence[str]) -> Any:
+    """Return what a file holds, or several files by their folders, each when it is used."""
+    origin = get_origin(kind)
+    if kind is Path or (origin in (list, Sequence) and get_args(kind) == (Path,)):
+        return Path(paths) if isinstance(paths, str) else [*map(Path, paths)]
+    if origin is Mapping:
+        each = [paths] if isinstance(paths, str) else paths
+        read = partial(_read, get_args(kind)[1])
+        return ByKey({Path(path).parent.name: partial(read, path) for path in each})
+    if not isinstance(paths, str):
+        return None if not paths else _read(kind, paths[0])
+    return _read_file(kind, paths)
+
+
+def _read_file(kind: Any, path: str) -> Any:
+    if isinstance(kind, type) and issubclass(kind, Table):
+        return kind.read(path)
+    if kind is pd.DataFrame:
+        return read_table(path) if path.endswith(".parquet") else read_csv(path)
+    if kind is Robot:
+        return load_robot(path)
+    return read_record(kind, path)
+
+
+def _setting(kind: Any, value: Any) -> Any:
+    """Return a setting as its type: records and settings of a study come as plain data."""
+    if value is None or kind in PLAIN or kind is Any:
+        return value
+    return _validated(kind)(value)
+
+
+@cache
+def _validated(kind: Any) -> Callable[[Any], Any]:
+    from pydantic import TypeAdapter  # slow to import
+
+    validate: Callable[[Any], Any] = TypeAdapter(kind).validate_python
+    return validate
+
+
+def _write(kind: Any, value: Any, path: Path) -> None:
+    if isinstance(value, Table):
+        value.write(path)
+    elif isinstance(value, pd.DataFrame):
+        write_table(value, path) if path.suffix == ".parquet" else write_csv(value, path)
+    elif isinstance(value, str):
+        write_text(value, path)
+    elif isinstance(value, bytes):
+        write_bytes(value, path)
+    elif path.suffix == ".csv":
+        write_rows(get_args(kind)[0], value, path)
+    elif path.suffix == ".json":
+        write_json(value, path)
+    else:
+        from ur5lib.report.house_style import save  # slow to import
+
+        save(value, path)

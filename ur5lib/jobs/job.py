@@ -1,0 +1,113 @@
+"""One job of a step, with its log, its benchmark and a sentence on its error."""
+
+import gc
+import importlib
+import os
+import re
+import resource
+import sys
+import time
+import traceback
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ur5lib.errors import InputError, UnreadableError, printable
+from ur5lib.jobs.unreadable import Files, mark, readable
+
+BENCHMARK = "s\tmax_rss\tstart_up_time\tcpu_time\n{:.4f}\t{:.1f}\t{:.2f}\t{:.2f}\n"
+
+Setting = str | float | bool | list["Setting"] | dict[str, "Setting"] | None  # or files
+
+
+@dataclass
+class Job:
+    """A step, the files that it reads and writes, and its settings.
+
+    log: file of its output, and of the traceback of an unexpected error; benchmark: file of its
+    wall time [s], largest memory [MB], start-up time [s], in which it loaded packages that its
+    process had not loaded yet, and processor time [s], which includes start-up.
+    """
+
+    step: str
+    input: Files
+    output: Files
+    params: dict[str, Any]
+    log: str
+    benchmark: str
+
+    def run(self) -> str:
+        """Run the step in this process; return its error as one sentence, empty on success.
+
+        From now on, all output of the process goes to the log, also that of libraries. What a
+        killed process wrote aside and did not rename is deleted.
+        """
+        for path in map(Path, paths(self.output)):
+            for part in path.parent.glob(f".{path.name}.*.part"):
+                part.unlink(missing_ok=True)
+        Path(self.log).parent.mkdir(parents=True, exist_ok=True)
+        with open(self.log, "w", encoding="utf-8") as log:
+            os.dup2(log.fileno(), sys.stdout.fileno())
+            os.dup2(log.fileno(), sys.stderr.fileno())
+        with suppress(OSError):  # Linux then measures the largest memory of this process anew
+            Path("/proc/self/clear_refs").write_text("5")
+        began, before = time.perf_counter(), time.process_time()
+        with suppress(Exception):  # the step reports the error
+            load_step(self.step)
+        loaded = time.process_time()
+        if error := self._error():
+            print(error)
+        sys.stdout.flush()
+        took, used = time.perf_counter() - began, time.process_time() - before
+        measured = BENCHMARK.format(took, largest_memory(), loaded - before, used)
+        Path(self.benchmark).parent.mkdir(parents=True, exist_ok=True)
+        Path(self.benchmark).write_text(measured)
+        return error
+
+    def _error(self) -> str:
+        try:
+            self._run()
+        except UnreadableError as absent:  # the rest of the study goes on without the recording
+            print(absent)
+            mark(paths(self.output), str(absent))
+        except InputError as error:
+            return printable(f"{self.step}: {error}")
+        except Exception as error:
+            traceback.print_exc()
+            kind = type(error).__name__
+            return printable(f"{self.step}: {kind}: {error} (traceback in {self.log})")
+        return ""
+
+    def _run(self) -> None:
+        from ur5lib.jobs.files import arguments, write  # slow to import
+
+        step = load_step(self.step)
+        files, absent = readable(self.input)
+        settings = self.params | {"unreadable": absent}
+        write(step, step(**arguments(step, files, settings)), self.output)
+
+
+def paths(files: Mapping[str, str | list[str]]) -> list[str]:
+    """Return files that are declared one by one or in lists."""
+    return [path for one in files.values() for path in ([one] if isinstance(one, str) else one)]
+
+
+def largest_memory() -> float:
+    """Return the largest memory of this process [MB]; on Linux, since the job began."""
+    status = Path("/proc/self/status")  # what `getrusage` returns may be that of the parent
+    if not status.exists():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    (kilobytes,) = re.findall(r"VmHWM:\s*(\d+)", status.read_text())
+    return int(kilobytes) / 1024
+
+
+@cache
+def load_step(name: str) -> Callable[..., Any]:
+    """Return the function of a step, which its module is named by."""
+    step: Callable[..., Any] = getattr(importlib.import_module(f"ur5lib.steps.{name}"), name)
+    gc.collect()
+    gc.freeze()  # no later collection looks at what the packages keep
+    return step

@@ -1,0 +1,61 @@
+"""Recordings that cannot be read: their files say why, and the rest of a study goes on.
+
+The step that reads a recording leaves the reason in place of each file that it would have written.
+A later step of the same recording leaves it in its own, and one of several recordings goes on
+without it.
+"""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+from ur5lib.errors import InputError, UnreadableError
+
+Files = dict[str, str | list[str]]
+MARK = '{"unreadable": '
+MAX_BYTES = 10_000  # of a file that holds a reason
+
+
+def mark(paths: Iterable[str], reason: str) -> None:
+    """Write the reason in place of files."""
+    for path in map(Path, paths):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"{MARK}{json.dumps(reason)}}}\n", encoding="utf-8")
+
+
+def reason(path: str) -> str:
+    """Return why a recording cannot be read, by one of its files; empty of one that can be."""
+    file = Path(path)
+    if not file.is_file() or file.stat().st_size > MAX_BYTES:
+        return ""
+    content = file.read_bytes()
+    return json.loads(content)["unreadable"] if content.startswith(MARK.encode()) else ""
+
+
+def readable(files: Files) -> tuple[Files, dict[str, str]]:
+    """Return the files of a job without those of recordings that cannot be read, and of these the
+    reasons by name.
+
+    Raises UnreadableError where the recording that the job is of cannot be read, InputError where
+    none of several can.
+    """
+    kept, absent = Files(), dict[str, str]()
+    for name, paths in files.items():
+        if isinstance(paths, str):
+            if why := reason(paths):
+                raise UnreadableError(why)
+            kept[name] = paths
+            continue
+        reasons = {path: why for path in paths if (why := reason(path))}
+        absent |= {Path(path).parent.name: why for path, why in reasons.items()}
+        kept[name] = [path for path in paths if path not in reasons]
+        if reasons and not kept[name]:
+            first = next(iter(reasons.values()))
+            raise InputError(f"none of {len(paths)} recordings can be read; {first}")
+    return kept, absent
+
+
+def unreadable(results: Path) -> dict[str, str]:
+    """Return the recordings of a study that cannot be read, each with the reason."""
+    files = sorted(results.glob("*/*/quality.json"))
+    return {path.parent.name: why for path in files if (why := reason(str(path)))}

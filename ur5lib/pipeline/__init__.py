@@ -1,1 +1,0 @@
-"""The workflow's steps on typed records of the tables in results/."""

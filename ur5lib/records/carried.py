@@ -1,0 +1,118 @@
+"""The payload of an arm: the actual one, and the one configured in its controller."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ur5lib.errors import Remark, remark
+from ur5lib.recordings.quality import Finding
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Payload, Six
+from ur5lib.timeseries.arrays import Array
+
+# Differences that matter: 0.05 kg changes the gravity torque of a long arm by 0.5 Nm.
+MASS, MOMENT = 0.05, 0.005  # kg, kg m
+PLACE, TURN = 0.005, 0.01  # m, rad
+
+
+@dataclass(frozen=True)
+class Carried:
+    """The payload on the flange, its source, and the one that the controller counts
+    with.
+
+    Currents contain the torque of `payload`, `target_moment` that of `configured`; None: nothing.
+    """
+
+    payload: Payload | None
+    source: Literal["study", "rtde", "none"]
+    configured: Payload | None
+
+    @property
+    def mass(self) -> float:
+        """Return the mass of the payload [kg], zero without one."""
+        return self.payload.mass if self.payload else 0.0
+
+
+def carried(declared: Payload | None, signals: Signals) -> Carried:
+    """Return the payload of a recording's arm: from the study, else from RTDE's channels."""
+    configured = configured_payload(signals)
+    if declared is not None:
+        return Carried(declared, "study", configured)
+    return Carried(configured, "none" if configured is None else "rtde", configured)
+
+
+def configured_payload(signals: Signals) -> Payload | None:
+    """Return the payload that the controller was given, the medians of RTDE's channels.
+
+    Centre of mass and inertia are zero where they were not recorded. None where no mass was
+    recorded, or none is carried.
+    """
+    if signals.payload is None:
+        return None
+    (mass,) = _medians(signals.payload[:, None], 1)
+    if mass <= 0:
+        return None
+    return Payload(
+        mass=mass,
+        center_of_mass=_medians(signals.payload_cog, 3),
+        inertia=_medians(signals.payload_inertia, 6),
+    )
+
+
+def _medians(values: Array | None, count: int) -> Any:
+    """Return the median of each of some columns, zero where it was not recorded."""
+    if values is None or not np.isfinite(values).any():
+        return (0.0,) * count
+    return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())
+
+
+def disagreements(declared: Payload | None, tcp: Six | None, signals: Signals) -> list[Finding]:
+    """Return where a study's payload and tool centre point differ from the controller's.
+
+    declared, tcp: of the study, None where it declares none; tcp: position [m] and rotation vector
+    [rad] in frame 6. What was not recorded cannot differ.
+    """
+    found = {
+        "payload": _other_payload(declared, signals),
+        "changing payload": _changing_payload(signals),
+        "tool centre point": _other_tcp(tcp, signals),
+    }
+    return [Finding("robot", name, "warning", 1, its) for name, its in found.items() if its]
+
+
+def _other_payload(declared: Payload | None, signals: Signals) -> dict[str, object]:
+    if declared is None or signals.payload is None:
+        return {}
+    known = configured_payload(signals)
+    apart = declared.mass - (known.mass if known else 0.0)
+    away = np.subtract(declared.center_of_mass, known.center_of_mass if known else 0.0)
+    if abs(apart) <= MASS and (known is None or np.linalg.norm(away) * declared.mass <= MOMENT):
+        return {}
+    return {"declared": _remark(declared), "configured": _remark(known)}
+
+
+def _remark(payload: Payload | None) -> Remark:
+    """Return a payload as a part of a sentence."""
+    if payload is None:
+        return remark("no payload")
+    return remark("a payload", mass=payload.mass, place=[*payload.center_of_mass])
+
+
+def _changing_payload(signals: Signals) -> dict[str, object]:
+    if (
+        signals.payload is None
+        or np.ptp(mass := signals.payload[np.isfinite(signals.payload)]) == 0
+    ):
+        return {}
+    return {"least": float(mass.min()), "most": float(mass.max())}
+
+
+def _other_tcp(tcp: Six | None, signals: Signals) -> dict[str, object]:
+    if tcp is None or signals.tcp_offset is None:
+        return {}
+    configured = np.array(_medians(signals.tcp_offset, 6))
+    apart = np.abs(np.array(tcp) - configured)
+    if apart[:3].max() <= PLACE and apart[3:].max() <= TURN:
+        return {}
+    return {"declared": [*tcp], "configured": configured.tolist()}

@@ -1,0 +1,22 @@
+"""What is judged of a recording."""
+
+from dataclasses import dataclass, field
+
+from ur5lib.records.accelerations import ImuComparison
+from ur5lib.records.arm_state import Checkup
+
+Value = str | bool | int | float | None
+Rows = list[dict[str, Value]]  # of a table, by column
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """judgement.json: the recording's rows of the study's tables, by table.
+
+    checkup: the condition of the joints, by a contact-free recording; imu: the acceleration beside
+    an IMU, of which the band of another recording's is made.
+    """
+
+    rows: dict[str, Rows] = field(default_factory=dict)
+    checkup: Checkup = field(default_factory=Checkup)
+    imu: ImuComparison = field(default_factory=ImuComparison)

@@ -1,0 +1,14 @@
+"""What a recording's torques and forces rest on."""
+
+from dataclasses import dataclass
+
+from ur5lib.recordings.quality import Contradictions
+from ur5lib.records.carried import Carried
+
+
+@dataclass(frozen=True)
+class Premises:
+    """premises.json: the payload that the arm carries, and what contradicts the study."""
+
+    load: Carried
+    contradictions: Contradictions

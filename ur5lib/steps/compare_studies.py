@@ -1,0 +1,19 @@
+"""What differs from the results of other studies, one row for each number that is compared."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from ur5lib.commands.compare import COLUMNS, compare, rows
+
+
+def compare_studies(own: list[Path], others: list[Path]) -> pd.DataFrame:
+    """Return what changed beside other studies; own, others: tables of this study and of these."""
+    ours, theirs = ({path.parents[1]: None for path in paths} for paths in (own, others))
+    found = [
+        row
+        for after in ours
+        for before in theirs
+        for row in rows(before.name, compare(before, after))
+    ]
+    return pd.DataFrame(found, columns=COLUMNS)

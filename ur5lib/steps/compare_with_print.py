@@ -1,0 +1,55 @@
+"""Every published number beside the rebuilt one, and as the errata say that it was computed."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from ur5lib.recordings.quality import Quality
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.tables import read_csv
+from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
+from ur5lib.thesis.printed_numbers import COLUMNS, Explained, compared
+from ur5lib.thesis.reference import Explanation, read_reference
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import mean_absolute_error
+
+
+def compare_with_print(
+    reference: Path,
+    tables: list[Path],
+    signals: Mapping[str, Signals],
+    kinematics: Mapping[str, Kinematics],
+    imu: Mapping[str, pd.DataFrame],
+    quality: Mapping[str, Quality],
+    arms: Mapping[str, Robot],
+    arm_of: dict[str, str],
+    gravities: dict[str, list[float] | None],
+) -> pd.DataFrame:
+    """Return the published numbers, ours, and those by the errata's explanations.
+
+    signals to quality: of the recordings that an erratum explains; arms: by name; arm_of: the arm
+    of a recording.
+    """
+    published = read_reference(reference)
+
+    def values(recording: str, way: Explanation) -> Array:
+        robot = arms[arm_of[recording]].mounted(gravities[recording])
+        if way.closed_loop:
+            return loop_error(robot, signals[recording], way.closed_loop)
+        assert way.acceleration is not None
+        start = quality[recording].starts["imu"]
+        known = robot, signals[recording], kinematics[recording], imu[recording], start
+        return mean_absolute_error(*explained_accelerations(*known, way.acceleration))
+
+    def explained() -> Iterator[Explained]:
+        for number, erratum in enumerate(published.errata, 1):
+            for way in erratum.explains:
+                recording = published.printed[way.printed].recording
+                if recording in signals:
+                    yield Explained(number, way.printed, way.row, values(recording, way))
+
+    own = {path.stem: read_csv(path) for path in tables}
+    return pd.DataFrame(compared(published, own, [*explained()]), columns=COLUMNS)

@@ -1,0 +1,95 @@
+"""Joint torques of every link model: at the targets and at the measured motion; stop signs."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.recordings.checked import Checked
+from ur5lib.recordings.checks import too_short
+from ur5lib.recordings.quality import Contradictions, Finding
+from ur5lib.recordings.stop_signs import CHECKED, given_load, stop_signs
+from ur5lib.records.carried import Carried, carried, disagreements
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.motion import Motion
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Payload, Robot, Six
+from ur5lib.tables import read_footer, read_table
+
+
+class RecordingTorques(NamedTuple):
+    """The torques of a recording, and what they rest on."""
+
+    torques: Torques
+    premises: Premises
+
+
+def compute_torques(
+    signals: Path,
+    motion: Motion,
+    arm: Robot,
+    role: str,
+    cutoff_hz: float,
+    gravity: list[float] | None = None,
+    payload: Payload | None = None,
+    tcp: Six | None = None,
+) -> RecordingTorques:
+    """Return the torques of every link model, and what in the recording contradicts the study.
+
+    signals: file of `Signals`; gravity, payload, tcp: as the study declares them; role: of the
+    recording; cutoff_hz: of the currents' low-pass.
+    """
+    known, robot = Signals.read(signals), arm.mounted(gravity)
+    load = carried(payload, known)
+    doubts = disagreements(payload, tcp, known)
+    doubts += too_short(known.segment, known.period, cutoff_hz)
+    contradictions = contradicting(signals, robot, load, role, doubts)
+    torques = joint_torques(robot, load, known, motion)
+    return RecordingTorques(torques, Premises(load, contradictions))
+
+
+def contradicting(
+    signals: Path, robot: Robot, load: Carried, role: str, doubts: list[Finding]
+) -> Contradictions:
+    """Return the stop signs of a recording, and further doubts.
+
+    signals: file of `Signals`, of which the checks read what they need.
+    """
+    names = CHECKED.intersection(read_footer(signals).schema.names)
+    checked = Checked(
+        read_table(signals, [*names]), robot, load.configured, load.payload, role == "fit"
+    )
+    doubts = [*doubts, *checked.odd_targets.values()]
+    stops = stop_signs(checked)
+    if not stops:  # from which others would follow
+        doubts += given_load(checked)
+    return Contradictions(stops, doubts)
+
+
+def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion) -> Torques:
+    """Return the torques of all link models.
+
+    robot: under the recording's gravity; load: what it carries.
+    """
+    given = {model: LinkModel(robot.carrying(load.configured), model) for model in robot.models}
+    states, fullest = (motion.q, motion.qd, motion.qdd), robot.fullest_model()
+    measured = {name: model.inverse_dynamics(*states) for name, model in given.items()}
+    target = signals.target_q, signals.target_qd, signals.target_qdd
+    known = [values for values in target if values is not None]
+    # what the payload adds to the one that the controller was given
+    added = np.zeros_like(motion.q)
+    if load.payload != load.configured:
+        true = LinkModel(robot.carrying(load.payload), fullest)
+        added = true.inverse_dynamics(*states) - measured[fullest]
+    return Torques(
+        time=signals.time,
+        segment=signals.segment,
+        interpolated=signals.interpolated,
+        target={
+            name: model.inverse_dynamics(*known) for name, model in given.items() if len(known) == 3
+        },
+        measured=measured,
+        payload_torque=added,
+    )

@@ -1,0 +1,20 @@
+"""The description of an arm, with the numbers, the name and the calibration that are its own."""
+
+from pathlib import Path
+from typing import Any
+
+from ur5lib.robots.description import robot_path, robot_yaml
+from ur5lib.robots.individual import individual_robot
+
+
+def describe_arm(
+    arm: str, robot: str, override: dict[str, Any], description: list[Path], calibration: list[Path]
+) -> str:
+    """Return an arm's description as YAML.
+
+    arm: its type or file; robot: its name in the study; override: the study's own numbers;
+    description: its file, where the library has none; calibration: of the controller, if any.
+    """
+    file = description[0] if description else robot_path(arm)
+    calibrated = str(calibration[0]) if calibration else None
+    return robot_yaml(individual_robot(file, robot, override, calibrated))

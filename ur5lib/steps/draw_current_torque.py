@@ -1,0 +1,18 @@
+"""Currents over torques, and the printed line between them: Figures 6.1 and 6.2."""
+
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.signals import Signals
+from ur5lib.report.friction_figures import printed_friction
+from ur5lib.report.house_style import Drawing
+from ur5lib.robots.description import Robot
+from ur5lib.thesis.published_constants import current_torque
+
+
+def draw_current_torque(signals: Signals, torques: Torques, arm: Robot) -> dict[str, Drawing]:
+    """Return both figures of a recording."""
+    samples = current_torque(arm, signals, torques)
+    rigid, with_friction = printed_friction(samples, arm.current_to_torque)
+    return {
+        "current_torque_printed": rigid,
+        "current_torque_friction_printed": with_friction,
+    }

@@ -1,0 +1,35 @@
+"""Figures of one recording, after the thesis's 4.4, 5.11, 5.12, 5.14, 5.15 and 6.4."""
+
+from ur5lib.records.accelerations import Accelerations
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.signals import Signals
+from ur5lib.report import recording_figures as figures
+from ur5lib.report.house_style import Drawing
+from ur5lib.robots.description import Robot
+
+
+def draw_figures(
+    signals: Signals,
+    torques: Torques,
+    accelerations: Accelerations,
+    currents: Currents,
+    kinematics: Kinematics,
+    sensor: SensorWrenches,
+    forces: Forces,
+    arm: Robot,
+    min_singular_value: float,
+) -> dict[str, Drawing]:
+    """Return the figures of a recording; min_singular_value: below it, no force is determined."""
+    felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
+    hidden = kinematics.smallest_singular_value < min_singular_value
+    # each figure reads its signals anew, so that none holds those of another
+    return {
+        "packets": figures.packet_figure(signals.anew()),
+        "torques": figures.torque_figure(signals.anew(), torques, arm.chosen_model),
+        "currents": figures.current_figure(signals.anew(), currents, arm.senses_torque()),
+        "accelerations": figures.acceleration_figure(accelerations),
+        "accelerations_published": figures.euler_figure(accelerations, felt, modelled),
+        "forces_estimated": figures.estimate_figure(forces, sensor, hidden),
+    }

@@ -1,0 +1,12 @@
+"""Each joint's friction, torque constant, offset and noise over time, with what changed."""
+
+import pandas as pd
+
+from ur5lib.report.arm_state_figures import health_figure
+from ur5lib.report.house_style import Drawing
+from ur5lib.robots.description import Robot
+
+
+def draw_health(arm: Robot, health: pd.DataFrame, changes: pd.DataFrame) -> dict[str, Drawing]:
+    """Return the figure of an arm's health; health, changes: its tables."""
+    return {"health": health_figure(health, changes, arm.senses_torque())}

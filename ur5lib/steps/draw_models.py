@@ -1,0 +1,28 @@
+"""The frames of an arm and where each link model places mass, after Figures 5.6, 5.7 and 5.8."""
+
+import numpy as np
+
+from ur5lib.dynamics.flange import link_frames
+from ur5lib.report.arm_figures import UPRIGHT, frame_panels, mass_panels, placed
+from ur5lib.report.house_style import Drawing
+from ur5lib.robots.description import Robot
+
+
+def draw_models(arm: Robot) -> dict[str, Drawing]:
+    """Return the figures of an arm's link models and frames."""
+    posture = UPRIGHT if arm.denavit_hartenberg else [0.0] * len(arm.joints)
+    rotation, origin = (part[0] for part in link_frames(arm, np.array([posture])))
+    models = {", ".join(names): placed(arm, names[0], rotation, origin) for names in alike(arm)}
+    return {
+        "models": mass_panels(origin, models),
+        "frames": frame_panels(rotation, origin, arm.denavit_hartenberg),
+    }
+
+
+def alike(robot: Robot) -> list[list[str]]:
+    """Return models by their links: one with rotors has those of the one without."""
+    groups: dict[str, list[str]] = {}
+    for name, links in robot.models.items():
+        rigid = links.model_copy(update={"rotor_inertias": None, "description": ""})
+        groups.setdefault(repr(rigid), []).append(name)
+    return [*groups.values()]

@@ -1,0 +1,13 @@
+"""The smallest push by speed of the flange, and how well friction is predicted by joint speed."""
+
+import pandas as pd
+
+from ur5lib.force.trial_contacts import MOST
+from ur5lib.identification.validation import WANTED
+from ur5lib.report.arm_state_figures import observability_figure
+from ur5lib.report.house_style import Drawing
+
+
+def draw_observability(observability: pd.DataFrame) -> dict[str, Drawing]:
+    """Return the figure of what an arm's contact-free recordings let one observe."""
+    return {"observability": observability_figure(observability, WANTED, MOST)}

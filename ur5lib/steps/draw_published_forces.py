@@ -1,0 +1,18 @@
+"""The published estimates of contact wrenches, as printed and corrected: Figures 6.5 to 6.9."""
+
+from ur5lib.records.forces import PublishedForces, SensorWrenches
+from ur5lib.report.house_style import Drawing
+from ur5lib.report.recording_figures import published_force_figure
+
+WITHOUT_FRICTION, WITH_FRICTION = ("F", "Fu"), ("F*",)
+
+
+def draw_published_forces(published: PublishedForces, sensor: SensorWrenches) -> dict[str, Drawing]:
+    """Return the published estimates of a recording beside the sensor."""
+    known = published, sensor
+    return {
+        "forces_printed": published_force_figure(*known, "printed", WITHOUT_FRICTION),
+        "forces_friction_printed": published_force_figure(*known, "printed", WITH_FRICTION),
+        "forces_corrected": published_force_figure(*known, "corrected", WITHOUT_FRICTION),
+        "forces_friction_corrected": published_force_figure(*known, "corrected", WITH_FRICTION),
+    }

@@ -1,0 +1,16 @@
+"""Positions and velocities of one recording in closed loop, after the thesis's 5.9 and 5.10."""
+
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.signals import Signals
+from ur5lib.report.house_style import Drawing
+from ur5lib.report.recording_figures import chosen_gains, tracking_figure
+from ur5lib.robots.description import Robot
+
+
+def draw_tracking(signals: Signals, closed_loop: ClosedLoop, arm: Robot) -> dict[str, Drawing]:
+    """Return measured positions and velocities beside those of the closed loop."""
+    known = signals, closed_loop, chosen_gains(arm)
+    return {
+        "positions": tracking_figure(*known, "q"),
+        "velocities": tracking_figure(*known, "qd"),
+    }

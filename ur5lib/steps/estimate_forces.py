@@ -1,0 +1,113 @@
+"""Contact wrench from the external torque, with its band and the odds that there is a contact."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_wrench import LEAST_ERROR, at_rest, static_wrench, torque_std
+from ur5lib.force.estimators import ESTIMATORS, Run, Stated
+from ur5lib.force.problem import causal_odds, fmap_problem, is_fitted
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
+from ur5lib.identification.current_samples import (
+    Smoother,
+    controllers_ratio,
+    current_record,
+    prior_of,
+)
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.steps.predict_currents import inner
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth
+
+
+def estimate_forces(
+    signals: Signals,
+    kinematics: Kinematics,
+    motion: Motion,
+    torques: Torques,
+    currents: Currents,
+    premises: Premises,
+    friction: Friction,
+    residuals: Residuals,
+    arm: Robot,
+    lowpass: Butterworth,
+    contact_force_n: float,
+) -> Forces:
+    """Return every estimate of the contact wrench that the recording has.
+
+    contact_force_n: of a typical contact [N].
+    """
+    run = Run(motion.anew(), currents.anew(), kinematics.anew(), signals.wrench_calc_from_currents)
+    if is_fitted(friction, premises.contradictions):
+        prior = ContactPrior(force=contact_force_n)
+        known = motion, currents, residuals, kinematics, prior
+        run = replace(run, fmap=most_probable(*known), causal_odds=past_odds(*known))
+    else:
+        static = static_forces(arm, signals, motion, torques, kinematics.jacobian, *lowpass)
+        run = replace(run, static=static)
+    estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
+    background, odds, time = run.background, run.causal_odds, motion.anew()
+    del run  # of a long recording, either all inputs are held or all results
+    return Forces.of(time, estimates, background, odds)
+
+
+def most_probable(
+    motion: Motion,
+    currents: Currents,
+    residuals: Residuals,
+    kinematics: Kinematics,
+    prior: ContactPrior,
+) -> WrenchEstimate | None:
+    """Return F̂ᵐᵃᵖ, None where its torque is not known."""
+    problem = fmap_problem(motion, currents, residuals)
+    return problem and problem.solve(kinematics.anew(problem.rows).jacobian, prior)
+
+
+def past_odds(
+    motion: Motion,
+    currents: Currents,
+    residuals: Residuals,
+    kinematics: Kinematics,
+    prior: ContactPrior,
+) -> Array | None:
+    """Return the log-odds (N,) of contact from past currents alone, None where they are unknown."""
+    rows = used_rows(motion.segment, motion.period)
+    return causal_odds(motion, currents, residuals, kinematics.anew(rows).jacobian, prior)
+
+
+def static_forces(
+    robot: Robot,
+    signals: Signals,
+    motion: Motion,
+    torques: Torques,
+    jacobian: Array,
+    order: int,
+    cutoff: float,
+) -> Stated | None:
+    """Return the wrench of a resting arm, NaN in motion; None without currents or known constants.
+
+    jacobian: (N, 6, 6); order, cutoff: of the low-pass of currents, [Hz].
+    """
+    record = current_record("", signals, motion, torques, robot.fullest_model())
+    if record is None:
+        return None
+    try:
+        prior = prior_of(robot, [controllers_ratio(signals, motion)])
+    except ValueError:  # neither the maker nor the controller tells the constants
+        return None
+    smooth, inverse = Smoother(order, cutoff), prior.inverse_constant.mean
+    error = np.sqrt(np.diag(np.linalg.inv(prior.inverse_constant.precision))) / inverse
+    motor = smooth(record.current, record) / inverse
+    torque = inner(smooth(record.torque, record) - motor, record, cutoff)
+    torque[~at_rest(record.qd)] = np.nan
+    std = torque_std(motor, np.maximum(error, LEAST_ERROR), prior.torque_max)
+    return Stated(*static_wrench(torque, std, jacobian))

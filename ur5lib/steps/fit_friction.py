@@ -1,0 +1,195 @@
+"""The map from motion to motor current: torque constants and friction, from `fit` recordings."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.errors import RefusalError, reason, remark
+from ur5lib.identification.at_rest import AtRest
+from ur5lib.identification.current_regression import (
+    fit_currents,
+    fit_postures,
+    fit_without_each_path,
+    too_small,
+)
+from ur5lib.identification.current_samples import (
+    Smoother,
+    controllers_ratio,
+    current_record,
+    prior_of,
+)
+from ur5lib.identification.currents import CurrentFit, parameters, predict, torque_constants
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.samples import Record, Smooth, record_paths
+from ur5lib.identification.validation import (
+    explained,
+    fitted_on_tested_on,
+    least_squares_coefficients,
+)
+from ur5lib.recordings.copies import same_runs
+from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction, KnownConstants, LeftOut
+from ur5lib.records.motion import Motion
+from ur5lib.records.postures import Postures
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.steps.read_postures import held_torque
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth
+
+MOST_LOST = 3  # joints whose current does not follow their torque: the others tell a force
+
+
+def fit_friction(
+    arm: Robot,
+    signals: Mapping[str, Signals],
+    motion: Mapping[str, Motion],
+    torques: Mapping[str, Torques],
+    premises: Mapping[str, Premises],
+    quality: Mapping[str, Quality],
+    postures: Mapping[str, Postures],
+    dates: dict[str, str],
+    lowpass: Butterworth,
+) -> Friction:
+    """Return torque constants and friction of an arm; refused where they cannot be fitted.
+
+    signals to quality: of the arm's `fit` recordings, postures: of those at rest; dates: of the
+    former, ISO 8601 or empty.
+    """
+    model, smooth = arm.fullest_model(), Smoother(*lowpass)
+    contradictions = {name: one.contradictions for name, one in premises.items()}
+    records, ratios = [], []
+    for name in signals:
+        recorded, moved = signals[name], motion[name]
+        record = current_record(name, recorded, moved, torques[name], model)
+        if record is not None:
+            records.append(replace(record, day=dates[name]))
+            odd = contradictions[name].odd_targets()
+            ratios.append(controllers_ratio(recorded, moved, odd))
+    at_rest = dict(postures.items())
+    contradictions |= {name: one.contradictions for name, one in at_rest.items()}
+    held = [(held_torque(one, arm, model), one.current) for one in at_rest.values()]
+    try:
+        require_no_stop_sign(contradictions)
+        require_single_runs(quality)
+        prior = replace(prior_of(arm, ratios), at_rest=AtRest.of(held))
+        return replace(fitted_friction(records, prior, smooth, model), at_rest=[*at_rest])
+    except ContradictionError as sign:
+        return Friction(stopped=sign.remark)
+    except ValueError as error:
+        return Friction(refused=reason(error))
+
+
+class ContradictionError(RefusalError):
+    """A stop sign: the recordings contradict the arm that the study names."""
+
+
+def fitted_friction(
+    records: Sequence[Record], prior: Prior, smooth: Smooth, model: str = ""
+) -> Friction:
+    """Return the fit, the same without each path, its parameters in SI units, and baselines.
+
+    model: of the records' torques. Without records,
+    the fit is what is typical, with torque constants by postures at rest if the prior
+    has any. Raises ContradictionError when the torque constants are not those of the arm,
+    RefusalError when there are neither records, nor postures, nor typical friction.
+    """
+    if not records:
+        return _expected_friction(prior, model)
+    fit = fit_currents(records, smooth, prior)
+    require_known_constants(fit, prior)
+    left_out = fit_without_each_path(records, smooth, prior)
+    return Friction(
+        from_=[record.name for record in records],
+        paths=int(record_paths(records).max()) + 1,
+        fit=fit,
+        left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
+        explained=explained_by_others(records, left_out, smooth),
+        parameters=parameters(fit),
+        known_constants=known_constants(prior),
+        least_squares=least_squares_coefficients(records),
+        cross_validation=fitted_on_tested_on(records, smooth, prior),
+        model=model,
+    )
+
+
+def _expected_friction(prior: Prior, model: str) -> Friction:
+    """Return what is known without motion: without typical friction, torque constants alone."""
+    if not prior.typical and prior.at_rest is None:
+        raise RefusalError("no fit recording")
+    fit = fit_postures(prior)
+    require_known_constants(fit, prior)
+    found, known = parameters(fit), known_constants(prior)
+    if prior.typical:
+        return Friction(fit=fit, parameters=found, known_constants=known, model=model)
+    return Friction(
+        parameters=[row for row in found if row.name == "torque_constant"],
+        known_constants=known,
+        model=model,
+        refused=remark("no fit in motion"),
+    )
+
+
+def known_constants(prior: Prior) -> KnownConstants:
+    """Return the torque constants known before the fit."""
+    inverse = prior.inverse_constant.mean
+    return KnownConstants(1 / inverse, prior.std() / inverse**2)
+
+
+def explained_by_others(
+    records: Sequence[Record], left_out: Sequence[tuple[list[str], CurrentFit]], smooth: Smooth
+) -> Array | None:
+    """Return the share (6,) of the currents' variance that fits to other paths explain.
+
+    left_out: fits, each with the recordings that it has not seen. None where there is one path.
+    """
+    unseen = {name: fit for names, fit in left_out for name in names}
+    if not unseen:
+        return None
+    return explained(records, [predict(unseen[own.name], own) for own in records], smooth)
+
+
+def _without_replicates(fit: CurrentFit) -> CurrentFit:
+    """Return a fit with one of its bootstrap replicates, sufficient for predictions."""
+    kept = [replace(one.estimate, replicates=one.estimate.replicates[:1]) for one in fit.joints]
+    joints = zip(fit.joints, kept, strict=True)
+    return replace(fit, joints=tuple(replace(one, estimate=own) for one, own in joints))
+
+
+def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
+    """Raise ContradictionError for stop signs; contradictions: by recording."""
+    stopped = [name for name, found in contradictions.items() if found.stop_signs]
+    if stopped:
+        raise ContradictionError("contradicting recordings", names=stopped)
+
+
+def require_single_runs(qualities: Mapping[str, Quality]) -> None:
+    """Raise ContradictionError where two recordings are one run, which would count twice.
+
+    qualities: by recording.
+    """
+    for pair in same_runs({name: one.fingerprint for name, one in qualities.items()}):
+        raise ContradictionError("copied recordings", names=[*pair])
+
+
+def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
+    """Raise ContradictionError when fitted torque constants are far from those of the arm.
+
+    One that is too small is a wrong unit, arm or payload. A few that are too large are joints
+    whose current does not follow their torque, which the fit has found itself.
+    """
+    lost = np.array([joint.contradicted is not None for joint in fit.joints])
+    wrong = too_small(fit, prior)
+    if wrong.any() or lost.sum() > MOST_LOST:
+        wrong |= lost
+        found = [joint.contradicted for joint in fit.joints]
+        fitted = np.where(lost, np.array(found, dtype=float), torque_constants(fit))
+        known = 1 / prior.inverse_constant.mean
+        each = [
+            remark("other constant", joint=j + 1, fitted=float(fitted[j]), known=float(known[j]))
+            for j in np.flatnonzero(wrong).tolist()
+        ]
+        raise ContradictionError("contradicting constants", each=each)

@@ -1,0 +1,149 @@
+"""Residual models of the external torque without contact."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.errors import RefusalError, Remark, remark
+from ur5lib.force.external_torque import (
+    RELAXING,
+    finite_rows,
+    is_still,
+    joint_states,
+    past_states,
+)
+from ur5lib.force.force_input import ForceInput, inputs
+from ur5lib.force.residual_model import (
+    SLOWEST,
+    ResidualModel,
+    Residuals,
+    Stretch,
+    fit_residual_model,
+)
+from ur5lib.identification.currents import (
+    CurrentFit,
+    breakaway_torque,
+    constants_band,
+    torque_constants,
+)
+from ur5lib.identification.samples import LEAST_PATHS
+from ur5lib.records.currents import Currents
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.timeseries.segments import unbroken
+
+PAST_ALONE = 1.3  # factor on errors of the causal torque: other months' do not average out so soon
+TORQUES = {  # by their model: the torque, the states of joints, and a factor on the errors
+    "tau_ext": ("external_torque", joint_states, 1.0),
+    "tau_causal": ("causal_torque", past_states, PAST_ALONE),
+}
+REST = 10.0  # s, below which hardly anything shows what friction holds at rest
+# Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
+# motion the median of joints of four arms; at rest the root mean square of the joints of a UR5
+# (0.77, 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that
+# changes fast is at rest the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8)
+# exceeds that of a wrong level of friction.
+USUAL = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
+FAST = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
+USUAL_SPEED, LOADED = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
+DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
+
+
+def fit_residuals(
+    friction: Friction,
+    currents: Mapping[str, Currents],
+    motion: Mapping[str, Motion],
+    cutoff_hz: float,
+) -> Residuals:
+    """Return residual models of the external torque without contact; empty without a fit.
+
+    currents, motion: of the arm's `fit` recordings; cutoff_hz: of the torques.
+    """
+    if friction.from_:
+        recordings = [(currents[name], motion[name]) for name in currents]
+        return residual_models(recordings, friction, cutoff_hz)
+    return usual_residuals(friction.fit, cutoff_hz) if friction.fit.joints else Residuals()
+
+
+def residual_models(
+    recordings: Sequence[tuple[Currents, Motion]], friction: Friction, cutoff: float
+) -> Residuals:
+    """Return the residual model of each external torque, or the reason why there is none.
+
+    recordings: those to fit, without contact, predicted by fits without their own path;
+    cutoff: of the torques [Hz]. Where they show too little, the errors are those of other arms.
+    """
+    if friction.explained is not None:
+        unknown = np.flatnonzero(~(friction.explained > 0)) + 1
+        if len(friction.explained) - len(unknown) < min(DIRECTIONS, len(friction.explained)):
+            return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
+    models, refused = dict[str, ResidualModel](), None
+    for name, (field, states_of, margin) in TORQUES.items():
+        try:
+            runs = inputs(recordings, field, states_of)
+            models[name] = _residual_model(runs, friction, cutoff).wider(margin)
+        except RefusalError as refusal:
+            refused = refusal.remark
+    if refused and "tau_ext" not in models and not friction.senses_torque():
+        return replace(usual_residuals(friction.fit, cutoff), remarks=(refused,))
+    remarks = () if refused else tuple(_remarks(friction.paths, recordings))
+    return Residuals(**models, refused=refused, remarks=remarks)
+
+
+def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
+    """Return the residual model of an arm like others; arguments as above.
+
+    The errors are USUAL, beside those of coefficients that no motion confirmed, at a usual speed
+    and load.
+    """
+    coulomb, constant = breakaway_torque(fit), torque_constants(fit)
+    load = LOADED * coulomb  # Nm
+    ones = np.ones_like(load)
+    columns = np.stack([load, ones, ones, USUAL_SPEED * ones, load], axis=1)  # of BASE
+    doubts = np.stack([np.zeros((5, 5)) if own.doubt is None else own.doubt for own in fit.joints])
+    doubted = constant * np.sqrt(np.einsum("jp,jpq,jq->j", columns, doubts, columns))
+    spread = np.hypot(doubted, USUAL[:, None] * coulomb)
+    return ResidualModel(
+        spread=spread,
+        change=FAST[:, None] * spread,
+        rate=np.array([SLOWEST, SLOWEST, 1 / RELAXING, 1 / RELAXING, SLOWEST]),
+        independent=1 / (2 * cutoff),
+        breakaway=coulomb,
+        constants_doubt=constants_band(fit),
+    )
+
+
+def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
+    """Return the residual models without contact-free recordings; arguments as above."""
+    model = usual_model(fit, cutoff).of_few_paths(LEAST_PATHS)
+    return Residuals(tau_ext=replace(model, usual=True))
+
+
+def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[Remark]:
+    """Say what so few paths, and so little rest, do not show."""
+    if paths == 1:
+        yield remark("one path of all")
+    if paths < LEAST_PATHS:
+        runs = inputs(recordings)
+        still = [is_still(one.states) & finite_rows(one.torque) for one in runs]
+        rest = sum(float(own.sum() * one.period) for own, one in zip(still, runs, strict=True))
+        if rest < REST:
+            yield remark("little rest", seconds=rest)
+
+
+def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:
+    """Return what the runs show; other arms' errors stand for paths that are missing."""
+    stretches = [
+        Stretch(one.torque[rows], one.states[rows], one.period)
+        for one in runs
+        for rows in unbroken(one.segment)
+    ]
+    fit, sensed = friction.fit, friction.senses_torque()
+    model = fit_residual_model(stretches, cutoff, breakaway_torque(fit))
+    # the errors of other arms are those of motor currents
+    missing = 0 if sensed else max(0, LEAST_PATHS - friction.paths)
+    if missing:
+        model = model.at_least(usual_model(fit, cutoff), missing / LEAST_PATHS)
+    model = model.of_few_paths(friction.paths + missing)
+    return replace(model, constants_doubt=constants_band(fit), sensed=sensed)

@@ -1,0 +1,232 @@
+"""The link models that the controller's torques show: rotors, then rigid bodies."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import reason
+from ur5lib.identification import rotor_inertia
+from ur5lib.identification.base_parameters import (
+    Estimate,
+    Stack,
+    base_parameters,
+    identified_model,
+    identify,
+    prior_width,
+    stack,
+    torque_error,
+)
+from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.excitation import candidate_motions, check_excitation
+from ur5lib.records.carried import configured_payload
+from ur5lib.records.models import BaseParameter, Identification, Rotors
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot, robot_yaml
+from ur5lib.robots.exports import urdf
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
+from ur5lib.timeseries.sampling import STEP, differentiate
+from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
+
+RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
+SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
+DESCRIPTION = "identified from the controller's torques, physically consistent"
+
+Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
+
+
+class IdentifiedModel(NamedTuple):
+    """An arm with its fitted models, as YAML and URDF, and how these were found."""
+
+    arm: str
+    urdf: str
+    rotors: Rotors
+    summary: Identification
+
+
+def identify_model(
+    arm: Robot,
+    signals: Mapping[str, Signals],
+    motion: Mapping[str, Motion],
+    gravities: dict[str, list[float] | None],
+    lowpass: Butterworth,
+) -> IdentifiedModel:
+    """Return the arm with rotors fitted to the controller's torques, and with the rigid bodies that
+    these show.
+
+    signals, motion, gravities: of the arm's `fit` recordings.
+    """
+    rotors = fitted_rotors(arm, signals, motion, gravities, lowpass)
+    robot = with_rotors(arm, rotors)
+    blocks = {
+        name: [*torque_blocks(robot.mounted(gravities[name]), signals[name], motion[name], lowpass)]
+        for name in signals
+    }
+    each = [block for part in blocks.values() for block in part]
+    try:
+        robot, found = with_identified(robot, [gravities[name] for name in blocks], each)
+    except ValueError as error:  # too little was recorded, or nothing physical explains it
+        found = Identification(refused=reason(error))
+    found = replace(found, from_=[name for name, part in blocks.items() if part])
+    name = "identified" if "identified" in robot.models else robot.chosen_model
+    return IdentifiedModel(robot_yaml(robot), urdf(robot, rigid_bodies(robot, name)), rotors, found)
+
+
+def fitted_rotors(
+    arm: Robot,
+    signals: Mapping[str, Signals],
+    motion: Mapping[str, Motion],
+    gravities: Mapping[str, list[float] | None],
+    lowpass: Butterworth,
+) -> Rotors:
+    """Return each joint's rotor inertia, from the controller's torque less that of rigid links."""
+    each = {
+        name: rotor_samples(arm.mounted(gravities[name]), signals[name], motion[name], lowpass)
+        for name in signals
+    }
+    samples = {name: sample for name, sample in each.items() if sample is not None}
+    if not samples:
+        return Rotors()
+    fit = rotor_inertia.fit_rotor_inertia(*zip(*samples.values(), strict=True))
+    return Rotors([*samples], fit.value, fit.std_error)
+
+
+def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
+    """Return the arm with the fitted rotor inertias in its chosen model, as "<model>+rotors"."""
+    if rotors.value is None:
+        return robot
+    name = f"{robot.chosen_model}+rotors"
+    described = name if name in robot.models else robot.chosen_model
+    # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
+    fitted = [
+        value if value >= 0 else inertia
+        for value, inertia in zip(
+            rotors.value.inertia.tolist(),
+            rigid_bodies(robot, described).rotor_inertia.tolist(),
+            strict=True,
+        )
+    ]
+    model = robot.models[described].model_copy(update={"rotor_inertias": tuple(fitted)})
+    return robot.with_model(name, model)
+
+
+def with_identified(
+    robot: Robot, gravities: Sequence[list[float] | None], blocks: list[Block]
+) -> tuple[Robot, Identification]:
+    """Return the arm with the model "identified" from some blocks, and how it was found.
+
+    gravities: of the recordings, which decide what their torques determine.
+    Raises RefusalError where there are too few blocks, or none that bodies could explain.
+    """
+    data = stack(blocks)
+    unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
+    models = [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
+    estimate = identify(data, models[0].parameters, prior_width(len(models[0].parameters)))
+    parameters = consistent(estimate)
+    model = identified_model(robot, parameters, DESCRIPTION)
+    found = identification(models, data, estimate, parameters, blocks)
+    return robot.with_model("identified", model), found
+
+
+def identification(
+    models: Sequence[LinkModel],
+    data: Stack,
+    estimate: Estimate,
+    parameters: Array,
+    blocks: list[Block],
+) -> Identification:
+    """Return base parameters, errors with and without consistency, and undetermined parameters."""
+    motions = candidate_motions(len(estimate.noise), SPEED, ACCELERATION)
+    candidates = {
+        name: np.concatenate([model.regressor(*motion) for model in models])
+        for name, motion in motions.items()
+    }
+    base = base_parameters(candidates[list(motions)[-1]])
+    excitation = check_excitation(
+        data, base, estimate.width, np.full_like(estimate.noise, RESOLUTION), candidates
+    )
+    values = base.groups @ parameters, estimate.standard_errors(base.groups)
+    known = map(bool, estimate.determined(base.groups))
+    return Identification(
+        noise=estimate.noise,
+        parameters=[*map(BaseParameter, base.names(), *values, known, base.groups)],
+        mae={
+            "without constraint": torque_error(blocks, estimate.parameters),
+            "consistent": torque_error(blocks, parameters),
+        },
+        smallest_eigenvalues={
+            "without constraint": smallest_eigenvalues(estimate.parameters),
+            "consistent": smallest_eigenvalues(parameters),
+        },
+        excitation=excitation,
+    )
+
+
+def torque_states(signals: Signals, motion: Motion) -> tuple[tuple[Array, Array, Array], bool]:
+    """Return q, q̇, q̈ (N, 6) that go with `target_moment`, and whether they are its exact targets.
+
+    Where targets were not recorded, the measured motion of the motors: the controller knows rotors
+    and rigid links, but no vibration between them.
+    """
+    q, qd, qdd = signals.target_q, signals.target_qd, signals.target_qdd
+    if q is None or qd is None or qdd is None:
+        motor_qdd = by_segment(differentiate, motion.motor_qd, motion.segment, signals.period)
+        return (motion.q, motion.motor_qd, motor_qdd), False
+    return (q, qd, qdd), True
+
+
+def comparable(rows: Array, signals: Signals, exact: bool, design: Butterworth) -> Array:
+    """Return rows (N, M) of torques and regressors, NaN where a frame was interpolated.
+
+    Unless the states are exact, all are low-passed alike: measured accelerations already are.
+    """
+    if not exact:
+        rate = 1 / signals.period
+        rows = by_segment(zero_phase_lowpass, rows, signals.segment, rate, *design)
+    return np.where(signals.interpolated[:, None], np.nan, rows)
+
+
+def rotor_samples(
+    robot: Robot, signals: Signals, motion: Motion, design: Butterworth
+) -> tuple[Array, Array, Array] | None:
+    """Return the torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated.
+
+    robot: under the recording's gravity; its links carry the payload that the controller was given:
+    `target_moment` contains it. None where that was not recorded.
+    """
+    if signals.target_moment is None:
+        return None
+    states, exact = torque_states(signals, motion)
+    model = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
+    residual = signals.target_moment - model.inverse_dynamics(*states)
+    samples = comparable(np.hstack([residual, *states[1:]]), signals, exact, design)
+    residual, qd, qdd = np.hsplit(samples, 3)
+    return residual, qd, qdd
+
+
+def torque_blocks(
+    robot: Robot, signals: Signals, motion: Motion, design: Butterworth
+) -> Iterator[tuple[Array, Array]]:
+    """Yield regressors (n, 6, 66) and the controller's torques (n, 6), a block each two seconds.
+
+    The torques are those of the bare arm: a payload that the controller was given is taken off.
+    Nothing where `target_moment` was not recorded.
+    """
+    if signals.target_moment is None:
+        return
+    states, exact = torque_states(signals, motion)
+    bare = LinkModel(robot, robot.chosen_model)
+    loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
+    load = loaded.inverse_dynamics(*states) - bare.inverse_dynamics(*states)
+    columns = bare.regressor(*states).reshape(len(signals.time), -1)
+    rows = np.hstack([columns, signals.target_moment - load])
+    rows = comparable(rows, signals, exact, design)
+    every = max(1, round(STEP / signals.period))
+    for part in unbroken(signals.segment, (signals.time // BLOCK).astype(np.int64)):
+        chosen = rows[part][::every]
+        yield chosen[:, :-6].reshape(-1, 6, 66), chosen[:, -6:]

@@ -1,0 +1,239 @@
+"""Acceleration of the end effector: from joints, through Euler angles, and from an IMU."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ur5lib.records.accelerations import (
+    COMPONENTS,
+    AccelerationErrors,
+    Accelerations,
+    ByRange,
+    Difference,
+    ImuComparison,
+)
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import FusedMotion, Motion, MotionAccount
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
+from ur5lib.signals.imu_calibration import (
+    AS_DRAWN,
+    ImuCalibration,
+    accelerometer_bias,
+    calibration_for,
+)
+from ur5lib.signals.imu_samples import has_valid_imu, imu_samples
+from ur5lib.smoothing.fused_motion import fused_record, imu_model, no_fused_motion
+from ur5lib.smoothing.imu_fusion import smooth_with_imu
+from ur5lib.smoothing.plain_filter import FilteredMotion, filter_encoders
+from ur5lib.smoothing.smoothed_motion import known_joints, measured, motion_account
+from ur5lib.steps.evidence import Evidence
+from ur5lib.steps.read_recording import by_stamps
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import (
+    THESIS_ACCELERATION,
+    Butterworth,
+    causal_lowpass,
+    inner_lowpass,
+)
+from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.sampling import differentiate
+from ur5lib.timeseries.segments import DEAD_ZONE, by_segment
+
+RANGE_ORDER = 4  # of the filters that separate ranges of frequency
+EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
+CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
+LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
+
+Differences = Callable[[float], Mapping[str, Array]]
+"""Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""
+
+
+def fuse_imu(evidence: Evidence) -> tuple[FusedMotion, dict[str, MotionAccount]]:
+    """Return the joints' motion from encoders and IMU, where the IMU is valid, and its account."""
+    if not has_valid_imu(evidence.alignment.clocks):
+        return no_fused_motion(), {}
+    signals, motion = evidence.signals, evidence.motion
+    calibration = calibration_for(evidence.recording, evidence.calibration)
+    encoders = known_joints(motion, evidence.noise, evidence.alignment.encoders)
+    model = imu_model(evidence.robot, evidence.kinematics, calibration, motion.qd)
+    samples = signals.time, signals.segment, *measured(signals)
+    fused = smooth_with_imu(*samples, signals.imu, model, encoders)
+    return fused_record(signals, fused), {"encoders+imu": motion_account(fused)}
+
+
+def compare_accelerations(
+    evidence: Evidence, fused: FusedMotion
+) -> tuple[Accelerations, ImuComparison]:
+    """Return the end effector's acceleration from joints, through Euler angles and from an IMU,
+    and how far they differ; empty without a valid IMU.
+    """
+    signals, kinematics = evidence.signals, evidence.kinematics
+    if not has_valid_imu(evidence.alignment.clocks):
+        return Accelerations(time=signals.time, segment=signals.segment), ImuComparison()
+    calibration = calibration_for(evidence.recording, evidence.calibration_without_each)
+    motions: dict[str, Motion | FilteredMotion] = {
+        "encoders": evidence.motion,
+        "encoders+imu": fused,
+        "filterpy": filter_encoders(signals.segment, *measured(signals), signals.period),
+    }
+    modelled = at_the_imu(evidence.arm, kinematics, motions, calibration)
+    own = BesideImu(evidence.robot, signals, kinematics, modelled, calibration)
+    placed = by_stamps(evidence.imu, evidence.quality.starts["imu"], signals.time, "imu")
+    accelerations, bias = compared(own, evidence.accelerations_lowpass, placed)
+    ranged = {"ranges": modelled["encoders"], "plain_ranges": modelled["filterpy"]}
+    return accelerations, ImuComparison(
+        errors=acceleration_errors(accelerations),
+        calibrated_on=[*calibration.from_],
+        accelerometer_bias=bias,
+        **by_range(partial(differences, own._replace(modelled=ranged)), evidence.motion.qd),
+    )
+
+
+class BesideImu(NamedTuple):
+    """A recording with an IMU, and its acceleration by motions (N, 6), see `at_the_imu`.
+
+    robot: under the recording's gravity.
+    """
+
+    robot: Robot
+    signals: Signals
+    kinematics: Kinematics
+    modelled: Mapping[str, Array]
+    calibration: ImuCalibration
+
+
+def at_the_imu(
+    robot: Robot,
+    kinematics: Kinematics,
+    motions: Mapping[str, Motion | FilteredMotion],
+    calibration: ImuCalibration,
+) -> dict[str, Array]:
+    """Return J_g q̈ + J̇_g q̇ at the IMU's place by each motion, (N, 6), without a filter."""
+    point = np.array(robot.mounting.imu) + calibration.shift()
+    frames = kinematics.rotation, kinematics.jacobian
+    return {
+        name: point_acceleration(*frames, motion.qd, motion.qdd, point)
+        for name, motion in motions.items()
+    }
+
+
+def as_calibrated(known: BesideImu, design: Butterworth) -> tuple[Array, dict[str, Array], Array]:
+    """Return the calibrated IMU's acceleration and the modelled ones there (N, 6), low-passed
+    without delay, and the accelerometer's bias (3,) [m/s²], this recording's own.
+    """
+    robot, signals, kinematics, modelled, calibration = known
+    bias = accelerometer_bias(imu_samples(robot, signals, kinematics, design), calibration)
+    accelerometer = signals.imu[:, :3] - bias
+    axes, up = kinematics.rotation @ calibration.axes(), calibration.up(np.array(robot.gravity))
+    turning = derivative(signals, signals.imu[:, 3:])
+    felt = felt_acceleration(axes, accelerometer, turning, up)
+    smooth = partial(lowpassed, signals, inner_lowpass, design)
+    return smooth(felt), {name: smooth(values) for name, values in modelled.items()}, bias
+
+
+def as_published(known: BesideImu, by_stamps: Array) -> tuple[Array, dict[str, Array]]:
+    """Return accelerations of IMU and Euler angles, (N, 6), as in Section 5.5: an IMU
+    without calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as
+    printed and put right.
+
+    by_stamps: the IMU's reading (N, 6), placed by its start stamp.
+    """
+    robot, signals, kinematics, *_ = known
+    up, turning = AS_DRAWN.up(np.array(robot.gravity)), derivative(signals, by_stamps[:, 3:])
+    felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
+    smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
+    angles = {
+        name: smooth(through_angles(signals, kinematics, printed))
+        for name, printed in EULER.items()
+    }
+    return smooth(felt), angles
+
+
+def through_angles(signals: Signals, kinematics: Kinematics, printed: bool) -> Array:
+    """Return the acceleration through Euler angles (N, 6), without a filter.
+
+    printed: whether by Equation 2.33 as printed.
+    """
+    qd = signals.actual_qd
+    if qd is None:
+        qd = derivative(signals, signals.actual_q)
+    frames, qdd = (kinematics.rotation, kinematics.jacobian), derivative(signals, qd)
+    return euler_acceleration(*frames, qd, qdd, signals.segment, signals.period, printed)
+
+
+def compared(
+    known: BesideImu, design: Butterworth, by_stamps: Array
+) -> tuple[Accelerations, Array]:
+    """Return the accelerations by both routes, and the accelerometer's bias (3,) [m/s²]."""
+    felt, ours, bias = as_calibrated(known, design)
+    published_felt, published = as_published(known, by_stamps)
+    accelerations = Accelerations(
+        time=known.signals.time,
+        segment=known.signals.segment,
+        felt=felt,
+        acceleration=ours,
+        published_felt=published_felt,
+        published=published,
+    )
+    return accelerations, bias
+
+
+def differences(known: BesideImu, cutoff: float) -> dict[str, Array]:
+    """Return the IMU's acceleration less the modelled ones (N, 6), low-passed at a cut-off [Hz]."""
+    felt, estimates, _ = as_calibrated(known, Butterworth(RANGE_ORDER, cutoff))
+    return {name: felt - values for name, values in estimates.items()}
+
+
+def derivative(signals: Signals, values: Array) -> Array:
+    """Return the time derivative of values (N, M) within the segments."""
+    return by_segment(differentiate, values, signals.segment, signals.period)
+
+
+def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Array) -> Array:
+    """Return values (N, M), low-passed within the segments."""
+    return by_segment(function, values, signals.segment, 1 / signals.period, *design)
+
+
+def acceleration_errors(accelerations: Accelerations) -> dict[str, AccelerationErrors]:
+    """Return the MAE by estimate and component against the IMU, and that of zero."""
+    published, ours = accelerations.published_felt, accelerations.felt
+    if published is None or ours is None:
+        return {}
+    return _errors(accelerations.published, published) | _errors(accelerations.acceleration, ours)
+
+
+def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, AccelerationErrors]:
+    zero = mean_absolute_error(np.zeros_like(felt), felt)
+    return {
+        name: AccelerationErrors(
+            dict(zip(COMPONENTS, mean_absolute_error(values, felt), strict=True)),
+            dict(zip(COMPONENTS, zero, strict=True)),
+        )
+        for name, values in estimates.items()
+    }
+
+
+def by_range(differences: Differences, qd: Array) -> dict[str, ByRange]:
+    """Return how far both differ, by motion and range of frequency, in motion and at rest.
+
+    qd: (N, 6) [rad/s]. A state without any sample is left out.
+    """
+    moving = np.abs(qd).max(axis=1) > DEAD_ZONE
+    low = {cutoff: differences(cutoff) for cutoff in (2.0, 5.0, 20.0)}
+    ranges: dict[str, ByRange] = {name: {} for name in low[2.0]}
+    for motion, (name, (above, below)) in product(ranges, CUTOFFS.items()):
+        within = low[below][motion] - (low[above][motion] if above else 0)
+        known = np.isfinite(within).all(axis=1)
+        states = {"motion": within[known & moving], "rest": within[known & ~moving]}
+        ranges[motion][name] = {state: _summed(part) for state, part in states.items() if len(part)}
+    return ranges
+
+
+def _summed(difference: Array) -> Difference:
+    quantiles = np.quantile(np.abs(difference), LEVELS, axis=0)
+    return Difference(np.mean(difference**2, axis=0), quantiles)

@@ -1,0 +1,184 @@
+"""What is wrong with the force sensor in an arm's wrist, and with its controller's force."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from scipy import stats
+from scipy.spatial.transform import Rotation
+
+from ur5lib.force.sensor_audit import (
+    FreeReading,
+    SensorErrors,
+    fit_free_reading,
+    fit_sensor_errors,
+    shifts_after_contacts,
+)
+from ur5lib.identification.payload import JudgedLoad
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import Audit, AuditRow
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.records.table import WRENCH, WRENCH_UNITS
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.signals.end_effector import ToolMotion
+from ur5lib.steps.sensor_reading import in_frame_6, moved_tool, within_reach
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
+
+ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
+PAYLOAD = 0.15  # error of the scale beyond which the declared payload is wrong, not the sensor
+FEW = 5.0  # s without contact, below which nothing is said
+# Errors that matter: a quarter of the maker's accuracy of 4 N and 0.3 Nm, and what 0.05 kg weigh.
+FORCES = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
+DEGREES, SCALES, KILOGRAMS, METRES = 2.0, 0.05, 0.1, 0.01
+ZERO = 2 * FORCES
+SCALE_STD = 0.03  # of a sensor whose scale nothing tells but the mass that it weighs
+SLOW = 0.3  # m/s², below which inertia, which a controller may leave in its force, does not matter
+
+
+def audit(
+    robot: Robot,
+    signals: Signals,
+    kinematics: Kinematics,
+    motion: Motion,
+    tool: Payload | None,
+    currents: JudgedLoad | None,
+) -> Audit:
+    """Return what can be said of the sensor, a row a value; tool: on the flange, as declared.
+
+    currents: the load that the motor currents show beside the tool, None where they show none.
+    """
+    free, rows, moved = 0.0, list[AuditRow](), moved_tool(robot, kinematics, motion)
+    if signals.ft_raw_wrench is not None:
+        reading, sensed = _explained(robot, signals, moved, tool)
+        free = reading.seconds
+        declared = robot.mounting.force_sensor_turn_deg
+        rows += [*_turn_rows(sensed, np.array(declared)), *_sensor_rows(reading, sensed, tool)]
+        rows += _shift_rows(reading, signals.time)
+    if signals.actual_TCP_force is not None:
+        weight = np.array(robot.gravity) @ kinematics.rotation  # R_6ᵀ g
+        stated = _left_by_controller(signals, kinematics.rotation, moved, weight)
+        if stated is not None and stated.seconds >= FEW:
+            free, left = free or stated.seconds, fit_sensor_errors(stated, None)
+            # the zero of the controller's force, and the weight that it still contains
+            rows += _wrench_rows("zero", stated.bias, stated.std()[0], ZERO)
+            rows.append(row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS))
+    if currents:
+        known = currents.carried, currents.std_error, "kg", currents.configured
+        rows.append(row("mass_by_currents", "", *known, 0.0))
+    return Audit(free, rows if free >= FEW else [])
+
+
+def _explained(
+    robot: Robot, signals: Signals, moved: ToolMotion, tool: Payload | None
+) -> tuple[FreeReading, SensorErrors]:
+    """Explain the raw reading, with the tool where it turns out to be."""
+    assert signals.ft_raw_wrench is not None
+    center = np.array(tool.center_of_mass) if tool else np.zeros(3)
+    for _ in range(ROUNDS):
+        known = moved.pull_at(center), moved.spin, signals.time, signals.period
+        reading = fit_free_reading(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
+        sensed = fit_sensor_errors(reading, tool.mass if tool else None)
+        if tool and abs(sensed.scale.mean() - 1) > PAYLOAD:
+            sensed = fit_sensor_errors(reading, None)
+        center = within_reach(sensed.center)
+    return reading, sensed
+
+
+def _left_by_controller(
+    signals: Signals, rotation: Array, moved: ToolMotion, weight: Array
+) -> FreeReading | None:
+    """Explain the controller's force, in axes of frame 6, where the arm is slow for long enough."""
+    assert signals.actual_TCP_force is not None
+    slow = np.linalg.norm(moved.pull - weight, axis=1) < SLOW
+    if slow.sum() * signals.period < FEW:
+        return None
+    wrench = (signals.actual_TCP_force.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
+    wrench[~slow] = np.nan
+    return fit_free_reading(wrench, weight, moved.spin, signals.time, signals.period, None)
+
+
+def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[AuditRow]:
+    """Yield the rotation vector from frame 6 to the sensor's axes; declared: (3,) [°]."""
+    left = Rotation.from_rotvec(sensed.turn)  # of the reading, turned by what is declared
+    turn = (left * Rotation.from_rotvec(declared, degrees=True)).as_rotvec(degrees=True)
+    std = np.rad2deg(sensed.turn_std)
+    yield from _axis_rows("turn", turn, std, "°", declared, DEGREES)
+
+
+def _sensor_rows(
+    reading: FreeReading, sensed: SensorErrors, tool: Payload | None
+) -> Iterator[AuditRow]:
+    """Yield bias, drift and scale of the sensor, and the tool that it carries."""
+    bias_std, drift_std = reading.std()
+    yield from _wrench_rows("bias", reading.bias, bias_std)
+    yield from _wrench_rows("drift", reading.drift, drift_std, FORCES, "/min")
+    mass, mass_std = sensed.mass, sensed.mass_std
+    if tool and sensed.mass == tool.mass:
+        yield from _axis_rows("scale", sensed.scale, sensed.scale_std, "1", [1.0] * 3, SCALES)
+        factor = float(sensed.scale.mean())
+        mass, mass_std = factor * mass, float(mass * np.linalg.norm(sensed.scale_std) / 3)
+    mass_std = float(np.hypot(mass_std, SCALE_STD * mass))
+    limit = max(KILOGRAMS, 2.5 * SCALE_STD * abs(mass))
+    yield row("mass", "", mass, mass_std, "kg", tool.mass if tool else None, limit)
+    places = tool.center_of_mass if tool else (None,) * 3
+    yield from _axis_rows("center_of_mass", sensed.center, sensed.center_std, "m", places, METRES)
+
+
+def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
+    """Yield the mean shift of the reading by a contact, where there were two or more."""
+    shifts = shifts_after_contacts(reading, time)
+    if len(shifts) > 1:
+        error = shifts.std(axis=0, ddof=1) / np.sqrt(len(shifts))
+        student = stats.t.ppf(0.975, len(shifts) - 1) / NORMAL95
+        yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, FORCES)
+
+
+def _axis_rows(
+    quantity: str,
+    values: Array,
+    errors: Array,
+    unit: str,
+    expected: Iterable[float | None],
+    limit: float,
+) -> Iterator[AuditRow]:
+    for axis, value, std, wanted in zip("xyz", values, errors, expected, strict=True):
+        yield row(quantity, axis, value, std, unit, wanted, limit)
+
+
+def _wrench_rows(
+    quantity: str,
+    values: Array,
+    errors: Array,
+    limits: Array | None = None,
+    per: str = "",
+) -> Iterator[AuditRow]:
+    wanted = None if limits is None else 0.0
+    allowed = [None] * 6 if limits is None else limits
+    columns = WRENCH, values, errors, WRENCH_UNITS, allowed
+    for name, value, std, unit, limit in zip(*columns, strict=True):
+        yield row(quantity, name, value, std, unit + per, wanted, limit)
+
+
+def row(
+    quantity: str,
+    component: str,
+    value: float,
+    std: float,
+    unit: str,
+    expected: float | None,
+    limit: float | None,
+) -> AuditRow:
+    """Return a value with its 95 % interval and the verdict on it.
+
+    limit: the error that matters. unknown: the interval is wider than that; wrong: the value is
+    further from what is expected than its interval and the limit allow; right otherwise.
+    """
+    half, verdict = NORMAL95 * std, ""
+    if expected is not None and limit is not None:
+        off = abs(value - expected)
+        verdict = "wrong" if off > max(half, limit) else "right"
+        if verdict == "right" and limit and not half <= limit:
+            verdict = "unknown"
+    numbers = float(value), float(std), float(value - half), float(value + half)
+    return AuditRow(quantity, component, *numbers, unit, expected, verdict)

@@ -1,0 +1,245 @@
+"""Contacts by each estimate: alarms, comparison with the sensor, smallest detectable force."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import load_regressor
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.detection import (
+    TOUCH,
+    Span,
+    alarms,
+    compare,
+    contacts,
+    force_alarms,
+    is_free,
+    pushes_above,
+    raised_live,
+    receiver_curve,
+)
+from ur5lib.force.external_torque import MOVING, finite_rows
+from ur5lib.force.flange_contact import SAMPLES, SURE, flange_probability, lever, places
+from ur5lib.force.force_input import ForceInput, gears
+from ur5lib.force.gate import Noise, diagonal
+from ur5lib.force.grasp import grasped_load
+from ur5lib.force.problem import Problem
+from ur5lib.records.contacts import Alarm, Detected, ForceClass, Matched, OnAxis
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import link_frames
+from ur5lib.steps.evidence import Evidence
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import marked
+
+CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
+CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
+
+Named = Callable[[Span, Alarm], Alarm]
+
+
+class Alarms(NamedTuple):
+    """What one estimate raises.
+
+    evidence: (N,), log-odds of contact, or the size of a force [N]; raised: its alarms; wrench,
+    std: (N, 6) [N, Nm], NaN where no deviation is stated.
+    """
+
+    evidence: Array
+    raised: list[Span]
+    wrench: Array
+    std: Array
+
+
+def alarms_by_odds(forces: Forces, name: str, threshold: float) -> Alarms:
+    """Return the alarms of an estimate that states odds of contact."""
+    odds = forces.log_odds[name]
+    return Alarms(odds, alarms(odds, threshold), forces.wrench[name], forces.std[name])
+
+
+def all_alarms(
+    forces: Forces, published: PublishedForces, thresholds: Mapping[str, float]
+) -> dict[str, Alarms]:
+    """Return the alarms of every estimate that the recording has and a threshold is known of.
+
+    The published ones state a force alone, of which the threshold is a size [N].
+    """
+    found = {}
+    for name, threshold in thresholds.items():
+        if name in forces.log_odds:
+            found[name] = alarms_by_odds(forces, name, threshold)
+        elif name in published.corrected:
+            wrench = published.corrected[name]
+            size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
+            raised = force_alarms(size, threshold)
+            found[name] = Alarms(size, raised, wrench, np.full_like(wrench, np.nan))
+    return found
+
+
+def detected(
+    found: Mapping[str, Alarms],
+    sensor: SensorWrenches,
+    thresholds: Mapping[str, float],
+    named: Named,
+) -> dict[str, Detected]:
+    """Return the alarms of each estimate, and their comparison with the sensor.
+
+    named: returns an alarm with its kind, a contact or a load.
+    """
+    return {
+        name: Detected(
+            **vars(matched(own.raised, sensor)),
+            threshold=thresholds[name],
+            raised=[named(span, strongest(span, sensor.time, own)) for span in own.raised],
+            time_in_alarm=float(marked(own.raised, len(sensor.time)).mean()),
+            axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
+            free_time_in_alarm=free_time_in_alarm(own, sensor),
+            roc_area=roc_area(own, sensor),
+        )
+        for name, own in found.items()
+    }
+
+
+def causally(
+    forces: Forces, sensor: SensorWrenches, thresholds: Mapping[str, float]
+) -> Matched | None:
+    """Return the alarms raised from past samples only, and their comparison with the sensor."""
+    if forces.causal_log_odds is None or "causal" not in thresholds:
+        return None
+    return matched(raised_live(forces.causal_log_odds, thresholds["causal"]), sensor)
+
+
+def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:
+    """Return how an estimate does with the fixed threshold that the thesis claims, on one axis."""
+    force = own.wrench[:, axis]
+    above = float(np.mean(np.nan_to_num(np.abs(force)) >= CLAIMED))
+    if "compensated" not in sensor.wrench:
+        return OnAxis(CLAIMED, above)
+    sensed = sensor.wrench["compensated"][:, axis]
+    return OnAxis(CLAIMED, above, *pushes_above(force, sensed, CLAIMED, sensor.period))
+
+
+def load_finder(evidence: Evidence) -> Named:
+    """Return a function that decides whether an alarm is a grasped load, and estimates its mass."""
+    currents, forces = evidence.currents, evidence.forces
+    external, background = currents.external_torque, forces.background
+    model = evidence.residuals.tau_ext
+    if external is None or background is None or model is None or not evidence.friction.from_:
+        return lambda _, alarm: alarm
+    torque = external - background
+    if (known_gears := gears(currents)) is not None:
+        torque, _ = known_gears.contact_torque(torque)
+    spread = model.doubt * model.spread[MOVING]
+    robot, motion = evidence.robot, evidence.motion
+
+    def named(span: Span, alarm: Alarm) -> Alarm:
+        part = slice(*span)
+        states = motion.q[part], motion.qd[part], motion.qdd[part]
+        per_load = load_regressor(robot, robot.fullest_model(), *states)
+        load = grasped_load(torque[part], per_load, spread, forces.period)
+        if load is None:
+            return alarm
+        return replace(alarm, kind="load", load_mass=load.mass, load_mass_std=load.std_error)
+
+    return named
+
+
+def strongest(span: Span, time: Array, own: Alarms) -> Alarm:
+    """Return an alarm with the largest force in it."""
+    part = slice(*span)
+    force, std, seconds = own.wrench[part, :3], own.std[part, :3], time[part]
+    peak = int(np.argmax(np.nan_to_num(np.linalg.norm(force, axis=1))))
+    times = float(seconds[0]), float(seconds[-1]), float(seconds[peak])
+    return Alarm(*times, force[peak], std[peak])
+
+
+def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
+    """Return the share of the samples without contact that are in alarm, None without a sensor."""
+    if (force := sensed_force(sensor)) is None:
+        return None
+    free = is_free(force, sensor.period)
+    return float(marked(own.raised, len(force))[free].mean()) if free.any() else None
+
+
+def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
+    """Return the area under the receiver's curve by sample, None without a sensor."""
+    if (force := sensed_force(sensor)) is None:
+        return None
+    wrong, right = receiver_curve(own.evidence, force >= TOUCH)
+    return float(np.trapezoid(right, wrong))
+
+
+def sensed_force(sensor: SensorWrenches) -> Array | None:
+    """Return the magnitude (N,) [N] of the force at the sensor, None without one."""
+    if "compensated" not in sensor.wrench:
+        return None
+    return np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
+
+
+def matched(raised: list[Span], sensor: SensorWrenches) -> Matched:
+    """Return how many alarms are raised, and how they match the contacts at a sensor."""
+    step = sensor.period
+    minutes = len(sensor.time) * step / 60
+    if (force := sensed_force(sensor)) is None:
+        return Matched(alarms_per_min=len(raised) / minutes)
+    any_contact = compare(raised, contacts(force), step)
+    return Matched(
+        alarms_per_min=len(raised) / minutes,
+        classes=[by_class(least, force, raised, step) for least in CLASSES],
+        precision=any_contact.precision(),
+        false_per_min=any_contact.false / minutes,
+        extra=any_contact.extra,
+    )
+
+
+def by_class(least: float, force: Array, raised: list[Span], step: float) -> ForceClass:
+    """Return how many contacts that reach a force are found, each by its own alarm, and when.
+
+    force: (N,) [N], of the sensor; step: [s].
+    """
+    found = compare(raised, contacts(force, least), step)
+    late = float(np.median(found.delays)) if len(found.delays) else None
+    return ForceClass(least, found.contacts, found.found, found.recall(), late)
+
+
+def judged_by_torques(
+    robot: Robot, problem: Problem, time: Array, prior: ContactPrior, raised: list[Alarm]
+) -> list[Alarm]:
+    """Return alarms of F̂ᵐᵃᵖ with whether they are off the flange; time: (N,) [s].
+
+    Loads, and contacts in which no torque is known, stay as they are.
+    """
+    return [
+        replace(own, off_flange=is_off_flange(robot, problem, time, prior, own)) for own in raised
+    ]
+
+
+def is_off_flange(
+    robot: Robot, problem: Problem, time: Array, prior: ContactPrior, alarm: Alarm
+) -> bool:
+    """Return whether the torques of a contact exclude that it is on the last link or a tool."""
+    run, model = problem
+    rows = middle_half(run, time, alarm.start, alarm.end)
+    if alarm.kind != "contact" or not len(rows):
+        return False
+    noise = Noise.of(run.states[rows], model, prior, run.load_std()[rows])
+    spread = diagonal(noise.spread + noise.hidden)
+    frames = link_frames(robot, run.q[rows])
+    levers = {
+        link: [lever(*frames, link, place) for place in along]
+        for link, along in places(*frames).items()
+    }
+    return 1 - flange_probability(run.torque[rows], levers, spread, prior.sizes) >= SURE
+
+
+def middle_half(run: ForceInput, time: Array, start: float, end: float) -> Labels:
+    """Return at most SAMPLES rows of known torque in the middle half of a contact [s].
+
+    The low-pass blurs its ends.
+    """
+    quarter = (end - start) / 4
+    inside = (time >= start + quarter) & (time <= end - quarter)
+    rows = np.flatnonzero(inside & finite_rows(run.torque) & finite_rows(run.q))
+    return rows[:: max(1, len(rows) // SAMPLES)]

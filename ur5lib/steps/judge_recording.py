@@ -1,0 +1,169 @@
+"""Judge a recording: beside its sensors, by its contacts, as rows of the study's tables."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.problem import fmap_problem
+from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.records.accelerations import Accelerations, ImuComparison
+from ur5lib.records.arm_state import Checkup
+from ur5lib.records.contacts import Detected
+from ur5lib.records.force_errors import Audit, Compared
+from ur5lib.records.forces import SensorWrenches
+from ur5lib.records.gains import GainSummary
+from ur5lib.records.judgement import Judgement, Rows
+from ur5lib.records.motion import FusedMotion, MotionAccount
+from ur5lib.steps.evidence import Evidence
+from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
+from ur5lib.steps.judge_audit import audit
+from ur5lib.steps.judge_contacts import (
+    all_alarms,
+    causally,
+    detected,
+    judged_by_torques,
+    load_finder,
+)
+from ur5lib.steps.judge_joints import checkup, dated
+from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
+from ur5lib.steps.measure_observability import by_axis, pushed
+from ur5lib.thesis.published_constants import PublishedConstants
+from ur5lib.thesis.reference import Published, read_reference
+from ur5lib.tidy import Row, files, forces, friction, models, motion, rows_of
+
+TRIAL_PUSHES = 120  # by which the smallest force that is detected is found
+
+
+class JudgedRecording(NamedTuple):
+    """What shows how right the estimates of a recording are."""
+
+    sensor: SensorWrenches
+    fused: FusedMotion
+    accelerations: Accelerations
+    judgement: Judgement
+
+
+def judge_recording(evidence: Evidence) -> JudgedRecording:
+    """Return a recording's motion and forces beside its sensors, and its rows of the tables."""
+    fused, account = fuse_imu(evidence)
+    accelerations, beside_imu = compare_accelerations(evidence, fused)
+    sensor, beside_sensor = compare_with_sensor(evidence)
+    rows = {
+        **of_files(evidence, beside_sensor),
+        **of_motion(evidence, beside_imu, account),
+        **of_currents(evidence),
+        **of_forces(evidence, beside_sensor, detect_contacts(evidence, sensor)),
+    }
+    condition = examine_joints(evidence)
+    return JudgedRecording(sensor, fused, accelerations, Judgement(rows, condition, beside_imu))
+
+
+def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
+    """Return the contacts by each estimate, beside the sensor; of F̂ᵐᵃᵖ, also whether they are at
+    the flange, what past currents alone tell, and the smallest push that is detected.
+    """
+    forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
+    alarms = all_alarms(forces, published_forces(evidence), thresholds)
+    contacts = detected(alarms, sensor, thresholds, load_finder(evidence))
+    problem = fmap_problem(evidence.motion, currents, evidence.residuals)
+    if problem is None or "Fmap" not in contacts:
+        return contacts
+    prior = ContactPrior(force=evidence.contact_force_n)
+    found = contacts["Fmap"]
+    at_flange = judged_by_torques(evidence.arm, problem, forces.time, prior, found.raised)
+    found = replace(found, raised=at_flange, causal=causally(forces, sensor, thresholds))
+    if evidence.is_examined and evidence.role == "validate":
+        odds, jacobian = forces.log_odds["Fmap"], evidence.kinematics.jacobian
+        trials = pushed(problem, jacobian, prior, found.threshold, odds, TRIAL_PUSHES)
+        found = replace(found, smallest_force_95=[*by_axis(trials)])
+    return contacts | {"Fmap": found}
+
+
+def audited(evidence: Evidence) -> Audit:
+    """Return what is wrong with the sensor in the arm's wrist, of a recording that is examined."""
+    signals = evidence.signals
+    has_own_file = "force" in evidence.quality.starts
+    stopped = evidence.premises.contradictions.stop_signs
+    looks = evidence.is_examined and evidence.arm.wrist_sensor
+    if not looks or has_own_file or signals.force_sensor is None or stopped:
+        return Audit()
+    tool, load = evidence.premises.load.payload, evidence.prediction.load
+    return audit(evidence.robot, signals, evidence.kinematics, evidence.motion, tool, load)
+
+
+def examine_joints(evidence: Evidence) -> Checkup:
+    """Return the condition of each joint; empty in contact, and where it cannot be told."""
+    if evidence.role == "contact":
+        return Checkup()
+    day = dated(evidence.date, evidence.quality, evidence.prediction)
+    tables = evidence.signals, evidence.motion, evidence.torques
+    record = current_record(evidence.recording, *tables, evidence.arm.fullest_model())
+    if day is None or record is None:
+        return Checkup()
+    smooth = Smoother(*evidence.currents_lowpass)
+    return checkup(record, smooth, evidence.friction.fit, day, evidence.quality)
+
+
+def of_files(evidence: Evidence, beside_sensor: Compared) -> dict[str, Rows]:
+    """Return the rows about the recording's files."""
+    quality, clocks = evidence.quality, evidence.alignment.clocks
+    contradictions = evidence.premises.contradictions
+    return written(
+        recordings=files.recordings(quality, evidence.signals),
+        files=files.files(quality),
+        quality=files.quality(quality, contradictions, clocks, beside_sensor),
+        clocks=files.clocks(clocks),
+    )
+
+
+def of_motion(
+    evidence: Evidence, beside_imu: ImuComparison, fused: dict[str, MotionAccount]
+) -> dict[str, Rows]:
+    """Return the rows about motion and link models."""
+    signals, loop, published = evidence.signals, evidence.closed_loop, printed(evidence)
+    encoders = {"encoders": evidence.alignment.encoders}
+    gains = evidence.gains or GainSummary()
+    return written(
+        torque_mae=models.torque_mae(signals, evidence.torques, loop, published),
+        closed_loop_mae=motion.closed_loop_mae(loop, signals, published) if loop else (),
+        gains=motion.gains(gains),
+        published_gains=motion.published_gains(gains),
+        acceleration_mae=motion.acceleration_mae(beside_imu, published),
+        innovations=motion.innovations(encoders, fused),
+    )
+
+
+def of_currents(evidence: Evidence) -> dict[str, Rows]:
+    """Return the rows about currents and the load that they show."""
+    constants = evidence.constants or PublishedConstants()
+    return written(
+        current_rmse=friction.current_rmse(evidence.prediction),
+        payload=friction.payload(evidence.prediction),
+        published_constants=friction.published_constants(constants, printed(evidence)),
+    )
+
+
+def of_forces(
+    evidence: Evidence, beside_sensor: Compared, contacts: dict[str, Detected]
+) -> dict[str, Rows]:
+    """Return the rows about forces and contacts."""
+    return written(
+        force_mae=forces.force_mae(beside_sensor, printed(evidence)),
+        contact_errors=forces.contact_errors(beside_sensor),
+        sensed=forces.sensed(beside_sensor),
+        detection=forces.detection(contacts),
+        fixed_threshold=forces.fixed_threshold(contacts),
+        contacts=forces.contacts(contacts),
+        audit=forces.audit(audited(evidence)),
+    )
+
+
+def printed(evidence: Evidence) -> Published:
+    """Return the published values of the recording."""
+    return Published(read_reference(evidence.reference).printed, evidence.recording)
+
+
+def written(**tables: Iterable[Row]) -> dict[str, Rows]:
+    """Return the rows of tables as they are written."""
+    return {table: rows_of(table, rows) for table, rows in tables.items()}

@@ -1,0 +1,80 @@
+"""The study's tables of results, from the results of all recordings and arms."""
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from ur5lib.force.residual_model import Residuals
+from ur5lib.records.friction import Friction
+from ur5lib.records.judgement import Judgement
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.robots.description import Robot
+from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.tables import read_cells
+from ur5lib.tidy import Row, columns, files, friction, models, motion, table
+
+
+def make_tables(
+    judgements: Mapping[str, Judgement],
+    arm: Mapping[str, Robot],
+    rotors: Mapping[str, Rotors],
+    identification: Mapping[str, Identification],
+    calibration: Mapping[str, dict[str, ImuCalibration]],
+    fitted: Mapping[str, Friction],
+    residuals: Mapping[str, Residuals],
+    parts: list[Path],
+    unreadable: dict[str, str],
+) -> dict[str, pd.DataFrame]:
+    """Return each table by its name.
+
+    judgements: of all recordings; the others are of all arms; parts: CSV files that steps write for
+    each arm, in the folder of its name: together they are the table of their name; unreadable: the
+    recordings without a judgement, each with the reason.
+    """
+    tables = tables_of_recordings(dict(judgements), unreadable)
+
+    def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
+        tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
+
+    of_arms("imu_calibration", lambda robot: motion.imu_calibration(calibration[robot]))
+    of_arms("rotor_inertia", lambda robot: models.rotor_inertia(rotors[robot]))
+    of_arms("parameters", lambda robot: models.parameters(identification[robot]))
+    of_arms("excitation", lambda robot: models.excitation(identification[robot]))
+    of_arms("friction", lambda robot: friction.friction(fitted[robot], arm[robot]))
+    of_arms("torque_constants", lambda robot: friction.torque_constants(fitted[robot], arm[robot]))
+    of_arms("cross_validation", lambda robot: friction.cross_validation(fitted[robot]))
+    of_arms(
+        "remarks",
+        lambda robot: models.remarks(identification[robot], fitted[robot], residuals[robot]),
+    )
+    return tables | joined(parts)
+
+
+def tables_of_recordings(
+    judgements: Mapping[str, Judgement], unreadable: Mapping[str, str]
+) -> dict[str, pd.DataFrame]:
+    """Return the tables whose rows are those of the recordings; of others, a stop sign."""
+    rows: dict[str, dict[str, Iterable[Row]]] = {
+        name: {recording: one.rows.get(name, ()) for recording, one in judgements.items()}
+        for name, own in columns().items()
+        if "recording" in own
+    }
+    rows["quality"] |= {name: [files.unreadable(why)] for name, why in unreadable.items()}
+    imu = {recording: one.imu for recording, one in judgements.items()}
+    rows["acceleration_bands"] = {
+        recording: motion.acceleration_bands(one, imu) for recording, one in imu.items()
+    }
+    tables = {name: table(name, own) for name, own in rows.items()}
+    return tables | {"quality": files.name_copies(tables["quality"])}
+
+
+def joined(parts: Iterable[Path]) -> dict[str, pd.DataFrame]:
+    """Return the tables that steps have written for each arm, by name; cells as text."""
+    by_name: dict[str, dict[str, pd.DataFrame]] = {}
+    for part in parts:
+        by_name.setdefault(part.stem, {})[part.parent.name] = read_cells(part)
+    return {
+        name: pd.concat(own, names=["robot", None]).reset_index("robot")
+        for name, own in by_name.items()
+    }

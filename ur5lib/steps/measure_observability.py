@@ -1,0 +1,185 @@
+"""What an arm's contact-free recordings let one observe.
+
+The smallest push that F̂ᵐᵃᵖ detects, by the flange's speed; and the velocities of each joint at
+which its friction is predicted within its band.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.detection import alarms, smallest_force
+from ur5lib.force.external_torque import finite_rows
+from ur5lib.force.problem import Problem, fmap_problem
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.trial_contacts import Trials, felt_push, try_each_place
+from ur5lib.identification.currents import CurrentFit, torque_constants
+from ur5lib.identification.samples import STEP
+from ur5lib.identification.validation import ShareBySpeed, share_by_speed
+from ur5lib.records.arm_state import Observed
+from ur5lib.records.contacts import SmallestPush
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.timeseries.arrays import Array
+
+FLANGE_SPEEDS = (0.0, 0.01, 0.25, 0.5, 1.0, np.inf)  # m/s; below the first step, the arm rests
+ROUNDS = 2  # of trial pushes
+FEWEST_TRIALS = 10  # of which some are detected and some are not
+
+
+def measure_observability(
+    motion: Mapping[str, Motion],
+    currents: Mapping[str, Currents],
+    kinematics: Mapping[str, Kinematics],
+    forces: Mapping[str, Forces],
+    predictions: Mapping[str, Prediction],
+    friction: Friction,
+    residuals: Residuals,
+    threshold: dict[str, float],
+    contact_force_n: float,
+) -> list[Observed]:
+    """Return what contact-free recordings of an arm let one observe; contact_force_n: [N], of a
+    typical contact.
+    """
+    prior, trials, errors = ContactPrior(force=contact_force_n), list[Trials](), list[Judged]()
+    for name, moved in motion.items():
+        predicted = currents[name]
+        if predicted.external_torque is None or predictions[name].is_loaded:
+            continue
+        errors.append(judged(moved, predicted, friction.fit_for(name)))
+        problem = fmap_problem(moved, predicted, residuals)
+        if "Fmap" in threshold and problem is not None:
+            jacobian, odds = kinematics[name].jacobian, forces[name].log_odds["Fmap"]
+            trials.append(pushed(problem, jacobian, prior, threshold["Fmap"], odds))
+    return [*observability(trials, errors)]
+
+
+class Judged(NamedTuple):
+    """Speeds of the joints (n, 6) [rad/s], and which errors are within their band (n, 6)."""
+
+    speed: Array
+    inside: Array
+
+
+def pushed(
+    problem: Problem,
+    jacobian: Array,
+    prior: ContactPrior,
+    threshold: float,
+    odds: Array,
+    least: int = 0,
+) -> Trials:
+    """Return trial pushes on a contact-free recording.
+
+    odds: without any (N,); least: number of pushes, if there is a place for any.
+    """
+    one, random = problem.input, np.random.default_rng(0)
+    speed = np.linalg.norm(np.matvec(jacobian[:, :3], one.qd), axis=1)
+    time = np.arange(len(speed), dtype=np.float64) * one.period
+    known = time, one.states, one.gears, prior.stiction * problem.model.breakaway
+    friction = np.random.default_rng(1)
+
+    def log_odds_of(torque: Array) -> Array:
+        felt = felt_push(torque, *known, friction)
+        return problem.pushed(felt).solve(jacobian[problem.rows], prior).log_odds
+
+    places = speed, one.period, threshold, alarms(odds, threshold), random
+    first = try_each_place(log_odds_of, jacobian, *places)
+    rounds = max(ROUNDS, -(-least // max(1, len(first.force))))
+    more = [try_each_place(log_odds_of, jacobian, *places) for _ in range(rounds - 1)]
+    return Trials.joined([first, *more])
+
+
+def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
+    """Return where the current of a contact-free recording is within the band of motion.
+
+    fit: has not seen the recording's path. The external torque is k times the error of the current.
+    """
+    every = max(1, round(STEP / motion.period))
+    torque = currents.external_torque
+    assert torque is not None
+    torque, qd = torque[::every], motion.motor_qd[::every]
+    known = finite_rows(torque) & finite_rows(qd)
+    half = np.array([joint.band_moving for joint in fit.joints])
+    error = np.abs(torque[known] / torque_constants(fit))
+    return Judged(np.abs(qd[known]), np.where(np.isnan(half), np.nan, error <= half))
+
+
+def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterator[Observed]:
+    """Yield smallest pushes by speed, and by joint the shares by speed and where they suffice."""
+    if trials:
+        together = Trials.joined([*trials])
+        for low, high in pairwise(FLANGE_SPEEDS):
+            yield from map(_push, limit(together.within(low, high), low, high))
+        yield from map(_push, by_axis(together))
+    if errors:
+        speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
+        known = np.isfinite(inside).T
+        shares = [share_by_speed(speed[k, j], inside[k, j] > 0) for j, k in enumerate(known)]
+        for joint, share in enumerate(shares, start=1):
+            yield from _shares(joint, share)
+        for joint, share in enumerate(shares, start=1):
+            yield _predicted(joint, *share.suffices())
+
+
+def _push(push: SmallestPush) -> Observed:
+    return Observed(
+        quantity="_".join(filter(None, ["smallest_push_95", push.axis])),
+        speed_low=push.speed_low,
+        speed_high=push.speed_high,
+        speed_unit="m/s",
+        value=push.force,
+        std_error=push.std,
+        unit="N",
+        samples=push.tried,
+    )
+
+
+def _shares(joint: int, shares: ShareBySpeed) -> Iterator[Observed]:
+    for low, high, share, samples in shares.rows():
+        yield Observed(
+            quantity="friction_in_band",
+            joint=joint,
+            speed_low=low,
+            speed_high=high,
+            speed_unit="rad/s",
+            value=share,
+            unit="1",
+            samples=samples,
+        )
+
+
+def _predicted(joint: int, low: float, high: float) -> Observed:
+    """Return the range of speeds in which a joint's friction is predicted within its band."""
+    return Observed(
+        quantity="least_velocity",
+        joint=joint,
+        speed_low=low,
+        speed_high=high,
+        speed_unit="rad/s",
+        value=low,
+        unit="rad/s",
+    )
+
+
+def by_axis(trials: Trials) -> Iterator[SmallestPush]:
+    """Yield the smallest pushes along x, y and z, at rest and in motion."""
+    for low, high in pairwise((*FLANGE_SPEEDS[:2], np.inf)):
+        for axis, name in enumerate("xyz"):
+            yield from limit(trials.within(low, high).along(axis), low, high, name)
+
+
+def limit(trials: Trials, low: float, high: float, axis: str = "") -> Iterator[SmallestPush]:
+    """Yield the smallest push that is detected between two speeds, if trials suffice."""
+    tried, found = len(trials.found), int(trials.found.sum())
+    if tried >= FEWEST_TRIALS:
+        yield SmallestPush(
+            low, high, tried, found, *smallest_force(trials.force, trials.found), axis
+        )

@@ -1,0 +1,16 @@
+"""The drift of each host, from contact-free recordings with a clock estimated by motion."""
+
+from collections.abc import Mapping
+
+from ur5lib.signals import clock
+from ur5lib.signals.clock import HostDrift, OwnClock
+
+
+def pool_drifts(
+    clocks: Mapping[str, dict[str, OwnClock]], hosts: dict[str, list[str]]
+) -> dict[str, HostDrift]:
+    """Return the drifts by device; hosts: the devices whose clocks are one.
+
+    clocks: of the devices of an arm's contact-free recordings.
+    """
+    return clock.pool_drifts(dict(clocks), hosts)

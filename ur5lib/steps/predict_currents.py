@@ -1,0 +1,239 @@
+"""The current that motion without contact needs, and the external torque beside it."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import load_regressor
+from ur5lib.errors import InputError
+from ur5lib.force.external_torque import (
+    external_torque,
+    finite_rows,
+    is_still,
+    joint_states,
+    without_edges,
+)
+from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.identification.currents import (
+    CurrentFit,
+    band,
+    friction_current,
+    load_loss,
+    predict,
+    torque_constants,
+)
+from ur5lib.identification.payload import (
+    LEFT,
+    PayloadEstimate,
+    joint_gains,
+    judged_load,
+)
+from ur5lib.identification.samples import Record, blocks
+from ur5lib.identification.validation import (
+    Scores,
+    baseline_current,
+    coefficients_of_constants,
+    score,
+)
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass
+from ur5lib.timeseries.segments import by_segment, extrapolated
+
+NEAR = 0.02  # rad, by which a joint may leave the tared posture
+LEAST_REST = 0.5  # s, of known torque at rest
+
+
+class PredictedCurrents(NamedTuple):
+    """Predicted currents and external torques of a recording, and how good they are."""
+
+    currents: Currents
+    summary: Prediction
+
+
+def predict_currents(
+    recording: str,
+    role: str,
+    signals: Signals,
+    motion: Motion,
+    torques: Torques,
+    premises: Premises,
+    payload: PayloadEstimate,
+    unloaded: Mapping[str, PayloadEstimate],
+    friction: Friction,
+    arm: Robot,
+    lowpass: Butterworth,
+    gravity: list[float] | None = None,
+    untouched: tuple[float, float] | None = None,
+) -> PredictedCurrents:
+    """Return the current that motion without contact needs, and the torque left for a contact.
+
+    payload, unloaded: loads of the recording and of the arm's `fit` recordings; untouched: [s], in
+    which nothing touches the resting arm. Both are empty without currents or a fit, and where the
+    recording contradicts the study. Raises InputError as `tared`.
+    """
+    summary = Prediction(recording in friction.from_)
+    record = current_record(recording, signals, motion, torques, arm.fullest_model())
+    if record is None or not friction.fit.joints or premises.contradictions.stop_signs:
+        return PredictedCurrents(Currents(time=signals.time, segment=signals.segment), summary)
+    fit, smooth = friction.fit_for(recording), Smoother(*lowpass)
+    load, load_torque = None, 0 * record.q
+    if payload.is_known:
+        may_be_taken = premises.load.source != "study" and role != "fit"
+        known = friction.paths, premises.load.mass
+        load = judged_load(payload, [*unloaded.values()], *known, may_be_taken)
+        if load.taken:
+            states = arm.mounted(gravity), arm.fullest_model(), motion.q, motion.qd, motion.qdd
+            load_torque = load_regressor(*states) @ payload.parameters
+    record, load_torque = with_load(record, load_torque, fit, smooth)
+    currents = predicted_currents(record, fit, load_torque, torques, smooth)
+    if untouched is not None:
+        currents = tared(currents, motion, untouched, recording)
+    rivals = baselines(record, arm, friction.least_squares, signals)
+    scored = scores(record, currents, rivals, smooth)
+    return PredictedCurrents(currents, replace(summary, load=load, scores=scored))
+
+
+def predicted_currents(
+    record: Record, fit: CurrentFit, load_torque: Array, torques: Torques, smooth: Smoother
+) -> Currents:
+    """Return prediction, band, external torques and friction of a recording.
+
+    record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated.
+    """
+    predicted, constant = predict(fit, record), torque_constants(fit)
+    external = external_torque(constant, record.current, predicted)
+    return Currents(
+        time=torques.time,
+        segment=torques.segment,
+        predicted_current=predicted,
+        current_band=band(fit, record, smooth),
+        external_torque=inner(smooth(external, record), record, smooth.cutoff),
+        causal_torque=causally_smoothed(external, record, smooth.cutoff),
+        load_doubt=LEFT * np.abs(smooth(load_torque, record)),
+        gear_torque=smooth(record.torque, record),
+        friction_torque=constant * smooth(friction_current(fit, record), record),
+        load_loss=smooth(load_loss(fit, record), record),
+    )
+
+
+def causally_smoothed(torque: Array, record: Record, cutoff: float) -> Array:
+    """Return a torque (N, 6) [Nm] low-passed [Hz] from each sample and those before it.
+
+    The low-pass is of first order, which delays slow changes by 1 / (2π f_c).
+    """
+    return by_segment(causal_lowpass, torque, record.segment, 1 / record.period, 1, cutoff)
+
+
+def with_load(
+    record: Record, load_torque: Array, fit: CurrentFit, smooth: Smoother
+) -> tuple[Record, Array]:
+    """Return the record with a load's torque (N, 6) [Nm] in it, and that torque as motors feel it.
+
+    By which factor each motor feels a load, the same recording says.
+    """
+    if load_torque.any():
+        loaded = replace(record, torque=record.torque + load_torque)
+        external = external_torque(torque_constants(fit), loaded.current, predict(fit, loaded))
+        left = inner(smooth(external, record), record, smooth.cutoff)
+        count = int(blocks(record)[-1]) + 1
+        load_torque = load_torque * (1 - joint_gains(left, smooth(load_torque, record), count))
+    return replace(record, torque=record.torque + load_torque), load_torque
+
+
+def baselines(
+    record: Record, robot: Robot, least_squares: Array, signals: Signals
+) -> Iterator[tuple[str, Array]]:
+    """Yield currents (N, 6) [A] by Coulomb and viscous least squares, by published constants, and
+    as the controller expected them.
+    """
+    if len(least_squares):
+        yield "least_squares", baseline_current(record, least_squares)
+    constants, friction = robot.current_to_torque, robot.friction
+    if constants is not None and friction is not None:
+        nothing = np.zeros(len(robot.joints))
+        coefficients = coefficients_of_constants(
+            np.array(constants.torque_constant),
+            np.array(constants.offset),
+            np.array(friction.coulomb),
+            np.array(friction.viscous),
+        )
+        preliminary = np.array(constants.preliminary_torque_constant)
+        without = coefficients_of_constants(preliminary, nothing, nothing, nothing)
+        yield "thesis", baseline_current(record, coefficients)
+        yield "thesis_without_friction", baseline_current(record, without)
+    if signals.target_current is not None:
+        yield "i_target", signals.target_current
+
+
+def scores(
+    record: Record, currents: Currents, others: Iterable[tuple[str, Array]], smooth: Smoother
+) -> dict[str, Scores]:
+    """Return how well each current is predicted; a band is stated for ours alone."""
+    assert currents.predicted_current is not None
+    assert currents.current_band is not None
+    half = currents.current_band
+    figures = {"fitted": score(record, currents.predicted_current, smooth, half)}
+    for name, current in others:
+        figures[name] = replace(
+            score(record, current, smooth, half), coverage=np.full(half.shape[1], np.nan)
+        )
+    return figures
+
+
+def inner(torque: Array, record: Record, cutoff: float) -> Array:
+    """Return a torque (N, 6), NaN at the ends of segments, where a low-pass [Hz] extrapolates."""
+    return without_edges(torque, record.segment, extrapolated(cutoff, record.period))
+
+
+def tared(
+    currents: Currents, motion: Motion, untouched: tuple[float, float], recording: str
+) -> Currents:
+    """Return the currents with external torques counted from an untouched span [s].
+
+    They count from there until a joint is elsewhere: constants and a load then err differently, and
+    friction at rest is another. Raises InputError where the span does not hold LEAST_REST at rest.
+    """
+    torque = currents.external_torque
+    if torque is None:
+        return currents
+    time = motion.time - motion.time[0]
+    states = joint_states(motion.motor_qd, motion.segment, motion.period)
+    inside = (time >= untouched[0]) & (time <= untouched[1])
+    known = inside & is_still(states) & finite_rows(torque)
+    if known.sum() * motion.period < LEAST_REST:
+        raise InputError(
+            f"`untouched` of {recording} is {[*untouched]}, in which the arm rests with a known "
+            f"torque for less than {LEAST_REST:g} s (the recording lasts {time[-1]:.4g} s, and its "
+            "first and last quarter second are unknown); give a span at rest, or remove the key"
+        )
+    kept = from_span(motion, known)
+    external, causal = (
+        own - kept[:, None] * own[known].mean(axis=0)
+        for own in (torque, _required(currents.causal_torque))
+    )
+    return replace(currents, external_torque=external, causal_torque=causal, tared=kept)
+
+
+def from_span(motion: Motion, known: Mask) -> Mask:
+    """Return the samples (N,) from the first known one on, until a joint is elsewhere."""
+    first = np.argmax(known)
+    away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > NEAR
+    ends = away | (motion.segment != motion.segment[first])
+    ends[:first] = False
+    kept = np.arange(len(ends)) >= first
+    return kept & ~np.maximum.accumulate(ends)
+
+
+def _required(torque: Array | None) -> Array:
+    assert torque is not None, "both external torques are known, or none"
+    return torque

@@ -1,0 +1,43 @@
+"""What another recording of an arm is worth: the bands before and after it, in a user's units."""
+
+from collections.abc import Mapping
+
+from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification
+from ur5lib.records.motion import Motion
+from ur5lib.records.premises import Premises
+from ur5lib.robots.description import Robot
+
+SECONDS = 20.0  # of the recordings that may come next, as `ur5 excite` designs them
+
+
+def rank_recordings(
+    arm: Robot,
+    motion: Mapping[str, Motion],
+    premises: Mapping[str, Premises],
+    friction: Friction,
+    identification: Identification,
+    gravities: dict[str, list[float] | None],
+) -> list[Bands]:
+    """Return the bands after each kind of recording; empty without a fit.
+
+    motion, premises, gravities: of the arm's `fit` recordings.
+    """
+    if not friction.fit.joints or not feels_forces(arm):
+        return []
+    recordings = []
+    for name in motion:
+        if name in {*friction.from_, *identification.from_}:
+            moved, load = motion[name], premises[name].load.payload
+            robot = arm.carrying(load).mounted(gravities[name])
+            recordings.append(Recorded.along(robot, moved.time, moved.q, moved.qd, moved.qdd))
+    known = Earlier(
+        friction.fit,
+        friction.parameters,
+        identification.noise,
+        fitted=len(friction.from_),
+        recordings=recordings,
+    )
+    outlook = Outlook(arm, known)
+    return outlook.ranked(outlook.candidates(SECONDS))

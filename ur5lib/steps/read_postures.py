@@ -1,0 +1,93 @@
+"""A recording of postures at rest: what it tells of gravity, and what contradicts the study."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.errors import InputError, UnreadableError
+from ur5lib.recordings import postures as posture_files
+from ur5lib.recordings.entries import Entry, Files
+from ur5lib.recordings.innovations import CURRENT
+from ur5lib.recordings.posture_checks import (
+    large_constants,
+    posture_stop_signs,
+    what_gravity_shows,
+)
+from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.carried import carried, disagreements
+from ur5lib.records.judgement import Judgement
+from ur5lib.records.postures import Postures
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Payload, Robot, Six
+from ur5lib.robots.statics import gravity_torque
+from ur5lib.tables import checksum
+from ur5lib.tidy import files, rows_of
+from ur5lib.timeseries.arrays import Array
+
+
+class ReadPostures(NamedTuple):
+    """A recording of postures at rest, and its rows of the tables."""
+
+    postures: Postures
+    judgement: Judgement
+
+
+def read_postures(
+    recording: Entry,
+    raw: list[Path],
+    arm: Robot,
+    gravity: list[float] | None = None,
+    payload: Payload | None = None,
+    tcp: Six | None = None,
+) -> ReadPostures:
+    """Return postures at rest of a recording without time; arguments as of `read_recording`, and
+    gravity [m/s²], payload and tool centre point as the study declares them; raises as that.
+    """
+    try:
+        postures, quality = checked_postures(recording, arm.mounted(gravity), payload, tcp)
+    except InputError as error:
+        raise UnreadableError(str(error)) from None
+    quality = replace(quality, read={str(path): checksum(path) for path in raw})
+    rows = {
+        "recordings": files.recordings(quality, None),
+        "files": files.files(quality),
+        "quality": files.quality(quality, postures.contradictions),
+    }
+    judgement = Judgement({table: rows_of(table, own) for table, own in rows.items()})
+    return ReadPostures(postures, judgement)
+
+
+def checked_postures(
+    recording: Files, arm: Robot, declared: Payload | None, tcp: Six | None
+) -> tuple[Postures, Quality]:
+    """Read and check a recording of postures.
+
+    arm: under the recording's gravity; declared, tcp: of the study, None where it declares none.
+    Raises InputError when it cannot be used.
+    """
+    table, quality = posture_files.read_postures(recording, arm)
+    counted = table.assign(time=np.arange(len(table)), segment=0, interpolated=False)
+    signals, means = Signals.from_table(counted), posture_files.posture_means(table)
+    load = carried(declared, signals)
+    postures = Postures(
+        q=means.q,
+        current=means.currents[CURRENT],
+        gravity=[*arm.gravity],
+        payload=load.payload,
+        contradictions=Contradictions(
+            posture_stop_signs(means, arm, load.configured, load.payload),
+            disagreements(declared, tcp, signals),
+        ),
+    )
+    shown = what_gravity_shows(means, arm, load.payload)
+    if not postures.contradictions.stop_signs:
+        shown += large_constants(means, arm.carrying(load.payload))
+    return postures, replace(quality, findings=[*quality.findings, *shown])
+
+
+def held_torque(postures: Postures, arm: Robot, model: str) -> Array:
+    """Return the torque (M, n) [Nm] by which an arm holds the postures and its payload."""
+    loaded = arm.mounted(postures.gravity).carrying(postures.payload)
+    return gravity_torque(loaded, model, postures.q)

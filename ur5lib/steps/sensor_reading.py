@@ -1,0 +1,116 @@
+"""A force sensor's reading, and what its bias, its tool's weight and inertia are of it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.force.sensor import SensorOffset, bias, fit_offset
+from ur5lib.recordings.quality import StartOffset
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.signals.end_effector import ToolMotion, expected, tool_motion
+from ur5lib.steps.read_recording import by_stamps
+from ur5lib.timeseries.arrays import Array
+
+FURTHEST = 0.3  # m, of a tool's centre of mass
+ROUNDS = 2  # of the tool's centre of mass, where its acceleration counts
+
+
+@dataclass(frozen=True)
+class SensorReading:
+    """A force sensor's reading (N, 6) [N, Nm], axes of frame 6, on the robot's clock.
+
+    untouched: the part of bias, weight and inertia of its tool (N, 6); offset: bias and tool;
+    placed: the reading as in the thesis, by start stamps alone where it has a clock of its own;
+    start_bias: (6,), its mean at the start; own_clock: whether it has one; each: samples (N,) for
+    each of the sensor's own.
+    """
+
+    values: Array
+    untouched: Array
+    offset: SensorOffset
+    placed: Array
+    start_bias: Array
+    own_clock: bool
+    each: float = 1.0
+
+
+def sensor_reading(
+    robot: Robot,
+    signals: Signals,
+    moved: ToolMotion,
+    bias_window: float,
+    clock_std: float = 0.0,
+    by_stamps: Array | None = None,
+    tool: Payload | None = None,
+) -> SensorReading:
+    """Return the reading of a force sensor, whose tool is placed by a first fit.
+
+    moved: motion of the tool; bias_window: [s], at the start, free of contact; clock_std: [s],
+    error of the sensor's clock; by_stamps: (N, 6), axes of the sensor, the reading placed by start
+    stamps, None for a sensor without a clock of its own; tool: what is known to be behind the
+    sensor, for its moments of inertia; without it they are neglected.
+    """
+    assert signals.force_sensor is not None
+    values, known = in_frame_6(signals.force_sensor, robot), (signals.segment, signals.period)
+    moment = np.zeros_like(values)
+    if tool is not None:  # n = ... - I α - ω × I ω
+        moment[:, 3:] = -expected(moved.gyration(tool.inertia), *known, clock_std)
+    origin, center = np.array(robot.mounting.force_sensor), np.zeros(3)
+    for _ in range(ROUNDS):
+        pull = expected(moved.pull_at(origin + center), *known, clock_std)
+        offset = fit_offset(values - moment, pull, signals.period)
+        center = within_reach(offset.center())
+    placed = values if by_stamps is None else in_frame_6(by_stamps, robot)
+    return SensorReading(
+        values,
+        offset.reading(pull) + moment,
+        offset,
+        placed,
+        start_bias=bias(placed, signals.time, bias_window),
+        own_clock=by_stamps is not None,
+    )
+
+
+def by_own_clock(
+    robot: Robot,
+    signals: Signals,
+    moved: ToolMotion,
+    bias_window: float,
+    clock_std: float,
+    device: pd.DataFrame,
+    start: StartOffset,
+) -> SensorReading:
+    """Return the reading of a sensor with a clock of its own; arguments as of `sensor_reading`.
+
+    device: its samples on its own clock; start: of its stamp.
+    """
+    placed = by_stamps(device, start, signals.time, "force")
+    reading = sensor_reading(robot, signals, moved, bias_window, clock_std, placed)
+    step = float(np.diff(device["time"]).mean())
+    return replace(reading, each=max(1.0, step / signals.period))
+
+
+def in_frame_6(reading: Array, robot: Robot) -> Array:
+    """Return a sensor's reading (N, 6) in the axes of frame 6, by its mounting."""
+    turn = robot.mounting.force_sensor_turn_deg
+    if not any(turn):
+        return reading
+    from scipy.spatial.transform import Rotation  # slow to import, and few are turned
+
+    axes = Rotation.from_rotvec(turn, degrees=True).as_matrix()
+    return (reading.reshape(-1, 2, 3) @ axes.T).reshape(-1, 6)
+
+
+def within_reach(center: Array) -> Array:
+    """Return a tool's centre of mass (3,) [m], bounded; the flange where it is unknown."""
+    return np.nan_to_num(center).clip(-FURTHEST, FURTHEST)
+
+
+def moved_tool(robot: Robot, kinematics: Kinematics, motion: Motion) -> ToolMotion:
+    """Return the motion of what is fixed to frame 6; robot: under the recording's gravity."""
+    frames = kinematics.rotation, kinematics.jacobian
+    return tool_motion(*frames, motion.qd, motion.qdd, np.array(robot.gravity))

@@ -1,0 +1,80 @@
+"""Thresholds of each estimate, with few alarms in contact-free recordings: on its odds of contact,
+or, of the controller's and the thesis's estimates, on the size of the force [N].
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+
+from ur5lib.force.detection import alarm_threshold, force_threshold
+from ur5lib.force.estimators import GATED, PUBLISHED
+from ur5lib.force.published import controller_estimate
+from ur5lib.records.forces import Forces, PublishedForces
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+Evidence = list[tuple[Mapping[str, Array], float]]  # by estimate, of a recording, and period
+
+
+def set_threshold(
+    forces: Mapping[str, Forces],
+    signals: Mapping[str, Signals],
+    arm: Robot,
+    false_alarms_per_min: float,
+    published: Mapping[str, PublishedForces] | None = None,
+) -> dict[str, float]:
+    """Return the threshold by estimate.
+
+    forces, signals, published: of the arm's `fit` recordings; without published estimates, that of
+    the controller stands for them.
+    """
+    odds, causal = Evidence(), Evidence()
+    for one in forces.values():
+        odds.append((dict(one.log_odds), one.period))
+        if one.causal_log_odds is not None:
+            causal.append(({"causal": one.causal_log_odds}, one.period))
+    rate = false_alarms_per_min
+    found = thresholds(GATED, odds, alarm_threshold, rate)
+    found |= thresholds(["causal"], causal, alarm_threshold, rate)
+    # without odds of contact, no force is stated, and nothing stands beside the published ones
+    if found:
+        sizes: Evidence = [
+            (force_sizes(others_of(name, signals, arm, published)), one.period)
+            for name, one in forces.items()
+        ]
+        found |= thresholds([*PUBLISHED], sizes, force_threshold, rate)
+    return found
+
+
+def others_of(
+    recording: str,
+    signals: Mapping[str, Signals],
+    arm: Robot,
+    published: Mapping[str, PublishedForces] | None,
+) -> Mapping[str, Array]:
+    """Return the published wrenches (N, 6) of a recording, or the controller's alone."""
+    if published is None:
+        return controller_estimate(arm, signals[recording])
+    return published[recording].corrected
+
+
+def force_sizes(wrenches: Mapping[str, Array]) -> dict[str, Array]:
+    """Return the magnitude (N,) [N] of the force of each of some wrenches (N, 6)."""
+    return {name: np.linalg.norm(own[:, :3], axis=1) for name, own in wrenches.items()}
+
+
+def thresholds(
+    names: Iterable[str],
+    evidence: Evidence,
+    of: Callable[[list[Array], list[float], float], float],
+    rate: float,
+) -> dict[str, float]:
+    """Return the threshold of each estimate that a recording has; rate: alarms a minute."""
+    result = {}
+    for name in sorted(names):
+        known = [(one[name], period) for one, period in evidence if name in one]
+        if known:
+            values, periods = zip(*known, strict=True)
+            result[name] = of([*values], [*periods], rate)
+    return result

@@ -1,0 +1,36 @@
+"""How long each step took: wall and processor time of all its jobs, and start-up in the latter."""
+
+import os
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pandas as pd
+
+SUMS = ["wall_s", "start_up_s", "cpu_s"]
+
+
+def time_steps(benchmarks: list[Path]) -> pd.DataFrame:
+    """Return a row for each step; benchmarks: of all jobs."""
+    jobs = pd.DataFrame(map(job, benchmarks), columns=["step", *SUMS, "max_rss_mb", "end"])
+    steps = jobs.groupby("step", sort=False)
+    times = steps[SUMS].sum()
+    times.insert(0, "jobs", steps.size())
+    times["max_rss_mb"] = steps["max_rss_mb"].max()
+    times["first_end"] = steps["end"].min().map(written)
+    times["last_end"] = steps["end"].max().map(written)
+    return times.reset_index()
+
+
+def job(benchmark: Path) -> tuple[str, float, float, float, float, float]:
+    """Return one job: its step, its columns of SUMS, largest memory [MB] and when it ended [s]."""
+    with open(benchmark) as file:
+        names, values = (line.split("\t") for line in file.read().splitlines())
+        end = os.fstat(file.fileno()).st_mtime
+    of = dict(zip(names, map(float, values), strict=True))
+    step = str(benchmark).partition("/benchmarks/")[2].split("/")[0].removesuffix(".tsv")
+    return step, of["s"], of["start_up_time"], of["cpu_time"], of["max_rss"], end
+
+
+def written(end: float) -> str:
+    """Return a time [s] as UTC, ISO 8601."""
+    return datetime.fromtimestamp(end, UTC).isoformat(timespec="seconds").removesuffix("+00:00")

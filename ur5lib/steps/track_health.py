@@ -1,0 +1,123 @@
+"""The health of an arm over time: each joint's condition by date, and what changed."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import date
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.identification.condition import UNITS
+from ur5lib.identification.samples import path_of
+from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
+from ur5lib.records.judgement import Judgement
+from ur5lib.records.motion import Motion
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.changes import FEWEST, Series, find_changes, over_spans
+from ur5lib.timeseries.trajectories import PathStates, group_by_path
+
+FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
+WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
+
+
+class TrackedHealth(NamedTuple):
+    """How each joint of an arm changes over time."""
+
+    health: list[Condition]
+    changes: list[JointChange]
+
+
+def track_health(
+    judgements: Mapping[str, Judgement], motion: Mapping[str, Motion]
+) -> TrackedHealth:
+    """Return the condition of each joint by date, and what changed.
+
+    judgements, motion: of the arm's contact-free recordings.
+    """
+    each = {name: one.checkup for name, one in judgements.items()}
+    checkups = {name: one for name, one in each.items() if one.date}
+    motions = (motion[name] for name in checkups)
+    paths = (path_of(own.q, own.motor_qd, own.period) for own in motions)
+    found = health_of([*checkups.values()], paths)
+    return TrackedHealth(found.dates, found.changes)
+
+
+def health_of(checkups: Sequence[Checkup], paths: Iterable[PathStates]) -> Health:
+    """Return each quantity by date and its changes; nothing with fewer than FEWEST dates.
+
+    paths: along which the arm moved, one for each checkup.
+    """
+    if len({one.date for one in checkups}) < FEWEST:
+        return Health()
+    rows = [*_by_date(checkups, group_by_path(paths))]
+    return Health(rows, [*_changes(rows)])
+
+
+def _by_date(checkups: Sequence[Checkup], paths: Labels) -> Iterator[Condition]:
+    """Yield value and standard error of each quantity on each date, ascending.
+
+    group: dates on which the arm moved along the same paths; friction and noise depend on them.
+    """
+    days = defaultdict(list)
+    for place in sorted(range(len(checkups)), key=lambda place: checkups[place].date):
+        days[checkups[place].date].append(place)
+    groups = [frozenset(int(paths[place]) for place in places) for places in days.values()]
+    for (day, places), group in zip(days.items(), groups, strict=True):
+        yield from _on_date([checkups[place] for place in places], day, groups.index(group))
+
+
+def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Condition]:
+    """Yield the rows of one date."""
+    yield Condition(date=day, quantity="lost_frames", value=max(one.lost for one in checkups))
+    for joint in range(len(checkups[0].joints)):
+        warmth = float(np.mean([one.temperature[joint] for one in checkups]))
+        here = partial(Condition, date=day, joint=joint + 1, temperature_c=warmth, group=group)
+        for quantity in UNITS:
+            found = np.array([one.joints[joint][quantity] for one in checkups])
+            found = found[np.isfinite(found).all(axis=1)]
+            if len(found):
+                value, error = together(*found.T)
+                yield here(quantity=quantity, value=value, std_error=error)
+
+
+def together(value: Array, std_error: Array) -> tuple[float, float]:
+    """Return the weighted mean of a date's recordings (n,) and its standard error.
+
+    The standard error is the larger of two: by the stated errors, and by the scatter.
+    """
+    weight = 1 / np.maximum(std_error, 1e-9 * np.abs(value) + 1e-300) ** 2
+    mean = float(weight @ value / weight.sum())
+    scatter = float(weight @ (value - mean) ** 2) / max(1, len(value) - 1)
+    return mean, float(np.sqrt(max(1.0, scatter) / weight.sum()))
+
+
+def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
+    """Yield the changes of every quantity of every joint."""
+    groups = defaultdict(list)
+    for row in rows:
+        if row.joint is not None:
+            groups[row.joint, row.quantity].append(row)
+    tested = {key: own for key, own in groups.items() if len(own) >= FEWEST}
+    for (joint, quantity), own in tested.items():
+        for change in find_changes(over_spans(_series(own)), FALSE_ALARMS / len(tested)):
+            dates = {"first": _day(change.first), "last": _day(change.last)}
+            found = vars(change) | dates | {"by_temperature": change.explained}
+            del found["explained"]
+            yield JointChange(**found, joint=joint, quantity=quantity)
+
+
+def _series(rows: Sequence[Condition]) -> Series:
+    """Return a quantity on all dates, temperatures as its covariate where all are known."""
+    day = np.array([date.fromisoformat(row.date).toordinal() for row in rows], dtype=float)
+    value, error = (
+        np.array([getattr(row, name) for row in rows]) for name in ("value", "std_error")
+    )
+    warmth = np.array([row.temperature_c for row in rows], dtype=float)
+    tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > WARMER)
+    group = np.array([row.group for row in rows])
+    return Series(day, value, error, warmth if tells else None, group)
+
+
+def _day(ordinal: float) -> str:
+    return date.fromordinal(round(ordinal)).isoformat()

@@ -1,0 +1,36 @@
+"""The study's report, as HTML, as PDF and its summary as JSON, and the study that it is of."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ur5lib.report.compose import compose
+from ur5lib.report.document import contents
+from ur5lib.report.render import html_page, pdf_document
+from ur5lib.report.results import Results
+from ur5lib.report.summary import summary, summary_schema
+from ur5lib.robots.description import Robot
+
+
+class Report(NamedTuple):
+    """The report of a study, its summary with the schema of this, and the study as YAML."""
+
+    html: str
+    pdf: bytes
+    study: str
+    results: dict[str, Any]
+    schema: dict[str, Any]
+
+
+def write_report(
+    study: str,
+    tables: list[Path],
+    figures: list[Path],
+    described: Mapping[str, Robot],
+    reference: Path | None = None,
+) -> Report:
+    """Return the report of a study; study: its configuration as YAML; described: its arms."""
+    results = Results.read(study, tables, figures, reference, [*described.values()])
+    document = compose(contents(), results)
+    data = summary(document, results), summary_schema()
+    return Report(html_page(document), pdf_document(document), study, *data)

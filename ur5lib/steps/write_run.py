@@ -1,0 +1,19 @@
+"""The page of one recording: what the report shows of a few, as HTML."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from ur5lib.report.compose import compose
+from ur5lib.report.document import contents
+from ur5lib.report.render import html_page
+from ur5lib.report.results import Results
+from ur5lib.robots.description import Robot
+
+
+def write_run(
+    recording: str, study: str, tables: list[Path], figures: list[Path], described: Robot
+) -> str:
+    """Return the page of a recording; study: its configuration as YAML; described: its arm."""
+    whole = Results.read(study, tables, figures, None, [described])
+    own = replace(whole.of_run(recording), figures=whole.figures.parent)
+    return html_page(replace(compose(contents().of_run(), own), home="../"))

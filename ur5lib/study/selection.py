@@ -1,0 +1,180 @@
+"""Which recordings of a study a step runs for, and what the study says of them."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from ur5lib.strict import PLACEHOLDER
+from ur5lib.study.model import Study
+from ur5lib.thesis.reference import Reference
+
+MAX_EXAMINED_WHOLE = 100  # recordings of a study of which all are examined
+MAX_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
+MAX_ILLUSTRATED = 4  # recordings with figures in a section of the report
+LOOPS = "closed_loop_q", "closed_loop_qd"
+OF_THE_STUDY = ["name", "role", "robot", "date", "gravity", "mounting", "tool", "payload"]
+OF_THE_STUDY += ["untouched", "simulate", "truth"]  # keys of an entry that its reader ignores
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """The recordings of a study, by what is done with them.
+
+    published: values that the study is compared with, empty without any.
+    """
+
+    study: Study
+    published: Reference
+
+    @cached_property
+    def entries(self) -> dict[str, Any]:
+        """The entry of each recording."""
+        return {entry.name: entry for entry in self.study.recordings}
+
+    @cached_property
+    def at_rest(self) -> list[str]:
+        """The recordings of postures, without time."""
+        return [name for name, entry in self.entries.items() if entry.at_rest]
+
+    @cached_property
+    def recordings(self) -> dict[str, Any]:
+        """The entries of all others."""
+        return {name: one for name, one in self.entries.items() if not one.at_rest}
+
+    @cached_property
+    def simulated(self) -> list[str]:
+        """The recordings of the virtual test stand."""
+        return [name for name, one in self.recordings.items() if getattr(one, "simulate", None)]
+
+    def truths(self, results: str) -> dict[str, str]:
+        """Return the files of the truth of recordings that have one, without their suffixes."""
+        given = {
+            name: f"{one.folder}/{one.truth}"
+            for name, one in self.recordings.items()
+            if getattr(one, "truth", None)
+        }
+        return {name: f"{results}/truth/{name}" for name in self.simulated} | given
+
+    def arm(self, recording: str) -> str:
+        """Return the name of a recording's arm."""
+        return str(self.entries[recording].arm.known_as)
+
+    def of_arm(self, robot: str, *roles: str, at_rest: bool = False) -> list[str]:
+        """Return an arm's recordings with some roles, those in motion or those of postures."""
+        among = self.at_rest if at_rest else self.recordings
+        named = ((name, self.entries[name]) for name in among)
+        return [n for n, one in named if one.role in roles and one.arm.known_as == robot]
+
+    def drawn(self, robot: str) -> list[str]:
+        """Return the contact-free recordings of an arm on which contacts are tried.
+
+        Of many, some that are drawn by their names: another recording seldom changes the choice.
+        """
+        names = self.of_arm(robot, "fit", "validate")
+        if not self.is_large:
+            return names
+        chosen = sorted(names, key=lambda name: sha256(name.encode()).digest())[:MAX_DRAWN]
+        return [name for name in names if name in chosen]
+
+    @property
+    def is_large(self) -> bool:
+        """Whether there are too many recordings to examine all."""
+        return len(self.recordings) > MAX_EXAMINED_WHOLE
+
+    @cached_property
+    def illustrated(self) -> list[str]:
+        """The recordings whose figures the report may show.
+
+        Those with printed values, the first few with a contact or to validate, and the first.
+        """
+        by_role = {
+            role: [name for name, one in self.recordings.items() if one.role == role]
+            for role in ("contact", "validate")
+        }
+        touched = sorted(by_role["contact"], key=lambda name: not self.has_force_sensor(name))
+        few = touched[:MAX_ILLUSTRATED], by_role["validate"][:MAX_ILLUSTRATED]
+        chosen = {*self.printed(), *few[0], *few[1], *[*self.recordings][:1]}
+        return [name for name in self.recordings if name in chosen]
+
+    @cached_property
+    def examined(self) -> frozenset[str]:
+        """The recordings of which all is examined: of many, some that are drawn, and those that are
+        shown or fitted to. No force depends on what is examined of these alone.
+        """
+        if not self.is_large:
+            return frozenset(self.recordings)
+        drawn = (name for robot in self.study.arms() for name in self.drawn(robot))
+        fitted = (name for name, one in self.recordings.items() if one.role == "fit")
+        loops = self.printed(*LOOPS)
+        return frozenset([*drawn, *self.illustrated, *self.of_older_model(), *loops, *fitted])
+
+    def printed(self, *tables: Any) -> list[str]:
+        """Return the recordings with published values, in some tables or in any."""
+        return sorted(self.published.recordings(*tables) & self.recordings.keys())
+
+    def explained(self) -> list[str]:
+        """Return the recordings whose published values an erratum explains."""
+        return sorted(self.published.explained() & self.recordings.keys())
+
+    def of_older_model(self) -> list[str]:
+        """Return the recordings with published values of the thesis's older model."""
+        return sorted(self.published.of_older_model() & self.recordings.keys())
+
+    def filtered_first(self) -> list[str]:
+        """Return the recordings with an erratum about the order of filters."""
+        return sorted(self.published.explained_accelerations().keys() & self.recordings.keys())
+
+    def has_force_sensor(self, name: str) -> bool:
+        """Return whether a recording names or holds a file of a force sensor."""
+        stated = getattr(self.recordings[name], "force_sensor", None)
+        return bool(stated) or any("force_sensor" in path for path in self.raw_files(name))
+
+    def raw_files(self, name: str) -> list[str]:
+        """Return the files that a recording names, or all files where readers look for others."""
+        folder = Path(self.entries[name].folder)
+        stated = [folder / file for file in self.entries[name].file_names()]
+        if name in self.simulated:
+            return [str(path) for path in stated]
+        files = stated or [*folder.glob("*"), *folder.glob("csv_files/*")]
+        paths = sorted(str(path) for path in files if path.is_file())
+        return [path for path in paths if not PLACEHOLDER.search(path)]
+
+    def entry_to_read(self, name: str) -> dict[str, Any]:
+        """Return the description of a recording for its reader, without its use in the study."""
+        exclude = dict.fromkeys(OF_THE_STUDY, True) | {"force_sensor": {"mounting"}}
+        entry: dict[str, Any] = self.entries[name].model_dump(mode="json", exclude=exclude)
+        return entry
+
+    def gravity(self, name: str) -> list[float] | None:
+        """Return gravity in a recording's base frame [m/s²]; None: as described for the arm."""
+        gravity: Sequence[float] | None = self.entries[name].known_gravity()
+        return None if gravity is None else [*gravity]
+
+    def gravities(self, names: Iterable[str]) -> dict[str, list[float] | None]:
+        """Return gravity in the base frames of several recordings, by name."""
+        return {name: self.gravity(name) for name in names}
+
+    def payload(self, name: str) -> dict[str, Any] | None:
+        """Return the payload that the study declares for a recording."""
+        payload = self.entries[name].known_payload()
+        return payload.model_dump(mode="json") if payload else None
+
+    def tcp(self, name: str) -> list[float] | None:
+        """Return the tool centre point that the study declares for a recording."""
+        tool = self.entries[name].known_tool()
+        return [*tool.tcp] if tool and tool.tcp else None
+
+    def sensor_mounting(self, name: str) -> list[list[float] | None]:
+        """Return position [m] and turn [°] of a recording's force sensor; None: as described."""
+        sensor = getattr(self.entries[name], "force_sensor", None)
+        mounting = sensor.mounting if sensor else None
+        if mounting is None:
+            return [None, None]
+        return [mounting.position_m and [*mounting.position_m], [*mounting.rotation_deg]]
+
+    def date(self, name: str) -> str:
+        """Return the date of a recording; empty where the study gives none."""
+        return str(self.recordings[name].date or "")

@@ -1,0 +1,87 @@
+"""Published errors, computed in the way in which an erratum explains them."""
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.recordings.quality import StartOffset
+from ur5lib.records.carried import configured_payload
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Model, Robot
+from ur5lib.signals.end_effector import felt_acceleration
+from ur5lib.steps.judge_accelerations import derivative, lowpassed, through_angles
+from ur5lib.steps.read_recording import by_stamps
+from ur5lib.thesis.closed_loop import published_gains, simulated_states, tracking_of
+from ur5lib.thesis.reference import AccelerationError, LoopError
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, causal_lowpass, slow_delay
+from ur5lib.timeseries.metrics import largest_error, mean_absolute_error
+from ur5lib.timeseries.sampling import interpolated
+
+
+def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
+    """Return the error of each joint (6,).
+
+    robot: under the recording's gravity. Raises ValueError where a target was not recorded.
+    """
+    tracking = tracking_of(signals)
+    if tracking is None or signals.target_moment is None:
+        raise ValueError("the closed loop needs targets, measured motion and target_moment")
+    position, velocity = published_gains(robot)[way.gains]
+    for joint, gain in way.velocity_gains.items():
+        velocity[joint - 1] = gain
+    motion = simulated_states(tracking, (position, velocity))
+    if way.quantity == "torque":
+        arm = _changed(robot, way).carrying(configured_payload(signals))
+        error = LinkModel(arm, way.model).inverse_dynamics(*motion) - signals.target_moment
+    else:
+        measured = {"q": tracking.actual_q, "qd": tracking.actual_qd}
+        error = motion[["q", "qd"].index(way.quantity)] - measured[way.quantity]
+    counted = ~signals.interpolated & (signals.time >= way.from_s)
+    between = _between(np.where(counted[:, None], error, np.nan), way.places)
+    figure = mean_absolute_error if way.figure == "mean" else largest_error
+    return figure(between, np.zeros_like(between))
+
+
+def explained_accelerations(
+    robot: Robot,
+    signals: Signals,
+    kinematics: Kinematics,
+    imu: pd.DataFrame,
+    start: StartOffset,
+    way: AccelerationError,
+) -> tuple[Array, Array]:
+    """Return the accelerations through Euler angles and of the IMU, (N, 6) [m/s², rad/s²] each.
+
+    robot: under the recording's gravity; imu: its reading on its own clock; start: its stamp.
+    """
+
+    def smooth(values: Array) -> Array:
+        return lowpassed(signals, causal_lowpass, THESIS_ACCELERATION, values)
+
+    ahead = by_stamps(imu, start, signals.time + slow_delay(THESIS_ACCELERATION), "imu")
+    own_axes = smooth(ahead[:, :3]), smooth(derivative(signals, ahead[:, 3:]))
+    felt = felt_acceleration(kinematics.rotation, *own_axes, -np.array(robot.gravity))
+    modelled = through_angles(signals, kinematics, printed=True)
+    late = interpolated(signals.time - way.model_delay_s, signals.time, modelled)
+    return smooth(late), felt
+
+
+def _changed(robot: Robot, way: LoopError) -> Robot:
+    """Return the arm with the masses and centres of mass that the erratum names."""
+    model = robot.models[way.model]
+    masses, centers = [*(model.masses or robot.masses)], [*model.centers_of_mass]
+    for link, mass in way.masses.items():
+        masses[link - 1] = mass
+    for link, center in way.centers_of_mass.items():
+        centers[link - 1] = center
+    changes = {"masses": tuple(masses), "centers_of_mass": tuple(centers)}
+    changed: Model = model.model_copy(update=changes)  # unlike a described one, massless links too
+    return robot.with_model(way.model, changed)
+
+
+def _between(error: Array, places: tuple[float, ...]) -> Array:
+    """Return errors (N, 6) at places between their samples; NaN beside a NaN."""
+    parts = [error if x == 0 else (1 - x) * error[:-1] + x * error[1:] for x in places]
+    return np.concatenate(parts)

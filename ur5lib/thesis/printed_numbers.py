@@ -1,0 +1,104 @@
+"""Every published number beside the rebuilt one, and whether an erratum explains a difference."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.thesis.reference import Lookup, PrintedTable, Reference
+from ur5lib.timeseries.arrays import Array
+
+COLUMNS = ["source", "quantity", "recording", "row", "number", "printed", "rebuilt", "ratio"]
+COLUMNS += ["as_erratum_says", "erratum", "right", "status"]
+EQUAL, UNEXPLAINED = "equal", "unexplained"
+
+
+class Explained(NamedTuple):
+    """The numbers (6,) of a published row, computed with the error that an erratum describes."""
+
+    erratum: int
+    printed: str
+    row: str
+    numbers: Array
+
+
+def compared(
+    reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[Explained]
+) -> Iterator[dict[str, object]]:
+    """Yield a row for each published number of the recordings in the study's tables (by name)."""
+    for name, table in reference.printed.items():
+        for row in dict(table.values):
+            about = {
+                "source": table.sources.get(row, table.source),
+                "quantity": table.quantity or name,
+                "recording": table.recording,
+                "row": row,
+            }
+            ways = [way for way in explained if (way.printed, way.row) == (name, row)]
+            by_erratum = {way.erratum: way.numbers for way in ways}
+            yield from (about | number for number in _beside(table, tables, row, by_erratum))
+
+
+def _beside(
+    table: PrintedTable,
+    tables: Mapping[str, pd.DataFrame],
+    row: str,
+    by_erratum: Mapping[int, Array],
+) -> Iterator[dict[str, object]]:
+    """Yield the numbers of one published row; a single one is compared with the largest of six."""
+    printed = dict(table.values)[row]
+    rebuilt = _found(table.rebuilt, tables, table.recording, row)
+    right = _found(table.right, tables, table.recording, row)
+    if len(printed) == 1 and len(rebuilt):
+        rebuilt, right = (pd.Series({"largest": numbers.max()}) for numbers in (rebuilt, right))
+        by_erratum = {key: np.array([numbers.max()]) for key, numbers in by_erratum.items()}
+    last_digit = 10.0 ** -_decimals(table)
+    for place, (number, value) in enumerate(rebuilt.items()):
+        candidates = {erratum: float(numbers[place]) for erratum, numbers in by_erratum.items()}
+        least = table.below_one if abs(printed[place]) < 1 else 0.0
+        tolerance = max(table.relative * abs(printed[place]), 0.5 * last_digit, least)
+        status = judged(printed[place], value, candidates, tolerance)
+        yield {"number": number, **status, "right": right.get(number)}
+
+
+def judged(
+    printed: float, rebuilt: float, by_erratum: Mapping[int, float], tolerance: float
+) -> dict[str, object]:
+    """Return a number's status with the numbers behind it.
+
+    by_erratum: the number with each erratum's error; the nearest to the print is shown, and
+    explains it if equal. tolerance: largest difference that counts as equal.
+    """
+    found = {"printed": printed, "rebuilt": rebuilt, "ratio": rebuilt / printed}
+    status = UNEXPLAINED
+    if by_erratum:
+        nearest = min(by_erratum, key=lambda erratum: abs(by_erratum[erratum] - printed))
+        found |= {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
+        if abs(by_erratum[nearest] - printed) <= tolerance:
+            status = f"erratum {nearest}"
+    if abs(rebuilt - printed) <= tolerance:  # also false where nothing could be rebuilt
+        status = EQUAL
+    return found | {"status": status}
+
+
+def _found(
+    lookup: Lookup | None, tables: Mapping[str, pd.DataFrame], recording: str, row: str
+) -> "pd.Series[float]":
+    """Return the numbers of a published row in the study's tables, by joint or component."""
+    if lookup is None:
+        return pd.Series(dtype=float)
+    table = tables[lookup.table]
+    column, cells = lookup.of(row)
+    key = {"recording": recording} if "recording" in table else {}  # a fit is of several
+    for name, value in (key | cells).items():
+        table = table[table[name] == value]
+    return table.set_index(lookup.number)[column]
+
+
+def _decimals(table: PrintedTable) -> int:
+    """Return the most decimals of a table's numbers."""
+    numbers = chain.from_iterable(dict(table.values).values())
+    shown = (np.format_float_positional(number, trim="-") for number in numbers)
+    return max(len(text.partition(".")[2]) for text in shown)

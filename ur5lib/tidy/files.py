@@ -1,0 +1,144 @@
+"""Rows of tables about the recordings' files: their size, clocks and findings."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.recordings.copies import same_runs
+from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.force_errors import Compared
+from ur5lib.records.signals import Signals
+from ur5lib.report.findings import sentence, worded
+from ur5lib.signals.clock import SettledClock
+from ur5lib.tidy import Row
+
+SAME = "same file"  # the finding that a device's file is a copy of another recording's
+SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
+TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
+
+
+def recordings(quality: Quality, signals: Signals | None) -> Iterator[Row]:
+    """Yield a recording's size, duration, time steps, devices and moving joints.
+
+    Postures at rest have no signals.
+    """
+    moving = moving_joints(signals) if signals else []
+    yield vars(quality) | {
+        "rows_read": quality.rows,
+        "jitter_s": quality.jitter_s["99 %"],
+        "devices": " ".join(quality.devices),
+        "moving_joints": " ".join(map(str, moving)),
+    }
+
+
+def moving_joints(signals: Signals) -> list[int]:
+    """Return the joints, from 1, that do not rest throughout a recording."""
+    travel = np.nanmax(signals.actual_q, axis=0) - np.nanmin(signals.actual_q, axis=0)
+    return [int(joint) + 1 for joint in np.flatnonzero(travel > TRAVEL)]
+
+
+def files(quality: Quality) -> Iterator[Row]:
+    """Yield the files that a recording was read from."""
+    for file, checksum in quality.read.items():
+        yield {"file": file, "sha256": checksum}
+
+
+def clocks(clocks: Mapping[str, SettledClock]) -> Iterator[Row]:
+    """Yield offset and drift of each device's clock against the robot's."""
+    for device, clock in clocks.items():
+        yield {
+            "device": device,
+            "offset_s": clock.offset,
+            "offset_std_s": clock.offset_std,
+            "drift_ppm": clock.drift and 1e6 * clock.drift,
+            "drift_std_ppm": clock.drift_std and 1e6 * clock.drift_std,
+            "method": clock.method,
+            "end_std_s": clock.end_std,
+        }
+
+
+def quality(
+    quality: Quality,
+    contradictions: Contradictions | None = None,
+    clocks: Mapping[str, SettledClock] | None = None,
+    forces: Compared | None = None,
+) -> Iterator[Row]:
+    """Yield the findings about a recording's files, clocks without a measured drift, and a force
+    sensor that contradicts the motor currents or its tool's weight, or whose bias may be a push.
+
+    Each device's file has its checksum as detail; its count is 1 where it is used, else 0. The
+    robot's rows have their fingerprint.
+    """
+    contradictions = contradictions or Contradictions()
+    yield from map(worded, contradictions.stop_signs)
+    yield from map(worded, quality.findings)
+    yield from map(worded, contradictions.findings)
+    for device, checksum in quality.files.items():  # `name_copies` keeps those of several
+        about = {"device": device, "finding": SAME, "severity": "note"}
+        yield about | {"count": int(device in quality.devices), "detail": checksum}
+    about = {"device": "robot", "finding": SAME_RUN, "severity": "note"}
+    yield about | {"count": 0, "detail": " ".join(map(str, quality.fingerprint))}
+    for sensor, clock in (clocks or {}).items():
+        if clock.warning:
+            yield _finding(sensor, "clock by stamps alone", asdict(clock))
+        elif clock.drift is None:
+            yield _finding(sensor, "unknown drift", asdict(clock))
+    for doubted in ("mounting", "offset"):
+        if doubt := getattr(forces, f"{doubted}_doubt", None):
+            yield _finding("force", doubted, {"doubt": asdict(doubt)})
+
+
+def unreadable(reason: str) -> Row:
+    """Return the stop sign of a recording that cannot be read."""
+    about: Row = {"device": "robot", "finding": "unreadable", "severity": "stop"}
+    return about | {"count": 1, "detail": reason}
+
+
+def _finding(device: str, finding: str, values: Row, severity: str = "warning") -> Row:
+    about = {"device": device, "finding": finding, "detail": sentence(finding, values)}
+    return about | {"severity": severity, "count": 1}
+
+
+def name_copies(quality: pd.DataFrame) -> pd.DataFrame:
+    """Return the findings of all recordings, of files and runs alone those that several have.
+
+    quality: with all device files and robots' rows; a finding of each copy names the other
+    recordings.
+    """
+    files, runs = (quality[quality["finding"] == kind] for kind in (SAME, SAME_RUN))
+    alike = files.groupby(["device", "detail"], sort=False)
+    copies = {at: _copy(files.loc[at], own) for _, own in alike if len(own) > 1 for at in own.index}
+    copies |= _repeated(runs)
+    others = quality.drop([*files.index, *runs.index])
+    named = pd.DataFrame([*copies.values()], [*copies], quality.columns)
+    return pd.concat([others, named]).sort_index() if copies else others
+
+
+def _repeated(runs: pd.DataFrame) -> dict[Any, Row]:
+    """Return the findings of the runs that several recordings hold, by their places."""
+    by_name = zip(runs["recording"], runs["detail"].fillna("").astype(str), strict=True)
+    others: dict[str, list[str]] = {name: [] for name in runs["recording"]}
+    for one, other in same_runs({name: [*map(int, rows.split())] for name, rows in by_name}):
+        others[one].append(other)
+        others[other].append(one)
+    return {
+        at: {
+            **row,
+            "severity": "stop",
+            "count": len(others[row["recording"]]),
+            "detail": sentence(SAME_RUN, {"others": others[row["recording"]]}),
+        }
+        for at, row in runs.iterrows()
+        if others[row["recording"]]
+    }
+
+
+def _copy(row: pd.Series, alike: pd.DataFrame) -> Row:
+    """Return the finding of a file that is the same in several recordings."""
+    others = [name for name in alike["recording"] if name != row["recording"]]
+    used = "used" if int(row["count"]) else "not used"
+    detail = sentence(SAME, {"others": others, "used": used})
+    return {**row, "count": len(others), "detail": detail}

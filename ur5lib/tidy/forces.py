@@ -1,0 +1,108 @@
+"""Rows of tables about forces: errors beside a sensor, alarms, contacts, the wrist sensor."""
+
+from collections.abc import Iterator
+
+from ur5lib.records.contacts import Detected
+from ur5lib.records.force_errors import Audit, Compared
+from ur5lib.thesis.reference import Published
+from ur5lib.tidy import Row
+
+FORCES = ("Fx", "Fy", "Fz")
+STDS = ("Fx_std", "Fy_std", "Fz_std")
+
+
+def force_mae(forces: Compared, published: Published) -> Iterator[Row]:
+    """Yield the errors of the force estimates against the sensor."""
+    tables = {"mae": published.values("force_mae"), "max": published.values("force_max")}
+    for kind, estimates in forces.errors.items():
+        for estimate, periods in estimates.items():
+            contact = periods.get("contact", {})  # determined: the skill there is above zero
+            skills = contact.get("skill_low", contact.get("skill", {}))
+            determined = {name: (skill or 0) > 0 for name, skill in skills.items()}
+            for during, figures in periods.items():
+                printed = {
+                    f"printed_{figure}": table[estimate]
+                    for figure, table in tables.items()
+                    if (kind, during) == ("printed", "all") and estimate in table
+                }
+                about = {"kind": kind, "estimate": estimate, "during": during}
+                for i, component in enumerate(figures["mae"]):
+                    yield about | {
+                        "component": component,
+                        "determined": determined.get(component),
+                        **{name: values[component] for name, values in figures.items()},
+                        **{name: values[i] for name, values in printed.items()},
+                    }
+
+
+def contact_errors(forces: Compared) -> Iterator[Row]:
+    """Yield the errors of each estimate by contact at the sensor."""
+    for estimate, contacts in forces.contacts.items():
+        yield from (vars(one) | {"estimate": estimate} for one in contacts)
+
+
+def sensed(forces: Compared) -> Iterator[Row]:
+    """Yield the largest reading of a force sensor, and its contacts."""
+    if felt := forces.felt:
+        yield vars(felt) | {"largest_force_n": felt.largest, "share_in_contact": felt.contact}
+
+
+def detection(detection: dict[str, Detected]) -> Iterator[Row]:
+    """Yield contacts detected by each estimate, by the force that they reach.
+
+    Without a force sensor, one row an estimate and no force.
+    """
+    for estimate, found in detection.items():
+        row = vars(found) | {
+            "estimate": estimate,
+            "false_alarms_per_min": found.false_per_min,
+            "extra_alarms": found.extra,
+            "alarms": len(found.raised),
+        }
+        if causal := found.causal:
+            row["causal_false_alarms_per_min"] = causal.false_per_min
+            row["causal_alarms_per_min"] = causal.alarms_per_min
+        pushes: Row = {}  # in the first row alone
+        for push in found.smallest_force_95:
+            place = f"{'' if push.speed_low else 'rest_'}{push.axis}"
+            pushes |= {f"smallest_force_95_{place}": push.force}
+            pushes |= {f"smallest_force_std_{place}": push.std}
+        if not found.classes:
+            yield row | pushes
+        past = found.causal.classes if found.causal else [None] * len(found.classes)
+        for offline, online in zip(found.classes, past, strict=True):
+            yield row | {
+                **vars(offline),
+                "force_class_n": offline.force,
+                "median_delay_s": offline.median_delay,
+                "causal_delay_s": online and online.median_delay,
+                "causal_found": online and online.found,
+                **(pushes if offline is found.classes[0] else {}),
+            }
+
+
+def fixed_threshold(detection: dict[str, Detected]) -> Iterator[Row]:
+    """Yield the pushes found above the thesis's fixed threshold, and the share of time above it."""
+    for estimate, found in detection.items():
+        for axis, own in found.axes.items():
+            about = {"estimate": estimate, "component": f"F{axis}", "force_n": own.force}
+            yield vars(own) | about
+
+
+def contacts(detection: dict[str, Detected]) -> Iterator[Row]:
+    """Yield each alarm: times, largest force, mass of a load, whether the flange is excluded."""
+    for estimate, found in detection.items():
+        for alarm in found.raised:
+            yield vars(alarm) | {
+                "estimate": estimate,
+                **{f"{name}_s": getattr(alarm, name) for name in ("start", "end", "peak")},
+                **dict(zip(FORCES, alarm.force, strict=True)),
+                **dict(zip(STDS, alarm.force_std, strict=True)),
+            }
+
+
+def audit(audit: Audit) -> Iterator[Row]:
+    """Yield the audit of a wrist's force sensor; one row where the contact-free time is short."""
+    if audit.free_s is not None:
+        yield {"quantity": "free_time", "value": audit.free_s, "unit": "s"}
+        yield from map(vars, audit.rows)

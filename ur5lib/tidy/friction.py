@@ -1,0 +1,93 @@
+"""Rows of tables about friction, currents and torque constants, and how they changed."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+
+import numpy as np
+
+from ur5lib.records.friction import Friction
+from ur5lib.records.prediction import Prediction
+from ur5lib.robots.description import Robot
+from ur5lib.thesis.published_constants import PublishedConstants
+from ur5lib.thesis.reference import Published
+from ur5lib.tidy import Row, by_joint
+
+AS_PRINTED = "torque_on_current"
+
+
+def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
+    """Yield torque constants, offsets and friction, beside the thesis's; of a torque constant, also
+    the prior one, and the fitted one where that contradicts it.
+    """
+    yield from _parameters(friction, arm)
+
+
+def torque_constants(friction: Friction, arm: Robot) -> Iterator[Row]:
+    """Yield the torque constants of these alone, a row for each joint."""
+    for row in _parameters(friction, arm):
+        if row["parameter"] == "torque_constant":
+            yield row | {"torque_constant": row["value"]}
+
+
+def _parameters(fitted: Friction, arm: Robot) -> Iterator[Row]:
+    published: dict[str, Sequence[float]] = {}
+    if arm.current_to_torque is not None:
+        published["torque_constant"] = arm.current_to_torque.torque_constant
+        published["offset"] = arm.current_to_torque.offset
+    if arm.friction is not None:
+        published |= {"coulomb": arm.friction.coulomb, "viscous": arm.friction.viscous}
+    for row in fitted.parameters:
+        (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
+        thesis = published[row.name][joint] if row.name in published else None
+        found = asdict(row) | {"parameter": row.name, "thesis": thesis, "low": low, "high": high}
+        if row.name == "torque_constant" and known is not None:
+            found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
+            joints = fitted.fit.joints
+            found |= {"contradicted": joints[joint].contradicted if joints else None}
+        yield found
+
+
+def cross_validation(friction: Friction) -> Iterator[Row]:
+    """Yield the RMSE of a fit to one recording, tested on another."""
+    names, tested = friction.from_, friction.cross_validation
+    for fitted_on, errors in zip(names, tested, strict=True):
+        for tested_on, rmse in zip(names, errors, strict=True):
+            yield from by_joint({"rmse_2hz": rmse}, fitted_on=fitted_on, tested_on=tested_on)
+
+
+def current_rmse(currents: Prediction) -> Iterator[Row]:
+    """Yield the errors of each model's prediction of a recording's currents."""
+    for model, scores in currents.scores.items():
+        columns = vars(scores) | {"rmse_2hz": scores.rmse_lowpassed, "coverage95": scores.coverage}
+        yield from by_joint(columns, model=model, fitted=currents.fitted)
+
+
+def payload(currents: Prediction) -> Iterator[Row]:
+    """Yield the undeclared payload on the flange; none at rest."""
+    if (load := currents.load) is not None:
+        low, high = load.interval
+        row = asdict(load) | {"low": low, "high": high}
+        for name in ("center_of_mass", "center_of_mass_std"):
+            values = zip("xyz", getattr(load, name), strict=True)
+            row |= {f"{name}_{axis}": value for axis, value in values}
+        yield row
+
+
+def published_constants(constants: PublishedConstants, published: Published) -> Iterator[Row]:
+    """Yield torque constants and offsets of moving joints by the thesis's regression and by its
+    reverse, and the printed ones; none without published constants.
+    """
+    compared = "current_torque" in published.printed
+    printed = published.values("current_torque")
+    for regression, line in constants.lines.items() if compared else ():
+        columns = vars(constants) | {
+            "torque_constant": line.torque_constant,
+            "offset": line.offset,
+            "torque_constant_std_error": line.torque_constant_std,
+            "offset_std_error": line.offset_std,
+        }
+        del columns["lines"]
+        if printed and regression == AS_PRINTED:
+            columns |= {"printed_torque_constant": printed["k"], "printed_offset": printed["b"]}
+        rows = by_joint(columns, regression=regression)
+        yield from (row for row in rows if np.isfinite(row["torque_constant"]))

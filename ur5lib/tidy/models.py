@@ -1,0 +1,119 @@
+"""Rows of tables about the link models: torques, rotors, identified parameters, remarks of fits."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ur5lib.errors import Remark
+from ur5lib.force.residual_model import Residuals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.signals import Signals
+from ur5lib.report.findings import in_words
+from ur5lib.thesis.reference import Published
+from ur5lib.tidy import Column, Row, by_joint
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.segments import by_segment
+
+ORDER, CUTOFF = 4, 2.0  # Hz, above which measured accelerations are noise, the controller's are not
+COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
+STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
+
+
+def torque_mae(
+    signals: Signals, torques: Torques, closed_loop: ClosedLoop | None, published: Published
+) -> Iterator[Row]:
+    """Yield the MAE of torques by motion and link model against `target_moment`, below 2 Hz, too,
+    the printed MAE and that of zero torque; interpolated frames are left out.
+    """
+    if signals.target_moment is None:
+        return
+    received = ~signals.interpolated
+    moment, slow = signals.target_moment[received], slowly(signals.target_moment, signals)
+    zero: dict[str, Column] = {
+        "zero_mae": mean_absolute_error(np.zeros_like(moment), moment),
+        "zero_mae_2hz": mean_absolute_error(np.zeros_like(slow), slow),
+    }
+    printed = published.values("torque_mae")
+    motions = {"target": torques.target, "measured": torques.measured}
+    motions |= {"closed_loop": closed_loop.torque} if closed_loop else {}
+    for model in torques.measured:
+        for motion, known in motions.items():
+            if model in known:
+                columns = zero | {
+                    "mae": mean_absolute_error(known[model][received], moment),
+                    "mae_2hz": mean_absolute_error(slowly(known[model], signals), slow),
+                }
+                if motion in COMPARED and model in printed:
+                    columns |= {"printed": printed[model]}
+                yield from by_joint(columns, motion=motion, model=model)
+    for model in printed.keys() - torques.measured.keys():
+        columns = zero | {"printed": printed[model]}
+        yield from by_joint(columns, motion="closed_loop", model=model)
+
+
+def slowly(torque: Array, signals: Signals) -> Array:
+    """Return the received samples (M, n) of a torque (N, n) [Nm] below CUTOFF."""
+    from ur5lib.timeseries.lowpass import zero_phase_lowpass  # slow to import
+
+    design = 1 / signals.period, ORDER, CUTOFF
+    low = by_segment(zero_phase_lowpass, torque, signals.segment, *design)
+    return low[~signals.interpolated]
+
+
+def rotor_inertia(rotors: Rotors) -> Iterator[Row]:
+    """Yield rotor inertias, and further fitted terms that should be zero."""
+    if rotors.value is not None and rotors.std_error is not None:
+        value, std = vars(rotors.value), vars(rotors.std_error)
+        columns = {"value": value["inertia"], "std_error": std["inertia"]}
+        for term in ("offset", "coulomb", "viscous"):
+            columns |= {term: value[term], f"{term}_std_error": std[term]}
+        yield from by_joint(columns)
+
+
+def parameters(identification: Identification) -> Iterator[Row]:
+    """Yield the base parameters of the identified model."""
+    yield from map(vars, identification.parameters)
+
+
+def excitation(identification: Identification) -> Iterator[Row]:
+    """Yield the excitation of an arm's parameters by the recordings, and advice."""
+    found = identification.excitation
+    if found is not None:
+        yield {
+            "combinations": found.combinations,
+            "undetermined": len(found.undetermined),
+            **found.condition,
+            "advice": "; ".join(map(in_words, found.advice)),
+            "motion": found.advice[0].values.get("motion") if found.advice else None,
+        }
+
+
+def remarks(
+    identification: Identification | None,
+    friction: Friction | None,
+    residuals: Residuals | None,
+) -> Iterator[Row]:
+    """Yield remarks of the fits to an arm by joint, and reasons of fits that failed."""
+    fits = {"identification": identification, "friction": friction, "contact forces": residuals}
+    for step, fitted in fits.items():
+        refused = filter(None, [getattr(fitted, "refused", None)])
+        for remark in [*getattr(fitted, "remarks", ()), *refused]:
+            yield _remark(step, remark)
+        if isinstance(fitted, Friction):
+            yield from _remarks_of_joints(fitted)
+
+
+def _remarks_of_joints(friction: Friction) -> Iterator[Row]:
+    if friction.stopped is not None:
+        yield _remark(STOP, friction.stopped)
+    for joint, fit in enumerate(friction.fit.joints, start=1):
+        for remark in fit.remarks:
+            yield _remark("friction", remark) | {"joint": joint}
+
+
+def _remark(step: str, remark: Remark) -> Row:
+    return {"step": step, "code": remark.code, "remark": in_words(remark)}

@@ -1,0 +1,213 @@
+# What is fitted to an arm, from its recordings.
+
+
+# These take less than a second: on a cluster they are no jobs, but run where Snakemake was started.
+localrules:
+    describe_arm,
+    pool_drifts,
+
+
+rule describe_arm:
+    input:
+        description=lambda wildcards: of_study([robot_path(ARMS[wildcards.robot].arm)]),
+        calibration=lambda wildcards: ARMS[wildcards.robot].calibration or [],
+    output:
+        arm=parameter("described.yaml"),
+    log:
+        **traces("describe_arm", "{robot}"),
+    params:
+        code=lambda wildcards: code(
+            "describe_arm", JOINT_SIZES, *in_library([robot_path(ARMS[wildcards.robot].arm)])
+        ),
+        arm=lambda wildcards: ARMS[wildcards.robot].arm,
+        robot="{robot}",
+        override=lambda wildcards: ARMS[wildcards.robot].override or {},
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule pool_drifts:
+    input:
+        clocks=results_of(contact_free, "own_clocks.json"),
+    output:
+        drifts=parameter("drifts.json"),
+    log:
+        **traces("pool_drifts", "{robot}"),
+    params:
+        code=code("pool_drifts"),
+        hosts=STUDY.devices_of_hosts(),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule calibrate_imu:
+    input:
+        signals=results_of(fitted_on, "signals.parquet"),
+        kinematics=results_of(fitted_on, "kinematics.parquet"),
+        alignment=results_of(fitted_on, "alignment.json"),
+        arm=parameter("described.yaml"),
+    output:
+        calibration=parameter("imu.json"),
+    log:
+        **traces("calibrate_imu", "{robot}"),
+    params:
+        code=code("calibrate_imu"),
+        gravities=gravities_of(fitted_on),
+        lowpass=design(SETTINGS.lowpass.accelerations),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+# The same step, on recordings that no calibration above has seen: it judges, and corrects nothing. Of
+# many, those drawn do: each new one would let all others wait.
+rule calibrate_imu_without_each:
+    input:
+        signals=results_of(SELECTION.drawn, "signals.parquet"),
+        kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
+        alignment=results_of(SELECTION.drawn, "alignment.json"),
+        arm=parameter("described.yaml"),
+    output:
+        calibration=parameter("imu_without_each.json"),
+    log:
+        **traces("calibrate_imu_without_each", "{robot}"),
+    params:
+        code=code("calibrate_imu"),
+        gravities=gravities_of(SELECTION.drawn),
+        lowpass=design(SETTINGS.lowpass.accelerations),
+    run:
+        run_step("calibrate_imu", input, output, params, log)
+
+
+rule identify_model:
+    input:
+        signals=results_of(fitted_on, "signals.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
+        arm=parameter("described.yaml"),
+    output:
+        arm=parameter("arm.yaml"),
+        urdf=parameter("arm.urdf"),
+        rotors=parameter("rotor_inertia.json"),
+        summary=parameter("identification.json"),
+    log:
+        **traces("identify_model", "{robot}"),
+    params:
+        code=code("identify_model"),
+        gravities=gravities_of(fitted_on),
+        lowpass=design(SETTINGS.lowpass.motion),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule fit_friction:
+    input:
+        signals=results_of(fitted_on, "signals.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
+        torques=results_of(fitted_on, "torques.parquet"),
+        premises=results_of(fitted_on, "premises.json"),
+        quality=results_of(fitted_on, "quality.json"),
+        postures=lambda wildcards: postures(
+            "postures.json", SELECTION.of_arm(wildcards.robot, "fit", at_rest=True)
+        ),
+        arm=parameter("arm.yaml"),
+    output:
+        friction=parameter("friction.json"),
+    log:
+        **traces("fit_friction", "{robot}"),
+    params:
+        code=code("fit_friction"),
+        dates=lambda wildcards: {
+            name: SELECTION.date(name) for name in fitted_on(wildcards.robot)
+        },
+        lowpass=design(SETTINGS.lowpass.currents),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule fit_residuals:
+    input:
+        currents=results_of(fitted_on, "currents.parquet"),
+        motion=results_of(fitted_on, "motion.parquet"),
+        friction=parameter("friction.json"),
+    output:
+        residuals=parameter("residuals.json"),
+    log:
+        **traces("fit_residuals", "{robot}"),
+    params:
+        code=code("fit_residuals"),
+        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule set_threshold:
+    input:
+        **(
+            {"published": results_of(fitted_on, "published_forces.parquet")} if REFERENCE else {}
+        ),
+        forces=results_of(fitted_on, "forces.parquet"),
+        signals=results_of(fitted_on, "signals.parquet"),
+        arm=parameter("described.yaml"),
+    output:
+        threshold=parameter("threshold.json"),
+    log:
+        **traces("set_threshold", "{robot}"),
+    params:
+        code=code("set_threshold"),
+        false_alarms_per_min=SETTINGS.alarms.false_per_min,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule rank_recordings:
+    input:
+        motion=results_of(fitted_on, "motion.parquet"),
+        premises=results_of(fitted_on, "premises.json"),
+        friction=parameter("friction.json"),
+        identification=parameter("identification.json"),
+        arm=parameter("arm.yaml"),
+    output:
+        ranking=parameter("next_recordings.csv"),
+    log:
+        **traces("rank_recordings", "{robot}"),
+    params:
+        code=code("rank_recordings"),
+        gravities=gravities_of(fitted_on),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule track_health:
+    input:
+        judgements=results_of(contact_free, "judgement.json"),
+        motion=results_of(contact_free, "motion.parquet"),
+    output:
+        health=parameter("health.csv"),
+        changes=parameter("health_changes.csv"),
+    log:
+        **traces("track_health", "{robot}"),
+    priority: 1  # of thousands of recordings, it takes long
+    params:
+        code=code("track_health"),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule measure_observability:
+    input:
+        motion=results_of(SELECTION.drawn, "motion.parquet"),
+        currents=results_of(SELECTION.drawn, "currents.parquet"),
+        predictions=results_of(SELECTION.drawn, "currents.json"),
+        kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
+        forces=results_of(SELECTION.drawn, "forces.parquet"),
+        friction=parameter("friction.json"),
+        residuals=parameter("residuals.json"),
+        threshold=parameter("threshold.json"),
+    output:
+        observability=parameter("observability.csv"),
+    log:
+        **traces("measure_observability", "{robot}"),
+    params:
+        code=code("measure_observability"),
+        contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)
