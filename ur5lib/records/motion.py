@@ -13,7 +13,10 @@ class Motion(SegmentedTable):
     """Positions [rad], velocities [rad/s] and accelerations [rad/s²] of the joints on the link's
     side, their standard deviations, and velocities on the motor's side, (N, 6) each.
 
-    Links vibrate against motors; friction acts on the motors' side.
+    Links vibrate against motors; friction acts on the motors' side. What the smoother took to drive
+    the joints and to disturb their encoders stands beside it where an IMU is to be added, (N, 6)
+    each: jerk, vibration: intensities of white jerks; position_noise, velocity_noise: standard
+    deviations; shared: the covariance that it leaves to velocities and accelerations.
     """
 
     q: Array = channel("q", "rad", JOINTS)
@@ -23,22 +26,11 @@ class Motion(SegmentedTable):
     qd_std: Array = channel("qd_std", "rad/s", JOINTS)
     qdd_std: Array = channel("qdd_std", "rad/s2", JOINTS)
     motor_qd: Array = channel("motor_qd", "rad/s", JOINTS)
-
-
-@dataclass(frozen=True, kw_only=True)
-class MotionNoise(SegmentedTable):
-    """What the smoother took to drive the joints and to disturb their encoders, (N, 6) each.
-
-    jerk, vibration: intensities of white jerks; position, velocity: standard deviations; shared:
-    the covariance that it leaves to velocities and accelerations. Without any sample where no IMU
-    was recorded: only what adds an IMU reads it.
-    """
-
-    jerk: Array = channel("jerk", "rad/s3/sqrt(Hz)", JOINTS)
-    vibration: Array = channel("vibration", "rad/s3/sqrt(Hz)", JOINTS)
-    position: Array = channel("position", "rad", JOINTS)
-    velocity: Array = channel("velocity", "rad/s", JOINTS)
-    shared: Array = channel("shared", "rad2/s3", JOINTS)
+    jerk: Array | None = channel("jerk", "rad/s3/sqrt(Hz)", JOINTS, optional=True)
+    vibration: Array | None = channel("vibration", "rad/s3/sqrt(Hz)", JOINTS, optional=True)
+    position_noise: Array | None = channel("position", "rad", JOINTS, optional=True)
+    velocity_noise: Array | None = channel("velocity", "rad/s", JOINTS, optional=True)
+    shared: Array | None = channel("shared", "rad2/s3", JOINTS, optional=True)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,10 +1,11 @@
 """Joint motion by the Kalman smoother, as motion.parquet."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.records.motion import Motion, MotionAccount, MotionNoise
+from ur5lib.records.motion import Motion, MotionAccount
 from ur5lib.records.signals import Signals
 from ur5lib.smoothing.encoders import KnownJoints, SmoothedJoints, SmoothedMotion
 from ur5lib.smoothing.noise import EncoderNoise
@@ -29,27 +30,39 @@ def measured(signals: Signals) -> tuple[Array, Array]:
     return q, qd
 
 
-def motion_record(signals: Signals, motion: SmoothedMotion) -> Motion:
-    """Return positions, velocities and accelerations with their standard deviations."""
-    return Motion(time=signals.time, segment=signals.segment, **state_parts(motion))
+def motion_record(signals: Signals, motion: SmoothedJoints) -> Motion:
+    """Return positions, velocities and accelerations with their standard deviations, where an IMU
+    was recorded with the noise of the encoders.
+    """
+    record = Motion(time=signals.time, segment=signals.segment, **state_parts(motion))
+    if signals.accelerometer is None:
+        return record
+    noise = motion.encoders
+    return replace(
+        record,
+        jerk=noise.jerk,
+        vibration=noise.vibration,
+        position_noise=noise.position,
+        velocity_noise=noise.velocity,
+        shared=motion.shared,
+    )
 
 
-def motion_noise(signals: Signals, motion: SmoothedJoints) -> MotionNoise:
-    """Return the noise at each sample, or at none without an IMU."""
-    rows = slice(0 if signals.accelerometer is None else None)
-    noise = {name: getattr(motion.encoders, name)[rows] for name in LOCAL_NOISE}
-    noise["shared"] = motion.shared[rows]
-    return MotionNoise(time=signals.time[rows], segment=signals.segment[rows], **noise)
+def known_joints(motion: Motion, account: MotionAccount) -> KnownJoints:
+    """Return what `smooth_encoders` found; account: that of `motion_account`.
 
-
-def known_joints(motion: Motion, noise: MotionNoise, account: MotionAccount) -> KnownJoints:
-    """Return what `smooth_encoders` found; account: that of `motion_account`."""
+    Raises ValueError of a motion without the noise of its encoders.
+    """
+    jerk, vibration, shared = motion.jerk, motion.vibration, motion.shared
+    position, velocity = motion.position_noise, motion.velocity_noise
+    if jerk is None or vibration is None or shared is None or position is None or velocity is None:
+        raise ValueError("the motion was smoothed without an IMU to add")
     state, std = (
         np.hstack([getattr(motion, name + kind) for name in STATES]) for kind in ("", "_std")
     )
-    local = {name: getattr(noise, name) for name in LOCAL_NOISE}
     lasting = {name: account.noise[name] for name in ("frequency", "damping", "lag")}
-    return KnownJoints(state, std, noise.shared, EncoderNoise(**local, **lasting))
+    noise = EncoderNoise(jerk, vibration, position=position, velocity=velocity, **lasting)
+    return KnownJoints(state, std, shared, noise)
 
 
 def state_parts(motion: SmoothedMotion, names: Sequence[str] = STATES) -> dict[str, Array]:

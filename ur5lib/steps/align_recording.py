@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import columns
-from ur5lib.records.motion import Alignment, Motion, MotionNoise
+from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.signals import Signals
 from ur5lib.signals.clock import HostDrift, OwnClock, SettledClock, settle_clocks
 from ur5lib.signals.resampling import resample
@@ -14,20 +14,15 @@ from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import (
     measured,
     motion_account,
-    motion_noise,
     motion_record,
 )
 
 
 class AlignedRecording(NamedTuple):
-    """All devices on the robot's clock, and the joints' motion.
-
-    noise: of the encoders, where there is an IMU to add.
-    """
+    """All devices on the robot's clock, and the joints' motion."""
 
     signals: pd.DataFrame
     motion: Motion
-    noise: MotionNoise
     alignment: Alignment
 
 
@@ -50,7 +45,6 @@ def align_recording(
     return AlignedRecording(
         table,
         motion_record(signals, motion),
-        motion_noise(signals, motion),
         Alignment(settled, motion_account(motion)),
     )
 

@@ -13,7 +13,7 @@ from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces
 from ur5lib.records.friction import Friction
 from ur5lib.records.gains import GainSummary
-from ur5lib.records.motion import Alignment, Motion, MotionNoise
+from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
@@ -43,7 +43,6 @@ class Evidence(NamedTuple):
     kinematics: Kinematics
     signals: Signals
     motion: Motion
-    noise: MotionNoise
     alignment: Alignment
     torques: Torques
     premises: Premises

@@ -59,7 +59,7 @@ def fuse_imu(evidence: Evidence) -> tuple[FusedMotion, dict[str, MotionAccount]]
         return no_fused_motion(), {}
     signals, motion = evidence.signals, evidence.motion
     calibration = calibration_for(evidence.recording, evidence.calibration)
-    encoders = known_joints(motion, evidence.noise, evidence.alignment.encoders)
+    encoders = known_joints(motion, evidence.alignment.encoders)
     model = imu_model(evidence.robot, evidence.kinematics, calibration, motion.qd)
     samples = signals.time, signals.segment, *measured(signals)
     fused = smooth_with_imu(*samples, signals.imu, model, encoders)

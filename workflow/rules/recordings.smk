@@ -54,7 +54,6 @@ rule align_recording:
     output:
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
-        noise=result("motion_noise.parquet"),
         alignment=result("alignment.json"),
     log:
         **traces("align_recording", "{recording}"),
@@ -165,7 +164,6 @@ rule judge_recording:
         kinematics=result("kinematics.parquet"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
-        noise=result("motion_noise.parquet"),
         alignment=result("alignment.json"),
         torques=result("torques.parquet"),
         premises=result("premises.json"),
