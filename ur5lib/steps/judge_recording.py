@@ -61,8 +61,10 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
 
 
 def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
-    """Return the contacts by each estimate, beside the sensor; of the leading one, also whether they are at
-    the flange, what past currents alone tell, and the smallest push that is detected.
+    """Return the contacts by each estimate, beside the sensor.
+
+    Of the leading one, also whether they are at the flange, what past currents alone tell, and the
+    smallest push that is detected.
     """
     forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
     alarms = all_alarms(forces, published_forces(evidence), thresholds)
