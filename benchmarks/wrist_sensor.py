@@ -17,9 +17,9 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
-from ur5lib.lab.new import new_lab
 from ur5lib.pipeline.records.force_errors import Audit
 from ur5lib.tables import read_record
+from ur5lib.workspace.new import new_lab
 
 SEEDS, SECONDS = 20, 60.0
 TOOL = {

@@ -45,7 +45,7 @@ def new(
     folder: Annotated[Path, typer.Argument(help="folder to make; . is the one you are in")],
 ) -> None:
     """Make a folder for recordings of your own, in which `snakemake` builds their report."""
-    from ur5lib.lab.new import new_lab
+    from ur5lib.workspace.new import new_lab
 
     typer.echo(new_lab(folder))
 
@@ -65,7 +65,7 @@ def fetch(
     """Download a published data set into raw/ and verify every file, or list them all."""
     from ur5lib.datasets.catalogue import catalogue, listing
     from ur5lib.datasets.fetching import fetch as fetch_dataset
-    from ur5lib.lab.new import copy_study, next_command
+    from ur5lib.workspace.new import copy_study, next_command
 
     if dataset is None:
         _print(listing())
@@ -87,7 +87,7 @@ def check(
 ) -> None:
     """Check every recording of a study: read it, repair it, and print the findings."""
     from ur5lib.commands.check import print_findings
-    from ur5lib.lab.new import next_command
+    from ur5lib.workspace.new import next_command
 
     if print_findings(study, recordings or []):
         raise SystemExit(1)

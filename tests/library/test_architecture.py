@@ -18,28 +18,29 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "channels": set(),
     "errors": set(),
     "strict": {"errors"},
-    "lab": {"errors", "strict", "tables"},
-    "steps": {"errors", "lab"},
+    "workspace": {"errors", "strict", "tables"},
+    "steps": {"errors", "workspace"},
     "datasets": {"errors", "strict", "tables"},
     "tables": {"channels", "errors", "timeseries"},
-    "robots": {"errors", "lab", "strict", "timeseries"},
+    "robots": {"errors", "strict", "timeseries", "workspace"},
     **dict.fromkeys(ROOMS, BASE),
-    "recordings": BASE | {"lab"},
+    "recordings": BASE | {"workspace"},
     "smoothing": BASE | {"signals"},
     "recorder": BASE,
     "doubles": BASE | {"recorder", "stand"},
     "excitation": BASE | {"dynamics", "identification"},
-    "pipeline": BASE | ROOMS | {"lab", "smoothing"},
-    "report": BASE | ROOMS | {"excitation", "lab", "pipeline"},
+    "pipeline": BASE | ROOMS | {"smoothing", "workspace"},
+    "report": BASE | ROOMS | {"excitation", "pipeline", "workspace"},
     "study": BASE | {"recorder", "recordings", "stand"},
     "finished": {"errors", "pipeline", "recordings", "robots", "study", "tables"},
     "commands": BASE
     | ROOMS
     | {"datasets", "doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},
-    "leaderboard": BASE | ROOMS | {"lab", "pipeline"},
+    "leaderboard": BASE | ROOMS | {"pipeline", "workspace"},
     "importing": BASE | {"commands", "dynamics", "recordings", "study"},
     "cli": BASE
-    | {"commands", "datasets", "dynamics", "force", "importing", "lab", "leaderboard", "study"},
+    | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}
+    | {"workspace"},
 }
 LIGHT = ("repair_frames", "set_threshold", "make_tables", "draw_figures")
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then

@@ -20,12 +20,12 @@ from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from ur5lib.cli import app
-from ur5lib.lab.extensions import GROUP, KINDS
 from ur5lib.leaderboard.outside import outside
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recorder.move_program import plan, read_program
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_table
+from ur5lib.workspace.extensions import GROUP, KINDS
 
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
 EXAMPLES = [example for page in DOCUMENTS for example in examples(page)]
@@ -164,7 +164,7 @@ PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     ">>> import ur5lib": read,
     "import numpy as np": extend,
     "from dataclasses import dataclass": add_an_estimator,
-    "from ur5lib.lab.places import": use_the_rules,
+    "from ur5lib.workspace.places import": use_the_rules,
 }
 
 

@@ -6,10 +6,10 @@ import pytest
 
 from tests.commands import Command
 from ur5lib.datasets.catalogue import catalogue
-from ur5lib.lab.new import copy_study, new_lab, next_command
 from ur5lib.report.reference import read_reference
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import read_study
+from ur5lib.workspace.new import copy_study, new_lab, next_command
 
 
 @pytest.fixture

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.lab.extensions import additions
 from ur5lib.recordings.array_files import ENDINGS, LOADERS, Arrays
 from ur5lib.recordings.quality import Finding
 from ur5lib.strict import expect_file
+from ur5lib.workspace.extensions import additions
 
 OWN = "own"  # the formats' common name in a study; endings tell them apart
 Read = Callable[[Path], dict[str, Any]]

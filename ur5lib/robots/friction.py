@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.lab.extensions import additions, failed
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
+from ur5lib.workspace.extensions import additions, failed
 
 # Presliding distance [rad]: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
 # shorter ones are below the encoder's resolution.

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import InputError, printable
-from ur5lib.lab.places import SCRIPTS
+from ur5lib.workspace.places import SCRIPTS
 
 BENCHMARK = "s\tmax_rss\tstart_up_time\tcpu_time\n{:.4f}\t{:.1f}\t{:.2f}\t{:.2f}\n"
 

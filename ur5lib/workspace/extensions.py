@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from ur5lib.errors import InputError
-from ur5lib.lab.places import PACKAGE
+from ur5lib.workspace.places import PACKAGE
 
 FOLDER = Path("extensions")  # of the working folder
 GROUP = "ur5lib."  # of entry points: ur5lib.friction, ...

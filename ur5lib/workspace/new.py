@@ -4,9 +4,9 @@ from pathlib import Path
 from shlex import quote
 
 from ur5lib.errors import InputError
-from ur5lib.lab.places import WORKFLOW
 from ur5lib.strict import read_yaml
 from ur5lib.tables import made, write_text
+from ur5lib.workspace.places import WORKFLOW
 
 TEMPLATES = Path(__file__).parent / "templates"
 SCHEMA = "$schema="  # in the first line of a study, with the path beside it in a clone

@@ -4,10 +4,10 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from ur5lib.lab.places import CITATION, SNAKEFILE
 from ur5lib.report.crate import run_crate
 from ur5lib.strict import read_yaml
 from ur5lib.tables import read_csv, write_json
+from ur5lib.workspace.places import CITATION, SNAKEFILE
 
 
 def describe_run(input: Any, output: Any, params: Any) -> None:
