@@ -25,7 +25,7 @@ from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recorder.move_program import plan, read_program
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_table
-from ur5lib.workspace.extensions import GROUP, KINDS
+from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS
 
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
 EXAMPLES = [example for page in DOCUMENTS for example in examples(page)]
@@ -80,7 +80,7 @@ def test_a_study_that_is_wrong_is_found(text: str, tmp_path: Path) -> None:
 @of_kind("toml")
 def test_entry_points_are_of_groups_that_are_taken_up(example: Example) -> None:
     [group] = tomllib.loads(example.text)["project"]["entry-points"]
-    assert group.removeprefix(GROUP) in KINDS
+    assert group.removeprefix(ENTRY_POINT_GROUP) in KINDS
 
 
 @of_kind("listing")

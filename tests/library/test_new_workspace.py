@@ -1,4 +1,4 @@
-"""`ur5 new`, and what to do next in a folder of one's own."""
+"""`ur5 new`, and what to do next in a workspace."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from ur5lib.datasets.catalogue import catalogue
 from ur5lib.report.reference import read_reference
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import read_study
-from ur5lib.workspace.new import copy_study, new_lab, next_command
+from ur5lib.workspace.new import copy_study, new_workspace, next_command
 
 
 @pytest.fixture
@@ -18,15 +18,15 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_new_lab_has_all_that_snakemake_needs(here: Path, run_ur5: Command) -> None:
-    assert run_ur5("new", "my lab").out.endswith("next: cd 'my lab' && snakemake\n")
-    assert (here / "my lab" / "raw").is_dir()
-    assert (here / "my lab" / "profiles" / "default" / "config.yaml").is_file()
-    assert read_study(here / "my lab" / "config.yaml").study == "demo"
+def test_a_new_workspace_has_all_that_snakemake_needs(here: Path, run_ur5: Command) -> None:
+    assert run_ur5("new", "my arm").out.endswith("next: cd 'my arm' && snakemake\n")
+    assert (here / "my arm" / "raw").is_dir()
+    assert (here / "my arm" / "profiles" / "default" / "config.yaml").is_file()
+    assert read_study(here / "my arm" / "config.yaml").study == "demo"
 
 
 def test_published_studies_and_their_schema_are_at_hand(here: Path) -> None:
-    new_lab(Path())
+    new_workspace(Path())
     published = {dataset.study for dataset in catalogue().values()} - {None}
     assert published <= {str(path) for path in Path("workflow/studies").glob("*.yaml")}
     for study in [*published, "config.yaml"]:
@@ -37,7 +37,7 @@ def test_published_studies_and_their_schema_are_at_hand(here: Path) -> None:
 
 def test_files_that_are_there_stay(here: Path) -> None:
     (here / "config.yaml").write_text("study: mine\n")
-    assert new_lab(Path()).endswith("next: snakemake")
+    assert new_workspace(Path()).endswith("next: snakemake")
     assert (here / "config.yaml").read_text() == "study: mine\n"
 
 
@@ -54,7 +54,7 @@ def test_what_cannot_be_written_is_said(here: Path, run_ur5: Command) -> None:
     assert answer.err.startswith("ur5: file cannot be written")
 
 
-def test_the_next_command_makes_a_lab_where_there_is_none(here: Path) -> None:
+def test_the_next_command_makes_a_workspace_where_there_is_none(here: Path) -> None:
     assert next_command(Path("my study.yaml")) == (
         "ur5 new . && snakemake --configfile 'my study.yaml'"
     )

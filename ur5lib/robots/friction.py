@@ -91,7 +91,7 @@ TERMS["periodic"] = Term(
 
 
 def added(shipped: Collection[str]) -> dict[str, Term]:
-    """Return the terms that the lab adds. Raises InputError where one cannot be a friction term."""
+    """Return the terms that the workspace adds. Raises InputError where one is no friction term."""
     rest = JointMotion(*np.zeros((4, 3)))
     found = {}
     for source, name, own in additions("friction"):
@@ -102,7 +102,7 @@ def added(shipped: Collection[str]) -> dict[str, Term]:
             raise InputError(f"{place} is no Term; docs/extensions.md shows one")
         try:
             sizes = [np.shape(column) for column in own.columns(rest)]
-        except Exception as error:  # whatever the lab's code does
+        except Exception as error:  # whatever a user's code does
             raise failed(source, error) from error
         if sizes != [(3,)] * (len(own.parts) or 1):
             raise InputError(

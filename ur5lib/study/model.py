@@ -158,12 +158,12 @@ class Simulable(Files, Part):
 
 
 class Recorded(Simulable):
-    """A recording that may be one of an emulated lab."""
+    """A recording that may be one of `ur5 record --emulate`."""
 
     truth: PathText | None = Field(
         None,
-        description="path within the recording's folder of the truth about it, which the emulated "
-        "lab of `ur5 record` leaves, without its suffixes .parquet and .json",
+        description="path within the recording's folder of the truth about it, which "
+        "`ur5 record` leaves with `--emulate`, without its suffixes .parquet and .json",
     )
 
 
@@ -184,7 +184,7 @@ class TableRecording(TableFiles, Part):
 
 
 class StoredRecording(StoredFiles, Part):
-    """Arrays in an HDF5, MAT, NumPy, Parquet or Feather file, a ROS bag, or a lab's own file."""
+    """Arrays in an HDF5, MAT, NumPy, Parquet or Feather file, a ROS bag, or of your own format."""
 
 
 class ChannelFilesRecording(ChannelFiles, Part):

@@ -1,1 +1,1 @@
-"""Folders of a user's own, in which the workflow of the package runs."""
+"""Workspaces: folders of users, with their studies, recordings and extensions."""

@@ -1,6 +1,6 @@
-"""A lab's own friction terms, force estimators and formats of recordings (docs/extensions.md).
+"""A workspace's own friction terms, force estimators and formats (docs/extensions.md).
 
-They are the lab's own code: files of the folder `extensions` in the working folder, and modules of
+They are the user's own code: files of the folder `extensions` in the workspace, and modules of
 installed packages that name them as entry points. No study can name another.
 """
 
@@ -18,14 +18,14 @@ from typing import Any, NamedTuple
 from ur5lib.errors import InputError
 from ur5lib.workspace.places import PACKAGE
 
-FOLDER = Path("extensions")  # of the working folder
-GROUP = "ur5lib."  # of entry points: ur5lib.friction, ...
+FOLDER = Path("extensions")  # in the workspace, which is the working folder
+ENTRY_POINT_GROUP = "ur5lib."  # its beginning: ur5lib.friction, ...
 PAGE = "docs/extensions.md shows how"
 
 
 class Kind(NamedTuple):
-    """What a lab may add: its name in the lab's module, and the module of ur5lib that takes it up
-    when it is imported.
+    """What a workspace may add: its name in the extension's module, and the module of ur5lib that
+    takes it up when it is imported.
     """
 
     name: str
@@ -52,18 +52,19 @@ class Addition(NamedTuple):
 
 
 def additions(kind: str) -> Iterator[Addition]:
-    """Yield what the lab adds of a kind of KINDS.
+    """Yield what the workspace adds of a kind of KINDS.
 
     Raises InputError where an extension cannot be loaded, or two of them state the same name.
     """
-    stated: dict[str, str] = {}
+    sources: dict[str, str] = {}
     for source, module in extensions(kind).items():
         entries = getattr(module, KINDS[kind].name, None)
         if not isinstance(entries, dict) or not all(isinstance(name, str) for name in entries):
             raise InputError(f"{source} needs a dict {KINDS[kind].name} by name; {PAGE}")
         for name, value in entries.items():
-            if stated.setdefault(name, source) != source:
-                raise InputError(f"{source}: {name!r} is stated in {stated[name]}, too; rename one")
+            if sources.setdefault(name, source) != source:
+                other = sources[name]
+                raise InputError(f"{source}: {name!r} is stated in {other}, too; rename one")
             yield Addition(source, name, value)
 
 
@@ -73,14 +74,14 @@ def extensions(kind: str) -> dict[str, ModuleType]:
 
     Raises InputError where one cannot be loaded.
     """
-    return {source: _loaded(source, load) for source, load in _found(kind).items()}
+    return {source: _module(source, load) for source, load in _loaders(kind).items()}
 
 
 def take_up_all() -> None:
     """Load all extensions. Raises InputError where one cannot be loaded or used."""
-    for kind, own in KINDS.items():
-        if _found(kind):
-            import_module(own.taken_up_by)
+    for name, kind in KINDS.items():
+        if _loaders(name):
+            import_module(kind.taken_up_by)
 
 
 def source_files(modules: Container[Path]) -> list[Path]:
@@ -88,23 +89,25 @@ def source_files(modules: Container[Path]) -> list[Path]:
 
     Of a module in a package, all files of the package's folder.
     """
-    found = []
-    for kind in (kind for kind, own in KINDS.items() if own.file() in modules):
-        for module in extensions(kind).values():
+    files = []
+    for name in (name for name, kind in KINDS.items() if kind.file() in modules):
+        for module in extensions(name).values():
             file = Path(module.__file__ or "")
-            found += sorted(file.parent.rglob("*.py")) if module.__package__ else [file]
-    return found
+            files += sorted(file.parent.rglob("*.py")) if module.__package__ else [file]
+    return files
 
 
-def _found(kind: str) -> dict[str, Callable[[], Any]]:
-    """Return how to load each extension of a kind, by its file or its entry point."""
+def _loaders(kind: str) -> dict[str, Callable[[], Any]]:
+    """Return a function that loads each extension of a kind, by its file or its entry point."""
     file = FOLDER / f"{kind}.py"
-    files = {str(file): partial(_run, file)} if file.is_file() else {}
-    return files | {point.value: point.load for point in entry_points(group=GROUP + kind)}
+    files = {str(file): partial(_module_in, file)} if file.is_file() else {}
+    return files | {
+        point.value: point.load for point in entry_points(group=ENTRY_POINT_GROUP + kind)
+    }
 
 
-def _run(file: Path) -> ModuleType:
-    """Return the module of a file; it is known by a name of its own, as its classes need."""
+def _module_in(file: Path) -> ModuleType:
+    """Run a file and return its module, which has a name of its own, as its classes need."""
     spec = spec_from_file_location(f"ur5lib_extension_{file.stem}", file)
     assert spec is not None
     assert spec.loader is not None
@@ -114,10 +117,11 @@ def _run(file: Path) -> ModuleType:
     return module
 
 
-def _loaded(source: str, load: Callable[[], Any]) -> ModuleType:
+def _module(source: str, load: Callable[[], Any]) -> ModuleType:
+    """Return the module of an extension. Raises InputError where there is none."""
     try:
         module = load()
-    except Exception as error:  # whatever the lab's code does
+    except Exception as error:  # whatever a user's code does
         raise failed(source, error) from error
     if not isinstance(module, ModuleType):
         raise InputError(f"the entry point {source} names no module; {PAGE}")
@@ -126,11 +130,11 @@ def _loaded(source: str, load: Callable[[], Any]) -> ModuleType:
 
 def failed(source: str, error: Exception) -> InputError:
     """Return the error of an extension whose own code raised one."""
-    why = traceback.format_exception_only(error)[-1].strip()
-    return InputError(f"{source}{_line(source, error)} fails ({why}); correct it")
+    cause = traceback.format_exception_only(error)[-1].strip()
+    return InputError(f"{source}{_line_of(source, error)} fails ({cause}); correct it")
 
 
-def _line(source: str, error: Exception) -> str:
+def _line_of(source: str, error: Exception) -> str:
     """Return the line of a file at which it fails, for a message; empty where it is unknown."""
     if isinstance(error, SyntaxError):
         return f", line {error.lineno}"

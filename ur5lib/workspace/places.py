@@ -3,9 +3,9 @@
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
-_INSTALLED = PACKAGE / "workflow"  # pyproject.toml puts it there
-IN_CLONE = not _INSTALLED.is_dir()
-WORKFLOW = PACKAGE.parent if IN_CLONE else _INSTALLED  # holds Snakefile and profiles
+_PACKAGED_WORKFLOW = PACKAGE / "workflow"  # pyproject.toml puts it there
+IN_CLONE = not _PACKAGED_WORKFLOW.is_dir()
+WORKFLOW = PACKAGE.parent if IN_CLONE else _PACKAGED_WORKFLOW  # holds Snakefile and profiles
 SNAKEFILE = WORKFLOW / "Snakefile"
 CITATION = WORKFLOW / "CITATION.cff"
 SCRIPTS = WORKFLOW / "workflow" / "scripts"
