@@ -23,10 +23,10 @@ from ur5lib.excitation.design import RATE, Effort, design, free_postures, random
 from ur5lib.excitation.objective import STEP, Task, Worth
 from ur5lib.excitation.problem import INDEPENDENT, Problem
 from ur5lib.excitation.trajectory import Cell
+from ur5lib.lab.stand.plan import POSTURE, Movej
+from ur5lib.lab.stand.trajectories import REST, plan_targets
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
-from ur5lib.stand.plan import POSTURE, Movej
-from ur5lib.stand.trajectories import REST, plan_targets
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 

@@ -24,6 +24,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
+from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.current_prediction import predicted_currents
@@ -51,8 +53,6 @@ from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
-from ur5lib.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.stand.simulate import simulate
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Mask

@@ -14,10 +14,10 @@ import pandas as pd
 
 from benchmarks.harness.options import options_of
 from benchmarks.harness.timing import timed
+from ur5lib.lab.stand.device_files import MESSAGE
+from ur5lib.lab.stand.faults import SPLIT
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.robots.realtime_message import fields
-from ur5lib.stand.faults import SPLIT
-from ur5lib.stand.files import MESSAGE
 
 FRAMES, PERIOD = 450_000, 0.008  # an hour at 125 Hz
 # Bytes a recv gives, as the thesis's Figure 4.4 shows them.

@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 
 from tests.entries import read_recording
-from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.emulated import Faults
 from ur5lib.errors import InputError
-from ur5lib.recorder.arm_motion import ArmMotion, MotionError
-from ur5lib.recorder.arm_state import identify, read_state
-from ur5lib.recorder.device import DeviceLost
-from ur5lib.recorder.realtime_arm import RealtimeArm
-from ur5lib.recorder.rtde_arm import RtdeArm
+from ur5lib.lab.doubles.controller_double import EmulatedController, Ports
+from ur5lib.lab.doubles.device_double import Faults
+from ur5lib.lab.recorder.arm_motion import ArmMotion, MotionError
+from ur5lib.lab.recorder.arm_state import identify, read_state
+from ur5lib.lab.recorder.device import DeviceLost
+from ur5lib.lab.recorder.realtime_arm import RealtimeArm
+from ur5lib.lab.recorder.rtde_arm import RtdeArm
+from ur5lib.lab.stand.plan import POSTURE, Push, SimulatedRecording, Standstill
 from ur5lib.robots.rtde_variables import columns
-from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Standstill
 from ur5lib.timeseries.arrays import Array
 
 for module in ("rtde_receive", "rtde_control", "dashboard_client"):
@@ -295,7 +295,7 @@ def test_a_motion_is_stopped_from_another_thread(motion: ArmMotion, streams: boo
 def test_the_arm_stops_when_the_program_that_moves_it_is_killed(ur5e: EmulatedController) -> None:
     program = f"""\
 import numpy as np
-from ur5lib.recorder.arm_motion import ArmMotion
+from ur5lib.lab.recorder.arm_motion import ArmMotion
 with ArmMotion("{HERE}") as motion:
     motion.move_through(np.array([{list(POSTURE)}]), 1.0, 2.0)
     motion.move_through(np.array([[1.5, *{list(POSTURE)[1:]}]]), 0.1, 0.5)

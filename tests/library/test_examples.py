@@ -20,9 +20,9 @@ from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from ur5lib.cli import app
+from ur5lib.lab.recorder.commanded_motion import read_motion, refusals
+from ur5lib.lab.recorder.move_program import plan, read_program
 from ur5lib.leaderboard.outside import outside
-from ur5lib.recorder.commanded_motion import read_motion, refusals
-from ur5lib.recorder.move_program import plan, read_program
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_table
 from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS

@@ -11,19 +11,19 @@ from typer.testing import CliRunner
 
 from ur5lib.cli import app
 from ur5lib.commands import excite
-from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.emulated import HOST
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
 from ur5lib.excitation.trajectory import Path as Motion
-from ur5lib.recorder.arm_state import read_state
-from ur5lib.recorder.commanded_motion import read_motion, refusals
+from ur5lib.lab.doubles.controller_double import EmulatedController, Ports
+from ur5lib.lab.doubles.device_double import HOST
+from ur5lib.lab.recorder.arm_state import read_state
+from ur5lib.lab.recorder.commanded_motion import read_motion, refusals
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
+from ur5lib.lab.stand.trajectories import REST
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.formats import read_rtde_csv
 from ur5lib.robots.description import Robot
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import simulate
-from ur5lib.stand.trajectories import REST
 from ur5lib.study.reading import read_study
 from ur5lib.tables import channel, read_json
 

@@ -10,18 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur5lib.doubles import urscript
-from ur5lib.doubles.control_box import ControlBox
-from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.dashboard_server import answer
-from ur5lib.doubles.emulated import Clock
-from ur5lib.doubles.live_arm import JointMotion, LiveArm
-from ur5lib.doubles.truth import Truth, force_reading, imu_reading
-from ur5lib.recorder.rtde_arm import RtdeClient
+from ur5lib.lab.doubles import urscript_programs
+from ur5lib.lab.doubles.control_box import ControlBox
+from ur5lib.lab.doubles.controller_double import EmulatedController, Ports
+from ur5lib.lab.doubles.dashboard_server import answer
+from ur5lib.lab.doubles.device_double import Clock
+from ur5lib.lab.doubles.live_arm import JointMotion, LiveArm
+from ur5lib.lab.doubles.true_states import Truth, force_reading, imu_reading
+from ur5lib.lab.recorder.rtde_arm import RtdeClient
+from ur5lib.lab.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
+from ur5lib.lab.stand.rig import STEP
 from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState, SafetyMode
-from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
-from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array
 
 HERE = "127.0.0.1"
@@ -54,7 +54,7 @@ def execute(box: ControlBox, *lines: str, cycles: int = 2000) -> list[str]:
     """What the log says while a program runs."""
     said: list[str] = []
     box.log.append(said.append)
-    box.run(urscript.program(lines, box))
+    box.run(urscript_programs.program(lines, box))
     for _ in range(cycles):
         if box.state != RuntimeState.PLAYING and not box.arm.motion.moving:
             break

@@ -18,19 +18,19 @@ from tests.examples import examples
 from ur5lib.channels import columns
 from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
-from ur5lib.doubles.controller import EmulatedController
-from ur5lib.doubles.emulated import HOST, Faults
-from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.errors import InputError
+from ur5lib.lab.doubles.controller_double import EmulatedController
+from ur5lib.lab.doubles.device_double import HOST, Faults
+from ur5lib.lab.doubles.net_ft_double import NetFTBox
+from ur5lib.lab.recorder import display
+from ur5lib.lab.recorder.capture import Status
+from ur5lib.lab.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
+from ur5lib.lab.recorder.device import Identity
+from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.pipeline.records.truth import Truth
-from ur5lib.recorder import live
-from ur5lib.recorder.capture import Status
-from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
-from ur5lib.recorder.device import Identity
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState
-from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.reading import read_study
 from ur5lib.tables import read_json
 
@@ -339,6 +339,6 @@ SOUND = {"status": 0.0, "safety_mode": 1.0}
 )
 def test_a_device_s_trouble_is_warned_of(status: Status, sentence: str) -> None:
     identity = Identity(model="made up", address="here", units="SI", rate_hz=100.0)
-    warnings = [*live.warnings({"device": status}, {"device": identity})]
+    warnings = [*display.warnings({"device": status}, {"device": identity})]
     assert len(warnings) == bool(sentence)
     assert all(sentence in warning for warning in warnings)

@@ -16,9 +16,9 @@ import pytest
 
 from tests.made_up_device import MadeUp
 from ur5lib.errors import InputError
-from ur5lib.recorder.capture import SampleFile, capture
-from ur5lib.recorder.realtime_arm import HEAD, RealtimeArm
-from ur5lib.recorder.rtde_arm import OUTPUTS, RtdeArm
+from ur5lib.lab.recorder.capture import SampleFile, capture
+from ur5lib.lab.recorder.realtime_arm import HEAD, RealtimeArm
+from ur5lib.lab.recorder.rtde_arm import OUTPUTS, RtdeArm
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.realtime_message import SOFTWARE
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 
 from tests.damage import DRAWS, damaged_stream, drawn
-from ur5lib.recorder import net_ft
-from ur5lib.recorder.device import Counter
+from ur5lib.lab.recorder import net_ft
+from ur5lib.lab.recorder.device import Counter
 
 RATE = 1000.0
 STREAMS = 1000

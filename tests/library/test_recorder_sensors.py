@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.doubles.emulated import Clock, Emulated, Faults
-from ur5lib.doubles.net_ft_box import NetFTBox
-from ur5lib.doubles.xsens_device import XsensDevice
 from ur5lib.errors import InputError
-from ur5lib.recorder.device import DeviceLost
-from ur5lib.recorder.net_ft import SATURATED, NetFT
-from ur5lib.recorder.xsens import Xsens
+from ur5lib.lab.doubles.device_double import Clock, Emulated, Faults
+from ur5lib.lab.doubles.net_ft_double import NetFTBox
+from ur5lib.lab.doubles.xsens_double import XsensDevice
+from ur5lib.lab.recorder.device import DeviceLost
+from ur5lib.lab.recorder.net_ft import SATURATED, NetFT
+from ur5lib.lab.recorder.xsens import Xsens
 from ur5lib.timeseries.arrays import Array
 
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
@@ -311,5 +311,5 @@ def test_a_port_where_no_tracker_answers(is_noisy: bool) -> None:
 
 
 def test_the_serial_library_is_loaded_when_a_port_is_opened() -> None:
-    program = "import sys, ur5lib.recorder.xsens; sys.exit('serial' in sys.modules)"
+    program = "import sys, ur5lib.lab.recorder.xsens; sys.exit('serial' in sys.modules)"
     subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=True)

@@ -18,14 +18,14 @@ import pytest
 from tests.conftest import PROJECT
 from tests.entries import read_recording
 from tests.made_up_device import MadeUp
-from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.emulated import HOST, Clock, Faults
-from ur5lib.doubles.net_ft_box import NetFTBox
-from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.errors import InputError
-from ur5lib.recorder.capture import Status, capture
-from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
-from ur5lib.recorder.session import MANIFEST, Session, write_manifest
+from ur5lib.lab.doubles.controller_double import EmulatedController, Ports
+from ur5lib.lab.doubles.device_double import HOST, Clock, Faults
+from ur5lib.lab.doubles.net_ft_double import NetFTBox
+from ur5lib.lab.doubles.xsens_double import XsensDevice as EmulatedXsens
+from ur5lib.lab.recorder.capture import Status, capture
+from ur5lib.lab.recorder.device_settings import ArmDevice, Lab, NetFTDevice, XsensDevice
+from ur5lib.lab.recorder.session import MANIFEST, Session, write_manifest
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
@@ -157,7 +157,7 @@ def test_a_device_that_does_not_close_loses_no_sample(
     hangs_in: str, expected: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the manifest counts is what the file holds, or it says that it may hold more."""
-    monkeypatch.setattr("ur5lib.recorder.session.CLOSING", 2.0)
+    monkeypatch.setattr("ur5lib.lab.recorder.session.CLOSING", 2.0)
     plan: Any = MadeUp(hangs_in)
     with Session({"imu": plan}, tmp_path / "run") as session:
         until(lambda: session.statuses()["imu"].samples > 50)
@@ -203,7 +203,7 @@ import sys, time
 from pathlib import Path
 if __name__ == "__main__":  # not in the processes that it starts
     from tests.library.test_recorder_session import lab
-    from ur5lib.recorder.session import Session
+    from ur5lib.lab.recorder.session import Session
     with lab() as (devices, _), Session(devices.devices(), Path(sys.argv[1])) as session:
         while True:
             if all(status.samples for status in session.statuses().values()):

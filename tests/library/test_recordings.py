@@ -15,6 +15,8 @@ from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.channels import SIX, SUFFIXES
 from ur5lib.errors import InputError
+from ur5lib.lab.stand.device_files import MESSAGE, messages
+from ur5lib.lab.stand.faults import SPLIT
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.formats import READERS, excerpt
 from ur5lib.recordings.intake import Intake
@@ -25,8 +27,6 @@ from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.realtime_message import fields
-from ur5lib.stand.faults import SPLIT
-from ur5lib.stand.files import MESSAGE, messages
 from ur5lib.study.model import Recording
 from ur5lib.tables import channel, named
 

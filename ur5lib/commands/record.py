@@ -12,16 +12,16 @@ from rich.console import Console
 from rich.live import Live
 
 from ur5lib.commands.recorded_study import StudyFile, checked_name, entry_of
-from ur5lib.doubles.lab import TRUTH, emulated_lab
 from ur5lib.errors import InputError
-from ur5lib.recorder import live
-from ur5lib.recorder.arm_motion import MotionError, Mover, move_to_start
-from ur5lib.recorder.arm_state import ArmState, identify, read_state
-from ur5lib.recorder.capture import Status
-from ur5lib.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
-from ur5lib.recorder.lab import Lab
-from ur5lib.recorder.move_program import is_program, plan, read_program
-from ur5lib.recorder.session import Session, write_manifest
+from ur5lib.lab.doubles.lab_double import TRUTH, emulated_lab
+from ur5lib.lab.recorder import display
+from ur5lib.lab.recorder.arm_motion import MotionError, Mover, move_to_start
+from ur5lib.lab.recorder.arm_state import ArmState, identify, read_state
+from ur5lib.lab.recorder.capture import Status
+from ur5lib.lab.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
+from ur5lib.lab.recorder.device_settings import Lab
+from ur5lib.lab.recorder.move_program import is_program, plan, read_program
+from ur5lib.lab.recorder.session import Session, write_manifest
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -161,7 +161,7 @@ def _watch(session: Session, mover: Mover | None, seconds: float | None, console
                 time.sleep(POLL)
                 statuses = session.statuses()
                 show(statuses)
-                for warning in live.warnings(statuses, session.identities()):
+                for warning in display.warnings(statuses, session.identities()):
                     if warning not in printed:
                         printed.add(warning)
                         console.print(f"warning: {warning}")
@@ -193,7 +193,7 @@ def _shown(console: Console) -> Iterator[Any]:
         yield lambda _: None
         return
     with Live(console=console, transient=True, auto_refresh=False) as view:
-        yield lambda statuses: view.update(live.table(statuses), refresh=True)
+        yield lambda statuses: view.update(display.table(statuses), refresh=True)
 
 
 def _is_over(
@@ -207,13 +207,13 @@ def _is_over(
 def _print_summary(
     statuses: dict[str, Status], role: str, mover: Mover | None, console: Console
 ) -> None:
-    console.print(live.table(statuses))
-    still = live.unmoved(statuses["robot"])
+    console.print(display.table(statuses))
+    still = display.unmoved(statuses["robot"])
     if role == "fit" and still:
         joints = ", ".join(map(str, still))
         console.print(
-            f"warning: joint {joints} turned by less than {live.MOVED} rad: its friction cannot be "
-            "identified from this recording"
+            f"warning: joint {joints} turned by less than {display.MOVED} rad: its friction cannot "
+            "be identified from this recording"
         )
     if mover and mover.failure:
         console.print(f"warning: the motion ended early: {mover.failure}")

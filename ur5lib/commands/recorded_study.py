@@ -10,8 +10,8 @@ from rich.console import Console
 
 from ur5lib.commands.check import print_findings_of
 from ur5lib.errors import InputError
-from ur5lib.recorder.capture import Status
-from ur5lib.recorder.lab import Lab
+from ur5lib.lab.recorder.capture import Status
+from ur5lib.lab.recorder.device_settings import Lab
 from ur5lib.study.arms import Arm, Name, NamedArm
 from ur5lib.study.reading import Raw, parse_study, read_plain
 from ur5lib.study.schema import explain

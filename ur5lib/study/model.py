@@ -11,7 +11,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from ur5lib.recorder.lab import Lab
+from ur5lib.lab.recorder.device_settings import Lab
+from ur5lib.lab.stand import layout
+from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.recordings.entries import (
     ChannelFiles,
     Files,
@@ -23,8 +25,6 @@ from ur5lib.recordings.entries import (
 )
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
-from ur5lib.stand import layout
-from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import PathText, Strict, existing_file
 from ur5lib.study.arms import Arm, Mounting, Name, NamedArm, Tool
 

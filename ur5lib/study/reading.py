@@ -19,8 +19,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
+from ur5lib.lab.stand import layout
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.stand import layout
 from ur5lib.strict import FAST_DUMPER, expect_few_values, read_yaml
 from ur5lib.study.model import Study
 from ur5lib.study.schema import explain, shown

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from ur5lib.lab.stand.layout import file_names
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
 from ur5lib.robots.description import load_robot
-from ur5lib.stand.layout import file_names
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import simulate
 
 
 def simulate_recording(input: Any, output: Any, params: Any) -> None:

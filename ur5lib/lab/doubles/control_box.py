@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ur5lib.doubles.live_arm import LiveArm
-from ur5lib.robots.mjcf import flange
-from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, RobotMode, RuntimeState, SafetyMode
-from ur5lib.stand.controller import (
+from ur5lib.lab.doubles.live_arm import LiveArm
+from ur5lib.lab.stand.controller_channels import (
     ForceEstimate,
     channels,
     jacobians,
@@ -18,10 +16,12 @@ from ur5lib.stand.controller import (
     poses,
     sensed,
 )
-from ur5lib.stand.plan import WristSensor
-from ur5lib.stand.rig import STEP
-from ur5lib.stand.sensors import Wrist, declared_weight, in_base_axes
-from ur5lib.stand.trajectories import Targets
+from ur5lib.lab.stand.plan import WristSensor
+from ur5lib.lab.stand.rig import STEP
+from ur5lib.lab.stand.sensors import Wrist, declared_weight, in_base_axes
+from ur5lib.lab.stand.trajectories import Targets
+from ur5lib.robots.mjcf import flange
+from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, RobotMode, RuntimeState, SafetyMode
 from ur5lib.timeseries.arrays import Array
 
 Program = Iterator[None]  # advanced once per cycle, until it ends

@@ -12,8 +12,8 @@ from asyncio import StreamReader
 
 import numpy as np
 
-from ur5lib.doubles import urscript
-from ur5lib.doubles.control_box import ControlBox, Program, UnsupportedCommandError, Watchdog
+from ur5lib.lab.doubles import urscript_programs
+from ur5lib.lab.doubles.control_box import ControlBox, Program, UnsupportedCommandError, Watchdog
 from ur5lib.timeseries.arrays import Array
 
 NAME = "def rtde_control()"
@@ -40,7 +40,7 @@ async def run_programs(box: ControlBox, reader: StreamReader) -> None:
         if NAME in text and line:
             box.run(ControlScript(text, box).run())
         elif line and text.strip():
-            box.run(urscript.program(text.splitlines(), box))
+            box.run(urscript_programs.program(text.splitlines(), box))
 
 
 async def _line(reader: StreamReader) -> str:
@@ -86,9 +86,9 @@ class ControlScript:
             case 1:  # moveJ
                 *goal, speed, acceleration = self._doubles(8)
                 motion.movej(np.array(goal), speed, acceleration)
-                yield from self._started(urscript.wait_until_done(box))
+                yield from self._started(urscript_programs.wait_until_done(box))
             case 45:  # movePath; blends are not emulated
-                yield from self._started(urscript.program(self._path, box))
+                yield from self._started(urscript_programs.program(self._path, box))
             case 9:  # speedJ
                 *speeds, acceleration = self._doubles(7)
                 motion.speedj(np.array(speeds), acceleration)
@@ -98,13 +98,13 @@ class ControlScript:
                 self._moves = None
                 self._signal_progress(running=False)
                 motion.stopj(self._doubles(1)[0])
-                yield from urscript.wait_until_done(box)
+                yield from urscript_programs.wait_until_done(box)
             case 52 if not all(self._integer(axis) for axis in range(1, 7)):
                 raise UnsupportedCommandError("freedrive along some axes only is not emulated")
             case 18 | 52:  # teachMode, freedriveMode
                 box.arm.release()
             case 19 | 53:  # endTeachMode, endFreedriveMode
-                yield from urscript.end_freedrive(box)
+                yield from urscript_programs.end_freedrive(box)
             case _:
                 self._set_or_answer(command)
 

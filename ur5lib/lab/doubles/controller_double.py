@@ -24,16 +24,16 @@ from typing import Any, BinaryIO, NamedTuple, Self
 
 import numpy as np
 
-from ur5lib.doubles import dashboard_server
-from ur5lib.doubles.control_box import ControlBox
-from ur5lib.doubles.control_script import run_programs
-from ur5lib.doubles.emulated import HOST, Clock, Faults
-from ur5lib.doubles.live_arm import LiveArm
-from ur5lib.doubles.streams import RealtimeServer, RtdeServer
-from ur5lib.doubles.truth import Truth
 from ur5lib.errors import InputError
+from ur5lib.lab.doubles import dashboard_server
+from ur5lib.lab.doubles.control_box import ControlBox
+from ur5lib.lab.doubles.control_script import run_programs
+from ur5lib.lab.doubles.device_double import HOST, Clock, Faults
+from ur5lib.lab.doubles.live_arm import LiveArm
+from ur5lib.lab.doubles.streams import RealtimeServer, RtdeServer
+from ur5lib.lab.doubles.true_states import Truth
+from ur5lib.lab.stand.plan import SimulatedRecording, Standstill
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.stand.plan import SimulatedRecording, Standstill
 
 STARTS = 60.0  # s within which the process of a controller must answer
 LONGEST = 1 << 24  # bytes of a line that a client sends

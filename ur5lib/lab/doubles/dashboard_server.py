@@ -6,7 +6,7 @@ Source: Universal Robots' dashboard server guide, CB-Series and e-Series.
 from asyncio import StreamReader, StreamWriter
 from itertools import repeat
 
-from ur5lib.doubles.control_box import ControlBox
+from ur5lib.lab.doubles.control_box import ControlBox
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
 
 WELCOME = "Connected: Universal Robots Dashboard Server"

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ur5lib.doubles.controller import EmulatedController
-from ur5lib.doubles.emulated import HOST, Clock
-from ur5lib.doubles.net_ft_box import INTERNAL_RATE, NetFTBox
-from ur5lib.doubles.truth import force_reading, imu_reading
-from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
-from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
+from ur5lib.lab.doubles.controller_double import EmulatedController
+from ur5lib.lab.doubles.device_double import HOST, Clock
+from ur5lib.lab.doubles.net_ft_double import INTERNAL_RATE, NetFTBox
+from ur5lib.lab.doubles.true_states import force_reading, imu_reading
+from ur5lib.lab.doubles.xsens_double import XsensDevice as EmulatedXsens
+from ur5lib.lab.recorder.device_settings import ArmDevice, Lab, NetFTDevice, XsensDevice
+from ur5lib.lab.stand.plan import ForceSensor, Imu, SimulatedRecording
+from ur5lib.lab.stand.rig import STEP, build_rig
+from ur5lib.lab.stand.truth import write_truth
 from ur5lib.robots.description import Robot
-from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
-from ur5lib.stand.rig import STEP, build_rig
-from ur5lib.stand.truth import write_truth
 
 FORCE_RATE, IMU_RATE = 500.0, 256.0  # Hz
 FORCE_CLOCK, IMU_CLOCK = Clock(drift_ppm=40.0), Clock(drift_ppm=-3000.0)

@@ -8,13 +8,13 @@ from typing import BinaryIO
 import mujoco
 import numpy as np
 
-from ur5lib.doubles.truth import STATE
+from ur5lib.lab.doubles.true_states import STATE
+from ur5lib.lab.stand.controller_channels import WINDOW
+from ur5lib.lab.stand.friction import USUAL
+from ur5lib.lab.stand.plan import Contact, Imu, SimulatedRecording
+from ur5lib.lab.stand.rig import SETTLE, STEP, Target, as_rows, build_arm, build_rig, step_times
+from ur5lib.lab.stand.trajectories import leg, plan_targets
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.stand.controller import WINDOW
-from ur5lib.stand.friction import USUAL
-from ur5lib.stand.plan import Contact, Imu, SimulatedRecording
-from ur5lib.stand.rig import SETTLE, STEP, Target, as_rows, build_arm, build_rig, step_times
-from ur5lib.stand.trajectories import leg, plan_targets
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration
 

@@ -12,8 +12,8 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.doubles.emulated import HOST, Clock, Emulated, Faults, Reading
-from ur5lib.recorder import net_ft
+from ur5lib.lab.doubles.device_double import HOST, Clock, Emulated, Faults, Reading
+from ur5lib.lab.recorder import net_ft
 from ur5lib.timeseries.arrays import Array
 
 INTERNAL_RATE = 7000  # Hz, at which ft_sequence counts

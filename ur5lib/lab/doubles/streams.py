@@ -9,9 +9,9 @@ from asyncio import StreamReader, StreamWriter
 
 import numpy as np
 
-from ur5lib.doubles.control_box import ControlBox
-from ur5lib.doubles.control_script import run_programs
-from ur5lib.doubles.emulated import Faults, FaultyStream
+from ur5lib.lab.doubles.control_box import ControlBox
+from ur5lib.lab.doubles.control_script import run_programs
+from ur5lib.lab.doubles.device_double import Faults, FaultyStream
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.realtime_message import fields
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, INPUTS, OUTPUTS, exists, size

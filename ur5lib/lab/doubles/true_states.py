@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ur5lib.doubles.emulated import Clock, Reading
-from ur5lib.stand.plan import ForceSensor, Imu
-from ur5lib.stand.rig import STEP, States, state_of
-from ur5lib.stand.sensors import ImuReader, read_force
+from ur5lib.lab.doubles.device_double import Clock, Reading
+from ur5lib.lab.stand.plan import ForceSensor, Imu
+from ur5lib.lab.stand.rig import STEP, States, state_of
+from ur5lib.lab.stand.sensors import ImuReader, read_force
 from ur5lib.timeseries.arrays import Array
 
 STATE = state_of(6)

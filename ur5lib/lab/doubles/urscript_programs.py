@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.doubles.control_box import ENDING, ControlBox, Program, UnsupportedCommandError
+from ur5lib.lab.doubles.control_box import ENDING, ControlBox, Program, UnsupportedCommandError
 from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
 from ur5lib.timeseries.arrays import Array
 

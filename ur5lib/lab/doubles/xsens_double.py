@@ -10,8 +10,8 @@ import os
 import struct
 import tty
 
-from ur5lib.doubles.emulated import Clock, Emulated, Faults, Reading
-from ur5lib.recorder import xbus, xsens
+from ur5lib.lab.doubles.device_double import Clock, Emulated, Faults, Reading
+from ur5lib.lab.recorder import xbus, xsens
 
 WAKE_UP = 0x3E
 ANSWERS = {  # to requests for the device's identity

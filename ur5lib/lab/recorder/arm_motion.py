@@ -9,8 +9,8 @@ from collections.abc import Callable
 from typing import Any, Self
 
 from ur5lib.errors import InputError, of_recorder
-from ur5lib.recorder.arm_state import read_state
-from ur5lib.recorder.commanded_motion import ACCELERATION, SPEED, CommandedMotion
+from ur5lib.lab.recorder.arm_state import read_state
+from ur5lib.lab.recorder.commanded_motion import ACCELERATION, SPEED, CommandedMotion
 from ur5lib.timeseries.arrays import Array
 
 WATCHDOG = 4.0  # Hz; the controller stops the arm when this program writes less often

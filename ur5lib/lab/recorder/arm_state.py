@@ -7,8 +7,8 @@ from enum import IntEnum
 import numpy as np
 
 from ur5lib.errors import InputError, of_recorder
-from ur5lib.recorder.device import PATIENCE, DeviceLost
-from ur5lib.recorder.rtde_arm import PORT, RtdeClient
+from ur5lib.lab.recorder.device import PATIENCE, DeviceLost
+from ur5lib.lab.recorder.rtde_arm import PORT, RtdeClient
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
 from ur5lib.timeseries.arrays import Array
 

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.device import Device, DeviceLost, NewSamples, Packets
-from ur5lib.recorder.lab import AnyDevice
+from ur5lib.lab.recorder.device import Device, DeviceLost, NewSamples, Packets
+from ur5lib.lab.recorder.device_settings import AnyDevice
 
 REPORT = 0.25  # s between reports to the recorder
 HOST_TIME = "host_time"

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ur5lib.recorder.device import Device
+from ur5lib.lab.recorder.device import Device
 from ur5lib.strict import Strict
 
 Port = Annotated[int, Field(gt=0, lt=65536)]
@@ -26,10 +26,10 @@ class ArmDevice(Strict):
     def open(self) -> Device:
         """Connect to the arm. Raises InputError where it does not answer."""
         if self.interface == "realtime":
-            from ur5lib.recorder import realtime_arm
+            from ur5lib.lab.recorder import realtime_arm
 
             return realtime_arm.RealtimeArm(self.address, self.port or realtime_arm.PORT)
-        from ur5lib.recorder import rtde_arm
+        from ur5lib.lab.recorder import rtde_arm
 
         return rtde_arm.RtdeArm(self.address, self.rate_hz, self.port or rtde_arm.PORT)
 
@@ -49,7 +49,7 @@ class NetFTDevice(Strict):
 
     def open(self) -> Device:
         """Connect to the sensor. Raises InputError where it does not answer."""
-        from ur5lib.recorder.net_ft import NetFT
+        from ur5lib.lab.recorder.net_ft import NetFT
 
         return NetFT(self.address, self.bias, self.port, self.http_port)
 
@@ -68,7 +68,7 @@ class XsensDevice(Strict):
 
     def open(self) -> Device:
         """Connect to the sensor. Raises InputError where it does not answer."""
-        from ur5lib.recorder.xsens import Xsens
+        from ur5lib.lab.recorder.xsens import Xsens
 
         return Xsens(self.port, self.rate_hz, self.baudrate)
 

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from rich.table import Table
 
-from ur5lib.recorder.arm_state import SAFE
-from ur5lib.recorder.capture import Status
-from ur5lib.recorder.device import Identity
-from ur5lib.recorder.net_ft import SATURATED
+from ur5lib.lab.recorder.arm_state import SAFE
+from ur5lib.lab.recorder.capture import Status
+from ur5lib.lab.recorder.device import Identity
+from ur5lib.lab.recorder.net_ft import SATURATED
 from ur5lib.robots.rtde_variables import SafetyMode
 
 FEW = 0.001  # share of samples that may be lost

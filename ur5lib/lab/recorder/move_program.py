@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.commanded_motion import FEWEST, CommandedMotion, position_limits
+from ur5lib.lab.recorder.commanded_motion import FEWEST, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import SINGULAR_VALUE, geometric_jacobian, link_frames, solutions
 from ur5lib.robots.urscript import Command, ToolPose, parse, read_calls, six

@@ -18,7 +18,7 @@ import requests
 
 from ur5lib.channels import units_of
 from ur5lib.errors import InputError
-from ur5lib.recorder.device import (
+from ur5lib.lab.recorder.device import (
     GATHER,
     PATIENCE,
     Counter,

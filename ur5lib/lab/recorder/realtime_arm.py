@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from ur5lib.recorder.device import (
+from ur5lib.lab.recorder.device import (
     LONGEST_SILENCE,
     PATIENCE,
     CycleCounter,

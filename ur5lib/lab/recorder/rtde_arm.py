@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ur5lib.recorder.device import (
+from ur5lib.lab.recorder.device import (
     GATHER,
     PATIENCE,
     CycleCounter,

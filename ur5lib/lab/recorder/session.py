@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, Self
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.capture import Status, capture
-from ur5lib.recorder.device import Identity
-from ur5lib.recorder.lab import AnyDevice
+from ur5lib.lab.recorder.capture import Status, capture
+from ur5lib.lab.recorder.device import Identity
+from ur5lib.lab.recorder.device_settings import AnyDevice
 from ur5lib.tables import checksum, write_json
 
 MANIFEST = "manifest.json"

@@ -17,7 +17,7 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from ur5lib.errors import InputError, of_recorder
-from ur5lib.recorder.device import DeviceLost
+from ur5lib.lab.recorder.device import DeviceLost
 
 START = b"\xfa\xff"  # preamble, and the bus identifier of a device that is connected directly
 LONGEST = 2048  # bytes of data in a message

@@ -10,9 +10,9 @@ import numpy as np
 
 from ur5lib.channels import units_of
 from ur5lib.errors import InputError
-from ur5lib.recorder import xbus
-from ur5lib.recorder.device import GATHER, Counter, Identity, NewSamples, Silence
-from ur5lib.recorder.xbus import Measurement, Message, RefusedError, XbusPort
+from ur5lib.lab.recorder import xbus
+from ur5lib.lab.recorder.device import GATHER, Counter, Identity, NewSamples, Silence
+from ur5lib.lab.recorder.xbus import Measurement, Message, RefusedError, XbusPort
 
 GO_TO_CONFIG, GO_TO_MEASUREMENT = 0x30, 0x10
 REQUEST_DEVICE_ID, REQUEST_PRODUCT_CODE, REQUEST_FIRMWARE = 0x00, 0x1C, 0x12

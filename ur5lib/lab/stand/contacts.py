@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
+from ur5lib.lab.stand.plan import Contact, Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.robots.mjcf import TOOL, flange
-from ur5lib.stand.plan import Contact, Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.timeseries.arrays import Array
 
 GRASP = 0.2  # s, duration of lifting or putting down a load

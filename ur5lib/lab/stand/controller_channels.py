@@ -7,13 +7,13 @@ import numpy as np
 import pandas as pd
 from scipy.signal import butter, lfilter
 
+from ur5lib.lab.stand.drive import Drive, current_noise, motion_share
+from ur5lib.lab.stand.friction import along_chain
+from ur5lib.lab.stand.rig import STEP, Experiment, Rig, States, step_times
+from ur5lib.lab.stand.sensors import TorqueSensors
+from ur5lib.lab.stand.trajectories import Targets
 from ur5lib.robots.description import Payload
 from ur5lib.robots.mjcf import flange
-from ur5lib.stand.drive import Drive, current_noise, motion_share
-from ur5lib.stand.friction import along_chain
-from ur5lib.stand.rig import STEP, Experiment, Rig, States, step_times
-from ur5lib.stand.sensors import TorqueSensors
-from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import THESIS_FILES
+from ur5lib.lab.stand.faults import is_moving, split_late, tear
+from ur5lib.lab.stand.layout import ROBOT_FILES
+from ur5lib.lab.stand.plan import Clock, SimulatedRecording
 from ur5lib.robots.realtime_message import fields
-from ur5lib.stand.faults import is_moving, split_late, tear
-from ur5lib.stand.layout import ROBOT_FILES
-from ur5lib.stand.plan import Clock, SimulatedRecording
 from ur5lib.tables import channel, write_text
 
 EPOCH = 1388577600.0  # s; fictitious date of all recordings, 2014-01-01 12:00 UTC

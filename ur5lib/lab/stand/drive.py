@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from ur5lib.lab.stand.friction import FrictionParameters, along_chain
 from ur5lib.robots.description import Robot
-from ur5lib.stand.friction import FrictionParameters, along_chain
 from ur5lib.timeseries.arrays import Array
 
 # rad/s; with these, joints deviate from their targets as much as the real ones do.

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from ur5lib.stand.plan import Faults
+from ur5lib.lab.stand.plan import Faults
 from ur5lib.timeseries.arrays import Array, Mask
 
 BUFFER = 4096  # bytes; a partly filled buffer is never written to the file

@@ -7,8 +7,8 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from ur5lib.channels import MOST_JOINTS
+from ur5lib.lab.stand.layout import COLUMNS
 from ur5lib.robots.description import Payload, Positive, Six, Vector3
-from ur5lib.stand.layout import COLUMNS
 from ur5lib.strict import Strict, existing_file
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import rest_conditions

@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
+from ur5lib.lab.stand.contacts import Contacts
+from ur5lib.lab.stand.drive import Drive, drive_of, link_torques
+from ur5lib.lab.stand.friction import USUAL, Friction, FrictionParameters, friction_of
+from ur5lib.lab.stand.plan import Imu, SimulatedRecording
+from ur5lib.lab.stand.trajectories import Targets, plan_targets
 from ur5lib.robots.description import Mounting, Payload, Robot
 from ur5lib.robots.mjcf import add_arm
-from ur5lib.stand.contacts import Contacts
-from ur5lib.stand.drive import Drive, drive_of, link_torques
-from ur5lib.stand.friction import USUAL, Friction, FrictionParameters, friction_of
-from ur5lib.stand.plan import Imu, SimulatedRecording
-from ur5lib.stand.trajectories import Targets, plan_targets
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.001  # s, of the integration

@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 from ur5lib.channels import columns
+from ur5lib.lab.stand.plan import Clock, ForceSensor, Imu, WristSensor
+from ur5lib.lab.stand.rig import STEP, Experiment, Rig, States, step_times
 from ur5lib.robots.description import Robot
-from ur5lib.stand.plan import Clock, ForceSensor, Imu, WristSensor
-from ur5lib.stand.rig import STEP, Experiment, Rig, States, step_times
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated

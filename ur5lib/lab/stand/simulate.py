@@ -8,15 +8,15 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
+from ur5lib.lab.stand.controller_channels import frames
+from ur5lib.lab.stand.device_files import WRITERS, write_files
+from ur5lib.lab.stand.faults import apply_faults, draw_faulty_frames
+from ur5lib.lab.stand.layout import FORMATS_WITH_PAYLOAD
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.rig import perform
+from ur5lib.lab.stand.sensors import force_readings, imu_readings, wrist_channels
+from ur5lib.lab.stand.truth import write_truth
 from ur5lib.robots.description import Robot
-from ur5lib.stand.controller import frames
-from ur5lib.stand.faults import apply_faults, draw_faulty_frames
-from ur5lib.stand.files import WRITERS, write_files
-from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import perform
-from ur5lib.stand.sensors import force_readings, imu_readings, wrist_channels
-from ur5lib.stand.truth import write_truth
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from ur5lib.stand import controller, sensors
-from ur5lib.stand import drive as drives
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import STEP, Rig, States, step_times
-from ur5lib.stand.sensors import BEHIND, TorqueSensors
+from ur5lib.lab.stand import controller_channels, sensors
+from ur5lib.lab.stand import drive as drives
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.rig import STEP, Rig, States, step_times
+from ur5lib.lab.stand.sensors import BEHIND, TorqueSensors
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import runs
@@ -95,8 +95,8 @@ def _noise() -> dict[str, float | Array]:
         "current_ripple_a": drives.RIPPLE,
         "current_a": drives.NOISE,
         "current_at_rest_a": drives.NOISE_AT_REST,
-        "position_rad": controller.POSITION_NOISE,
-        "velocity_rad_s": controller.VELOCITY_NOISE,
+        "position_rad": controller_channels.POSITION_NOISE,
+        "velocity_rad_s": controller_channels.VELOCITY_NOISE,
         "force_sensor_n_nm": sensors.FORCE_NOISE,
         "gyroscope_rad_s_sqrt_hz": sensors.GYROSCOPE_NOISE,
         "accelerometer_m_s2_sqrt_hz": sensors.ACCELEROMETER_NOISE,
