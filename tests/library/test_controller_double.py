@@ -14,8 +14,8 @@ import pytest
 
 from tests.entries import read_recording
 from ur5lib.errors import InputError
-from ur5lib.lab.doubles.controller_double import EmulatedController, Ports
-from ur5lib.lab.doubles.device_double import Faults
+from ur5lib.lab.doubles.controller_double import ControllerDouble, Ports
+from ur5lib.lab.doubles.device_double import TransmissionFaults
 from ur5lib.lab.recorder.arm_motion import ArmMotion, MotionError
 from ur5lib.lab.recorder.arm_state import identify, read_state
 from ur5lib.lab.recorder.device import DeviceLost
@@ -42,13 +42,13 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def ur5e(controller_ports: None) -> Iterator[EmulatedController]:
-    with EmulatedController("ur5e", plan=SILENT) as controller:
+def ur5e(controller_ports: None) -> Iterator[ControllerDouble]:
+    with ControllerDouble("ur5e", plan=SILENT) as controller:
         yield controller
 
 
 @pytest.fixture
-def motion(ur5e: EmulatedController) -> Iterator[ArmMotion]:
+def motion(ur5e: ControllerDouble) -> Iterator[ArmMotion]:
     with ArmMotion(HERE) as motion:
         yield motion
 
@@ -79,7 +79,7 @@ def column(device: RtdeArm, values: Array, name: str) -> Array:
 
 
 @pytest.mark.parametrize("rate", [500, 125])
-def test_every_package_is_recorded_with_what_is_true(ur5e: EmulatedController, rate: int) -> None:
+def test_every_package_is_recorded_with_what_is_true(ur5e: ControllerDouble, rate: int) -> None:
     device = RtdeArm(HERE, rate)
     told = device.identity
     received, values, lost = recorded(device, rate)
@@ -97,7 +97,7 @@ def test_every_package_is_recorded_with_what_is_true(ur5e: EmulatedController, r
     assert column(device, values, "robot_mode")[0] == 7
 
 
-def test_ur_rtde_sees_what_we_record_to_the_bit(ur5e: EmulatedController, tmp_path: Path) -> None:
+def test_ur_rtde_sees_what_we_record_to_the_bit(ur5e: ControllerDouble, tmp_path: Path) -> None:
     """Its recorder samples by its own clock: some rows twice, some never, each as we have it."""
     own = tmp_path / "ur_rtde.csv"
     names = ["timestamp", "actual_q", "target_q", "actual_current", "joint_temperatures"]
@@ -127,7 +127,7 @@ robot.stopFileRecording()
 
 
 def test_outputs_that_a_controller_lacks_are_left_out(controller_ports: None) -> None:
-    with EmulatedController("ur5", ports=Ports.free()) as controller:
+    with ControllerDouble("ur5", ports=Ports.free()) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
         told = device.identity
         recorded(device, 10)
@@ -144,8 +144,11 @@ def test_lost_packages_are_counted_and_the_newest_outputs_recorded(controller_po
     """Of an e-Series arm whose flange is pulled: the wrench from currents, environment on arm."""
     pull = Push(kind="push", link=6, start_s=0.0, seconds=8.0, force=(0.0, 30.0, 0.0))
     plan = SimulatedRecording(trajectory=STILL, noise=False, friction=False, contacts=[pull])
-    options = {"software": (5, 26, 0, 0), "faults": Faults(late=0.05, split=0.2, lost=0.1)}
-    with EmulatedController("ur5e", plan=plan, ports=Ports.free(), **options) as controller:
+    options = {
+        "software": (5, 26, 0, 0),
+        "faults": TransmissionFaults(late=0.05, split=0.2, lost=0.1),
+    }
+    with ControllerDouble("ur5e", plan=plan, ports=Ports.free(), **options) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
         _, values, lost = recorded(device, 1500)
         device.close()
@@ -163,7 +166,7 @@ def test_lost_packages_are_counted_and_the_newest_outputs_recorded(controller_po
 # The realtime port
 
 
-def test_the_realtime_port_is_recorded_to_the_bit(ur5e: EmulatedController, tmp_path: Path) -> None:
+def test_the_realtime_port_is_recorded_to_the_bit(ur5e: ControllerDouble, tmp_path: Path) -> None:
     plain, device = socket.create_connection((HERE, 30003)), RealtimeArm(HERE)
     told = device.identity
     assert (told.message_bytes, told.rate_hz) == (1220, 500)
@@ -194,7 +197,7 @@ def test_the_realtime_port_is_recorded_to_the_bit(ur5e: EmulatedController, tmp_
 # The clients of ur_rtde
 
 
-def test_the_dashboard_answers(ur5e: EmulatedController) -> None:
+def test_the_dashboard_answers(ur5e: ControllerDouble) -> None:
     import dashboard_client
 
     dashboard = dashboard_client.DashboardClient(HERE)
@@ -221,7 +224,7 @@ def test_the_dashboard_answers(ur5e: EmulatedController) -> None:
     }
 
 
-def test_its_control_interface_moves_the_arm(ur5e: EmulatedController) -> None:
+def test_its_control_interface_moves_the_arm(ur5e: ControllerDouble) -> None:
     import rtde_control
 
     control = rtde_control.RTDEControlInterface(HERE)
@@ -242,7 +245,7 @@ def test_its_control_interface_moves_the_arm(ur5e: EmulatedController) -> None:
     control.disconnect()
 
 
-def test_plain_urscript_moves_the_arm(ur5e: EmulatedController) -> None:
+def test_plain_urscript_moves_the_arm(ur5e: ControllerDouble) -> None:
     program = f"""\
 def there_and_back():
   textmsg("moving")
@@ -266,7 +269,7 @@ end
 # Motion of the recorder
 
 
-def test_the_arm_follows_a_streamed_trajectory(ur5e: EmulatedController, motion: ArmMotion) -> None:
+def test_the_arm_follows_a_streamed_trajectory(ur5e: ControllerDouble, motion: ArmMotion) -> None:
     motion.move_through(np.array([POSTURE]), 1.5, 3.0)
     time_s = np.arange(0, 2, 0.002)
     wave = 0.1 * (1 - np.cos(np.pi * time_s))
@@ -292,7 +295,7 @@ def test_a_motion_is_stopped_from_another_thread(motion: ArmMotion, streams: boo
     assert not motion.move_through(np.array([AWAY]), 1.0, 2.0)
 
 
-def test_the_arm_stops_when_the_program_that_moves_it_is_killed(ur5e: EmulatedController) -> None:
+def test_the_arm_stops_when_the_program_that_moves_it_is_killed(ur5e: ControllerDouble) -> None:
     program = f"""\
 import numpy as np
 from ur5lib.lab.recorder.arm_motion import ArmMotion
@@ -309,7 +312,7 @@ with ArmMotion("{HERE}") as motion:
     assert read_state(HERE).q[0] < 1.2
 
 
-def test_its_control_interface_knows_freedrive(ur5e: EmulatedController) -> None:
+def test_its_control_interface_knows_freedrive(ur5e: ControllerDouble) -> None:
     import rtde_control
 
     control = rtde_control.RTDEControlInterface(HERE)
@@ -326,7 +329,7 @@ def test_its_control_interface_knows_freedrive(ur5e: EmulatedController) -> None
 # Faults
 
 
-def test_a_protective_stop_is_seen(ur5e: EmulatedController, motion: ArmMotion) -> None:
+def test_a_protective_stop_is_seen(ur5e: ControllerDouble, motion: ArmMotion) -> None:
     ur5e.ask("stop")
     wait_for(lambda: read_state(HERE).safety_mode == "protective stop")
     assert not read_state(HERE).ready
@@ -342,7 +345,7 @@ def test_a_protective_stop_is_seen(ur5e: EmulatedController, motion: ArmMotion) 
     motion.move_through(np.array([POSTURE]), 1.0, 2.0)
 
 
-def test_a_push_is_in_the_truth(ur5e: EmulatedController) -> None:
+def test_a_push_is_in_the_truth(ur5e: ControllerDouble) -> None:
     start = ur5e.ask("time") + 0.2
     ur5e.ask("touch", Push(kind="push", force=(0.0, 20.0, 0.0), start_s=start, seconds=1.0))
     middle = float(ur5e.clock.host(ur5e.setup.clock.offset_s + start + 0.5))
@@ -355,7 +358,7 @@ def test_a_push_is_in_the_truth(ur5e: EmulatedController) -> None:
 
 @pytest.mark.parametrize("make", [RtdeArm, RealtimeArm])
 def test_a_controller_that_dies_is_lost_and_may_come_back(
-    ur5e: EmulatedController, make: type[RtdeArm] | type[RealtimeArm]
+    ur5e: ControllerDouble, make: type[RtdeArm] | type[RealtimeArm]
 ) -> None:
     device = make(HERE)
     device.read()
@@ -373,7 +376,7 @@ def test_a_controller_that_dies_is_lost_and_may_come_back(
 
 @pytest.mark.parametrize("make", [RtdeArm, RealtimeArm])
 def test_a_silent_controller_is_lost(
-    ur5e: EmulatedController, make: type[RtdeArm] | type[RealtimeArm]
+    ur5e: ControllerDouble, make: type[RtdeArm] | type[RealtimeArm]
 ) -> None:
     device = make(HERE)
     ur5e.ask("freeze", True)
@@ -389,7 +392,7 @@ def read_until_lost(device: RtdeArm | RealtimeArm) -> None:
         device.read()
 
 
-def test_a_motion_ends_when_its_controller_dies(ur5e: EmulatedController) -> None:
+def test_a_motion_ends_when_its_controller_dies(ur5e: ControllerDouble) -> None:
     with ArmMotion(HERE) as motion:
         threading.Timer(0.5, ur5e.ask, ["die"]).start()
         with pytest.raises(MotionError, match=r"127\.0\.0\.1"):
@@ -397,9 +400,9 @@ def test_a_motion_ends_when_its_controller_dies(ur5e: EmulatedController) -> Non
     ur5e.ask("come back")
 
 
-def test_a_taken_port_is_said(ur5e: EmulatedController) -> None:
+def test_a_taken_port_is_said(ur5e: ControllerDouble) -> None:
     with (
         pytest.raises(InputError, match=r"port 30004 of 127\.0\.0\.1 is taken"),
-        EmulatedController("ur5e"),
+        ControllerDouble("ur5e"),
     ):
         pass

@@ -19,9 +19,9 @@ from ur5lib.channels import columns
 from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
 from ur5lib.errors import InputError
-from ur5lib.lab.doubles.controller_double import EmulatedController
-from ur5lib.lab.doubles.device_double import HOST, Faults
-from ur5lib.lab.doubles.net_ft_double import NetFTBox
+from ur5lib.lab.doubles.controller_double import ControllerDouble
+from ur5lib.lab.doubles.device_double import HOST, TransmissionFaults
+from ur5lib.lab.doubles.net_ft_double import NetFTDouble
 from ur5lib.lab.recorder import display
 from ur5lib.lab.recorder.capture import Status
 from ur5lib.lab.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
@@ -128,7 +128,7 @@ def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     pull = {"kind": "spring", "displacement": [0.0, 0.1, 0.0], "seconds": 2}
     plan = at(HOME).model_dump() | {"contacts": [pull | {"start_s": 2 * k} for k in range(30)]}
     screen = console()
-    with EmulatedController("ur5e", plan=SimulatedRecording.model_validate(plan)) as arm:
+    with ControllerDouble("ur5e", plan=SimulatedRecording.model_validate(plan)) as arm:
         record(study, RecordOptions("led", "contact", seconds=6, by_hand=True, yes=True), screen)
         assert np.abs(arm.truth.part("qd", arm.truth.latest())).max() < 0.05
     led = pd.read_csv("raw/lab/led/robot.csv")
@@ -151,7 +151,7 @@ def test_nothing_moves_without_a_yes_or_a_plan(
     Path("moves.txt").write_text(f"movej({here.tolist()})\nmovel({there.tolist()})\n")
     screen = console()
     monkeypatch.setattr(screen, "input", lambda *_: "y")
-    with EmulatedController("ur5e", plan=at(HOME)):
+    with ControllerDouble("ur5e", plan=at(HOME)):
         for given, sentence in (
             ({"move": Path("points.csv")}, "not confirmed"),
             ({"by_hand": True}, "not confirmed"),
@@ -219,8 +219,8 @@ def test_the_arm_stops_when_a_device_dies(study: Path) -> None:
     pytest.importorskip("rtde_control")
     far = HOME + np.array([1.5, 0, 0, 0, 0, 0])
     np.savetxt("far.csv", np.array([HOME, far]), delimiter=",")
-    arm = EmulatedController("ur5e", plan=at(HOME))
-    with arm, NetFTBox(lambda _: np.zeros(6), faults=Faults(dies_at=6.0)) as box:
+    arm = ControllerDouble("ur5e", plan=at(HOME))
+    with arm, NetFTDouble(lambda _: np.zeros(6), faults=TransmissionFaults(dies_at=6.0)) as box:
         devices = {"robot": {"address": HOST}}
         devices["force_sensor"] = {"address": HOST, "port": box.port, "http_port": box.http_port}
         study.write_text(yaml.safe_dump(yaml.safe_load(STUDY) | {"devices": devices}))

@@ -19,9 +19,9 @@ from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.lab.stand.controller_channels import frames
 from ur5lib.lab.stand.friction import (
     COULOMB_WARMING,
-    LOAD,
+    LOAD_SHARE,
     VISCOUS_WARMING,
-    Friction,
+    BristleFriction,
     friction_of,
 )
 from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
@@ -205,7 +205,7 @@ def test_friction_falls_as_it_warms() -> None:
     parameters = friction_of(load_robot(robot_path("ur5")), True)
     torque = []
     for warmth in (0.0, 10.0):
-        friction = Friction(parameters, np.zeros(6))
+        friction = BristleFriction(parameters, np.zeros(6))
         for _ in range(2000):
             slid = friction.torque(np.zeros(6), np.ones(6), np.zeros(6), 0.001, warmth)
         torque.append(slid)
@@ -217,7 +217,7 @@ def test_friction_falls_as_it_warms() -> None:
 def test_sliding_friction_is_dry_viscous_and_periodic(speed: float) -> None:
     """After turning steadily, without load."""
     parameters, qd = friction_of(load_robot(robot_path("ur5")), True), np.full(6, speed)
-    friction, torque = Friction(parameters, np.zeros(6)), np.zeros(6)
+    friction, torque = BristleFriction(parameters, np.zeros(6)), np.zeros(6)
     for _ in range(2000):
         torque = friction.torque(np.zeros(6), qd, np.zeros(6), STEP)
     dry = np.sign(speed) * parameters.dry(qd, np.zeros(6))
@@ -238,7 +238,7 @@ def test_friction_falls_from_stiction_and_grows_with_load() -> None:
 def test_friction_takes_energy_over_any_cycle() -> None:
     parameters = friction_of(load_robot(robot_path("ur5")), True)
     for amplitude in (1e-5, 1e-4, 1e-2, 1.0):
-        friction, work = Friction(parameters, np.zeros(6)), np.zeros(6)
+        friction, work = BristleFriction(parameters, np.zeros(6)), np.zeros(6)
         for phase in np.linspace(0, 6 * np.pi, 6000):
             qd = np.full(6, amplitude * np.cos(phase))
             q = np.full(6, amplitude * np.sin(phase))
@@ -259,7 +259,7 @@ def test_a_stuck_arm_hides_a_small_force_and_comes_back_from_a_large_one() -> No
     lever = np.abs(experiment(trajectory=STILL).motion["origin"][0, 1])
     assert shown[0] < 0.6 * 2.0 * lever
     # of the large one, the share by which it loads the gear besides
-    assert shown[1] > (0.8 - LOAD) * 150.0 * lever
+    assert shown[1] > (0.8 - LOAD_SHARE) * 150.0 * lever
     assert np.abs(large[-1] - large[0])[0] > 1
     assert np.abs(small[-1] - small[0])[0] < 0.2
 

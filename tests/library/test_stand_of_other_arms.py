@@ -12,7 +12,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import Experiment, perform
-from ur5lib.lab.stand.sensors import BEHIND, TorqueSensors
+from ur5lib.lab.stand.sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
 from ur5lib.lab.stand.simulate import simulate
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recordings.entries import RtdeFiles
@@ -63,7 +63,7 @@ def test_sensors_read_the_torque_of_the_links(count: int, tmp_path: Path) -> Non
     entry = RtdeFiles(format="rtde-csv", folder=str(folder), file="robot.csv")
     read = read_and_repair(entry, robot, 0.1).robot.filter(like="actual_current_").to_numpy()
     true, sensors = Truth.read(tmp_path / "truth.parquet"), TorqueSensors.of(robot)
-    felt = true.motor_torque - (1 - BEHIND) * true.friction_torque
+    felt = true.motor_torque - (1 - FRICTION_SHARE_BEHIND_SENSOR) * true.friction_torque
     np.testing.assert_allclose(read, sensors.gain * felt + sensors.bias, atol=1e-5)
 
 

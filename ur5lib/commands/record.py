@@ -13,13 +13,18 @@ from rich.live import Live
 
 from ur5lib.commands.recorded_study import StudyFile, checked_name, entry_of
 from ur5lib.errors import InputError
-from ur5lib.lab.doubles.lab_double import TRUTH, emulated_lab
+from ur5lib.lab.doubles.lab_double import TRUTH_STEM, lab_double
 from ur5lib.lab.recorder import display
 from ur5lib.lab.recorder.arm_motion import MotionError, Mover, move_to_start
 from ur5lib.lab.recorder.arm_state import ArmState, identify, read_state
 from ur5lib.lab.recorder.capture import Status
-from ur5lib.lab.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
-from ur5lib.lab.recorder.device_settings import Lab
+from ur5lib.lab.recorder.commanded_motion import (
+    START_TOLERANCE,
+    CommandedMotion,
+    read_motion,
+    refusals,
+)
+from ur5lib.lab.recorder.device_settings import LabSettings
 from ur5lib.lab.recorder.move_program import is_program, plan, read_program
 from ur5lib.lab.recorder.session import Session, write_manifest
 from ur5lib.robots.description import Robot
@@ -63,8 +68,8 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     folder = Path("raw", study.name(), checked_name(options.name))
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
-    laboratory: AbstractContextManager[Lab] = (
-        emulated_lab(robot, options.role == "contact", folder)
+    laboratory: AbstractContextManager[LabSettings] = (
+        lab_double(robot, options.role == "contact", folder)
         if options.emulate
         else nullcontext(study.lab())
     )
@@ -88,7 +93,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     _print_summary(session.statuses(), options.role, mover, console)
     entry = {"name": options.name, "role": options.role, "folder": str(folder)}
     entry |= entry_of(lab, session.statuses())
-    entry |= {"truth": TRUTH} if options.emulate else {}
+    entry |= {"truth": TRUTH_STEM} if options.emulate else {}
     return study.enter(entry, options.add, console)
 
 
@@ -114,7 +119,7 @@ def _prepare(
         f"it will start at {_angles(motion.q[0])}, at {options.speed:g} of the full speed"
     )
     _confirm("move the arm? Type yes: ", options, console)
-    if np.abs(state.q - motion.q[0]).max() > AT_START:
+    if np.abs(state.q - motion.q[0]).max() > START_TOLERANCE:
         try:
             move_to_start(address, motion)
         except MotionError as error:
@@ -212,8 +217,8 @@ def _print_summary(
     if role == "fit" and still:
         joints = ", ".join(map(str, still))
         console.print(
-            f"warning: joint {joints} turned by less than {display.MOVED} rad: its friction cannot "
-            "be identified from this recording"
+            f"warning: joint {joints} turned by less than {display.MIN_TURN_FOR_FRICTION} rad: its "
+            "friction cannot be identified from this recording"
         )
     if mover and mover.failure:
         console.print(f"warning: the motion ended early: {mover.failure}")

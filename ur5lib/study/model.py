@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from ur5lib.lab.recorder.device_settings import Lab
+from ur5lib.lab.recorder.device_settings import LabSettings
 from ur5lib.lab.stand import layout
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.recordings.entries import (
@@ -325,7 +325,7 @@ class Study(Strict):
         description="other studies whose results are built: the report shows what differs from "
         "theirs by more than its error, as `ur5 compare` does",
     )
-    devices: Lab | None = Field(
+    devices: LabSettings | None = Field(
         None, description="devices that `ur5 record` records; the analysis does not use them"
     )
     hosts: dict[str, list[Literal["force_sensor", "imu"]]] = Field(

@@ -214,7 +214,7 @@ def _with_files(raw: Raw) -> Raw:
         if isinstance(plan := entry.get("simulate"), dict):
             files: dict[str, object] = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
             if entry.get("format") in layout.FORMATS:
-                sensors = [name for name in layout.COLUMNS if plan.get(name) is not None]
+                sensors = [name for name in layout.SENSOR_COLUMNS if plan.get(name) is not None]
                 files |= layout.device_keys(entry["format"], sensors)
             entries[k] = {**entry, **files}
     return {**raw, "recordings": entries} if entries else raw

@@ -26,12 +26,12 @@ from ur5lib.timeseries.arrays import Array
 
 Program = Iterator[None]  # advanced once per cycle, until it ends
 Outputs = Mapping[str, Array | float]  # under RTDE names
-ELBOW = "link_2"
-VOLTAGE = 48.0  # V, of the supply
-POWER_WITHOUT_MOTION = 60.0  # W
+ELBOW_BODY = "link_2"
+SUPPLY_VOLTAGE = 48.0  # V, of the supply
+STANDBY_POWER = 60.0  # W
 
-STOPPING = 20.0  # rad/s², deceleration of a protective stop
-ENDING = 4.0  # rad/s², deceleration where a program ends in motion
+PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s², deceleration of a protective stop
+PROGRAM_END_DECELERATION = 4.0  # rad/s², deceleration where a program ends in motion
 
 JOINT_RUNNING, JOINT_IDLE = 253, 255  # RTDE's `joint_mode`
 POWER_ON_BIT, PROGRAM_BIT = 1, 2  # of `robot_status_bits`
@@ -111,7 +111,7 @@ class ControlBox:
             return
         self._program, self.paused, self.watchdog = program, False, None
 
-    def stop(self, deceleration: float = ENDING) -> None:
+    def stop(self, deceleration: float = PROGRAM_END_DECELERATION) -> None:
         """End the program, if any, and the motion."""
         self._program, self.paused, self.watchdog = None, False, None
         if self.arm.motion.moving:
@@ -121,7 +121,7 @@ class ControlBox:
         """Stop the arm at once; nothing moves until `unlock`."""
         self.say(f"Protective stop: {reason}")
         self.safety_mode = SafetyMode.PROTECTIVE_STOP
-        self.stop(STOPPING)
+        self.stop(PROTECTIVE_STOP_DECELERATION)
 
     def unlock(self) -> bool:
         """Release a protective stop, unless the arm still brakes; return whether it is released."""
@@ -194,7 +194,7 @@ class Instruments:
         targets = Targets(arm.motion.q, arm.motion.qd, arm.motion.qdd)
         stated = channels(rig, state, measured, targets, self._estimate)
         # The controller's model is now in the present posture,
-        elbow, turning = rig.nominal_data.body(ELBOW), np.zeros((3, 6))
+        elbow, turning = rig.nominal_data.body(ELBOW_BODY), np.zeros((3, 6))
         mujoco.mj_jacBody(rig.nominal, rig.nominal_data, turning, None, elbow.id)
         place = elbow.xpos.copy()
         # and then in that of the targets.
@@ -234,13 +234,13 @@ class Instruments:
 
     def _electrics(self, current: Array) -> dict[str, Array | float]:
         state = self._arm.states[-1]
-        power = POWER_WITHOUT_MOTION + float(np.abs(state["motor_torque"] @ state["qd"]))
+        power = STANDBY_POWER + float(np.abs(state["motor_torque"] @ state["qd"]))
         return {
             "actual_current_as_torque": self._arm.rig.drive.torque_constant * current,
             "joint_control_output": current,
             "actual_current_window": np.full(6, 1.0) + 0.1 * np.abs(current),
-            "actual_joint_voltage": np.full(6, VOLTAGE),
-            "actual_main_voltage": VOLTAGE,
-            "actual_robot_voltage": VOLTAGE,
-            "actual_robot_current": power / VOLTAGE,
+            "actual_joint_voltage": np.full(6, SUPPLY_VOLTAGE),
+            "actual_main_voltage": SUPPLY_VOLTAGE,
+            "actual_robot_voltage": SUPPLY_VOLTAGE,
+            "actual_robot_current": power / SUPPLY_VOLTAGE,
         }

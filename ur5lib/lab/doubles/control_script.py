@@ -16,17 +16,17 @@ from ur5lib.lab.doubles import urscript_programs
 from ur5lib.lab.doubles.control_box import ControlBox, Program, UnsupportedCommandError, Watchdog
 from ur5lib.timeseries.arrays import Array
 
-NAME = "def rtde_control()"
-OFFSET = re.compile(r"# int register offset\n(\d+)")
-PATH = re.compile(r"# inject move path\n(.*?)\n    end", re.DOTALL)
+CONTROL_SCRIPT_HEAD = "def rtde_control()"
+OFFSET_PATTERN = re.compile(r"# int register offset\n(\d+)")
+PATH_PATTERN = re.compile(r"# inject move path\n(.*?)\n    end", re.DOTALL)
 
-COMMAND, ASYNCHRONOUS = 0, 1  # input integers
-STATE, RESULT, PROGRESS = 0, 1, 2  # output integers
-READY, DONE = 1, 2
-STOP_SCRIPT = 255
-REALTIME = (9, 11, 26, 38, 58)
-RUNNING, COUNT, OPERATION = 1 << 15, 1 << 16, 1 << 24  # in the register of progress
-COUNTED = 128  # counts and operations are counted modulo this
+COMMAND_REGISTER, ASYNCHRONOUS_REGISTER = 0, 1  # input integers
+STATE_REGISTER, RESULT_REGISTER, PROGRESS_REGISTER = 0, 1, 2  # output integers
+READY_STATE, DONE_STATE = 1, 2
+STOP_COMMAND = 255
+REALTIME_COMMANDS = (9, 11, 26, 38, 58)
+RUNNING_BIT, COUNT_UNIT, OPERATION_UNIT = 1 << 15, 1 << 16, 1 << 24  # in the register of progress
+PROGRESS_MODULUS = 128  # counts and operations are counted modulo this
 
 
 async def run_programs(box: ControlBox, reader: StreamReader) -> None:
@@ -37,7 +37,7 @@ async def run_programs(box: ControlBox, reader: StreamReader) -> None:
             while line and not line.startswith("end"):
                 line = await _line(reader)
                 text += line
-        if NAME in text and line:
+        if CONTROL_SCRIPT_HEAD in text and line:
             box.run(ControlScript(text, box).run())
         elif line and text.strip():
             box.run(urscript_programs.program(text.splitlines(), box))
@@ -54,7 +54,7 @@ class ControlScript:
     def __init__(self, text: str, box: ControlBox) -> None:
         """text: the program as uploaded, with the client's insertions."""
         self._box = box
-        offset, path = OFFSET.search(text), PATH.search(text)
+        offset, path = OFFSET_PATTERN.search(text), PATH_PATTERN.search(text)
         self._offset = int(offset[1]) if offset else 0
         self._path = path[1].splitlines() if path else []
         self._moves: Program | None = None  # of an asynchronous command
@@ -64,16 +64,16 @@ class ControlScript:
         """Yield once per cycle until the client stops the script."""
         self._signal_progress(running=False)
         acknowledged = True
-        self._write(STATE, READY)
-        while (command := self._integer(COMMAND)) != STOP_SCRIPT:
-            if command == 0 or command in REALTIME:
+        self._write(STATE_REGISTER, READY_STATE)
+        while (command := self._integer(COMMAND_REGISTER)) != STOP_COMMAND:
+            if command == 0 or command in REALTIME_COMMANDS:
                 acknowledged = command == 0 or acknowledged
                 yield from self._execute(command)
-                self._write(STATE, READY)
+                self._write(STATE_REGISTER, READY_STATE)
             elif acknowledged:
                 acknowledged = False
                 yield from self._execute(command)
-                self._write(STATE, DONE)
+                self._write(STATE_REGISTER, DONE_STATE)
             if self._moves is not None and next(self._moves, "ended") == "ended":
                 self._moves = None
                 self._signal_progress(running=False)
@@ -131,7 +131,7 @@ class ControlScript:
                 box.watchdog = Watchdog(name, 1 / self._doubles(1)[0], box.time)
             case 37:  # isJointsWithinSafetyLimits
                 limits = [high for _, high in box.arm.rig.robot.position_limits()]
-                self._write(RESULT, bool((np.abs(self._doubles(6)) <= limits).all()))
+                self._write(RESULT_REGISTER, bool((np.abs(self._doubles(6)) <= limits).all()))
             case 38:  # getJointTorques
                 self._answer(*np.asarray(box.outputs["actual_current_as_torque"]))
             case 40:  # getTCPOffset
@@ -139,27 +139,27 @@ class ControlScript:
             case 43 | 58:  # getForwardKinematics, getActualToolFlangePose
                 self._answer(*np.asarray(box.outputs["actual_TCP_pose"]))
             case 47:  # isSteady
-                self._write(RESULT, not box.arm.motion.moving)
+                self._write(RESULT_REGISTER, not box.arm.motion.moving)
             case 54:  # getFreedriveStatus: possible in any posture
-                self._write(RESULT, 0)
+                self._write(RESULT_REGISTER, 0)
             case _:
                 raise UnsupportedCommandError(f"command {command} of ur_rtde is not emulated")
 
     def _started(self, moves: Program) -> Program:
         """Yield until moves have ended; if asynchronous, only start them beside the script."""
-        if not self._integer(ASYNCHRONOUS):
+        if not self._integer(ASYNCHRONOUS_REGISTER):
             self._moves = None
             yield from moves
             return
-        self._operation = (self._operation + 1) % COUNTED
+        self._operation = (self._operation + 1) % PROGRESS_MODULUS
         self._moves = moves
         next(moves, None)
         self._signal_progress(running=True)
 
     def _signal_progress(self, running: bool) -> None:
-        self._count = (self._count + 1) % COUNTED
-        value = self._count * COUNT + self._operation * OPERATION + RUNNING * running
-        self._write(PROGRESS, value)
+        self._count = (self._count + 1) % PROGRESS_MODULUS
+        value = self._count * COUNT_UNIT + self._operation * OPERATION_UNIT + RUNNING_BIT * running
+        self._write(PROGRESS_REGISTER, value)
 
     def _integer(self, k: int) -> int:
         return int(self._box.registers[f"input_int_register_{k + self._offset}"])

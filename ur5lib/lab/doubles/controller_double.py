@@ -28,16 +28,16 @@ from ur5lib.errors import InputError
 from ur5lib.lab.doubles import dashboard_server
 from ur5lib.lab.doubles.control_box import ControlBox
 from ur5lib.lab.doubles.control_script import run_programs
-from ur5lib.lab.doubles.device_double import HOST, Clock, Faults
+from ur5lib.lab.doubles.device_double import HOST, DeviceClock, TransmissionFaults
 from ur5lib.lab.doubles.live_arm import LiveArm
 from ur5lib.lab.doubles.streams import RealtimeServer, RtdeServer
-from ur5lib.lab.doubles.true_states import Truth
+from ur5lib.lab.doubles.true_states import TrueStates
 from ur5lib.lab.stand.plan import SimulatedRecording, Standstill
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
-STARTS = 60.0  # s within which the process of a controller must answer
-LONGEST = 1 << 24  # bytes of a line that a client sends
-STILL = SimulatedRecording(trajectory=Standstill(kind="standstill"))
+ANSWER_TIMEOUT = 60.0  # s within which the process of a controller must answer
+MAX_LINE_BYTES = 1 << 24  # bytes of a line that a client sends
+STANDSTILL_PLAN = SimulatedRecording(trajectory=Standstill(kind="standstill"))
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Ports:
 
 
 class Generation(NamedTuple):
-    """What controllers of one generation have in common, as in `Setup`."""
+    """What controllers of one generation have in common, as in `ControllerSetup`."""
 
     software: tuple[int, int, int, int]
     rate: int
@@ -74,7 +74,7 @@ Service = Callable[[StreamReader, StreamWriter], Coroutine[Any, Any, None]]
 
 
 @dataclass(frozen=True)
-class Setup:
+class ControllerSetup:
     """The settings of an emulated controller.
 
     plan: payload, temperatures, contacts and sensors of the arm, which starts at rest where the
@@ -88,25 +88,28 @@ class Setup:
     rate: int
     message: int
     ports: Ports = Ports()
-    faults: Faults = Faults()
-    clock: Clock = Clock(offset_s=4096.0)
+    faults: TransmissionFaults = TransmissionFaults()
+    clock: DeviceClock = DeviceClock(offset_s=4096.0)
     seed: int = 0
 
 
-class EmulatedController:
-    """A running emulated controller: `with EmulatedController("ur5e", rate=500) as controller:`.
+class ControllerDouble:
+    """A running emulated controller: `with ControllerDouble("ur5e", rate=500) as controller:`.
 
     truth: the true motion and forces; clock: the controller's. Raises InputError when a port is
     taken.
     """
 
     def __init__(
-        self, robot: str | Robot = "ur5e", plan: SimulatedRecording = STILL, **options: Any
+        self,
+        robot: str | Robot = "ur5e",
+        plan: SimulatedRecording = STANDSTILL_PLAN,
+        **options: Any,
     ) -> None:
-        """robot: or its name; options: of Setup; default: those of the arm's generation."""
+        """robot: or its name; options: of ControllerSetup, by default of the arm's generation."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
         generation = E_SERIES if arm.wrist_sensor else CB3
-        self.setup = Setup(arm, plan, **generation._asdict() | options)
+        self.setup = ControllerSetup(arm, plan, **generation._asdict() | options)
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""
@@ -120,7 +123,7 @@ class EmulatedController:
         self._process.start()
         far_end.close()
         self.clock = replace(self.setup.clock, start=self._answer())
-        self.truth = Truth(states, self.clock)
+        self.truth = TrueStates(states, self.clock)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -131,13 +134,15 @@ class EmulatedController:
         self._folder.cleanup()
 
     def ask(self, order: str, *arguments: Any) -> Any:
-        """Give the controller an order of `_Controller.orders`, and return its answer."""
+        """Give the controller an order of `_ControllerProcess.orders`, and return its answer."""
         self._line.send((order, *arguments))
         return self._answer()
 
     def _answer(self) -> Any:
-        if not self._line.poll(STARTS):
-            raise TimeoutError(f"the emulated controller does not answer within {STARTS:g} s")
+        if not self._line.poll(ANSWER_TIMEOUT):
+            raise TimeoutError(
+                f"the emulated controller does not answer within {ANSWER_TIMEOUT:g} s"
+            )
         answer = self._line.recv()
         if isinstance(answer, InputError):
             self.__exit__()
@@ -145,18 +150,18 @@ class EmulatedController:
         return answer
 
 
-def _run(setup: Setup, states: Path, line: Connection) -> None:
+def _run(setup: ControllerSetup, states: Path, line: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that holds it
     # `select` wakes within microseconds of the set time, `epoll` within 1 ms.
     loop = asyncio.SelectorEventLoop(selectors.SelectSelector())
     with states.open("wb") as truth:
-        loop.run_until_complete(_Controller(setup, truth, line).run())
+        loop.run_until_complete(_ControllerProcess(setup, truth, line).run())
 
 
-class _Controller:
+class _ControllerProcess:
     """The controller within its process."""
 
-    def __init__(self, setup: Setup, truth: BinaryIO, line: Connection) -> None:
+    def __init__(self, setup: ControllerSetup, truth: BinaryIO, line: Connection) -> None:
         self._setup, self._line = setup, line
         random = np.random.default_rng(setup.seed).spawn(2)
         arm = LiveArm(setup.robot, setup.plan, truth, random[0])
@@ -193,7 +198,7 @@ class _Controller:
         if pace.done():
             pace.result()  # raises the error that ended it
 
-    async def _pace(self, clock: Clock) -> None:
+    async def _pace(self, clock: DeviceClock) -> None:
         """Publish each cycle when its time has come, then compute the next one."""
         cycle = 0
         while True:
@@ -217,7 +222,7 @@ class _Controller:
         for port, service in services.items():
             client = partial(self._serve, service)
             try:
-                server = await asyncio.start_server(client, HOST, port, limit=LONGEST)
+                server = await asyncio.start_server(client, HOST, port, limit=MAX_LINE_BYTES)
             except OSError as error:
                 raise InputError(
                     f"port {port} of {HOST} is taken: is another emulated controller running?"

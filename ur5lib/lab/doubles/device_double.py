@@ -15,15 +15,15 @@ from typing import Self
 from ur5lib.timeseries.arrays import Array
 
 HOST = "127.0.0.1"
-NAP = 0.001  # s, shortest sleep: samples due meanwhile are sent together
-HASTE = 3  # times the rate, at most, at which samples are sent after the computer was busy
+MIN_SLEEP = 0.001  # s, shortest sleep: samples due meanwhile are sent together
+MAX_HASTE = 3  # times the rate, at most, at which samples are sent after the computer was busy
 Reading = Callable[[float], Array]  # of the host's monotonic time [s]
-REST = 0.003  # s, until the second part of a split packet follows
-BACKLOG = 1 << 16  # bytes unread by a client, beyond which it is sent no more
+SECOND_PART_DELAY = 0.003  # s, until the second part of a split packet follows
+MAX_BACKLOG_BYTES = 1 << 16  # bytes unread by a client, beyond which it is sent no more
 
 
 @dataclass(frozen=True)
-class Clock:
+class DeviceClock:
     """A device's clock: t_host = start + (1 + drift) (t_device − offset).
 
     offset_s: its time when the device is switched on [s]; drift_ppm: positive: slow; start: when
@@ -53,7 +53,7 @@ class Clock:
 
 
 @dataclass(frozen=True)
-class Faults:
+class TransmissionFaults:
     """Shares of faulty packets (the first never is, each has at most one fault), and power cuts.
 
     lost: never sent; late: sent late_s [s] later, by datagrams after their successors, by a stream
@@ -84,7 +84,7 @@ class Delivery:
     when the device is switched on.
     """
 
-    def __init__(self, faults: Faults, is_stream: bool) -> None:
+    def __init__(self, faults: TransmissionFaults, is_stream: bool) -> None:
         self.lost: list[int] = []
         self.late: list[int] = []
         self._faults, self._is_stream = faults, is_stream
@@ -104,7 +104,7 @@ class Delivery:
         if fault == "repeated":
             self._enqueue(sample, packet, when)
         if fault == "split":
-            self._enqueue(sample, packet[half:], when + REST)
+            self._enqueue(sample, packet[half:], when + SECOND_PART_DELAY)
 
     def take(self, now: float) -> list[bytes]:
         """Return the packets, or parts of them, that arrive until then [s, monotonic]."""
@@ -140,7 +140,7 @@ class Delivery:
 class FaultyStream:
     """The packets of a controller to one client."""
 
-    def __init__(self, writer: StreamWriter, faults: Faults) -> None:
+    def __init__(self, writer: StreamWriter, faults: TransmissionFaults) -> None:
         self._writer, self._delivery = writer, Delivery(faults, is_stream=True)
 
     def send(self, packet: bytes) -> None:
@@ -148,7 +148,7 @@ class FaultyStream:
 
         Late packets and second parts of split ones are sent with a later packet.
         """
-        if self._writer.transport.get_write_buffer_size() <= BACKLOG:
+        if self._writer.transport.get_write_buffer_size() <= MAX_BACKLOG_BYTES:
             now = time.monotonic()
             self._delivery.put(0, packet, now)
             self._writer.write(b"".join(self._delivery.take(now)))
@@ -158,7 +158,7 @@ class FaultyStream:
         self._writer.write(b"".join([*self._delivery.take(float("inf")), packet]))
 
 
-class Emulated(ABC):
+class DeviceDouble(ABC):
     """A device that samples by its own clock and answers requests, while the context lasts.
 
     reading: returns the true reading at a time [s, the host's monotonic], at or shortly before the
@@ -169,7 +169,9 @@ class Emulated(ABC):
     is_stream: bool
     line: int
 
-    def __init__(self, reading: Reading, rate_hz: float, clock: Clock, faults: Faults) -> None:
+    def __init__(
+        self, reading: Reading, rate_hz: float, clock: DeviceClock, faults: TransmissionFaults
+    ) -> None:
         self.reading, self.rate_hz = reading, rate_hz
         self.clock, self.faults = clock, faults
         self.delivery = Delivery(faults, self.is_stream)
@@ -222,7 +224,7 @@ class Emulated(ABC):
     def _run(self) -> None:
         sampled, powered = 0, True
         while not self._stopped.is_set():
-            wait = max(self.instant(sampled) - time.monotonic(), NAP)
+            wait = max(self.instant(sampled) - time.monotonic(), MIN_SLEEP)
             asked = bool(select.select([self.line], [], [], wait)[0])
             before, powered = powered, self.is_powered()
             if powered and not before:
@@ -237,7 +239,7 @@ class Emulated(ABC):
     def _sample(self, first: int, now: float) -> int:
         """Send the samples that are due; return the number of the next one."""
         due = math.floor((self.clock.shown(now) - self.clock.offset_s) * self.rate_hz) + 1
-        end = min(due, first + 1 + round(HASTE * self.rate_hz * NAP))
+        end = min(due, first + 1 + round(MAX_HASTE * self.rate_hz * MIN_SLEEP))
         for sample in range(first, end):
             packet = self.packet(sample)
             if packet is not None:

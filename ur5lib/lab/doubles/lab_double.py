@@ -7,27 +7,32 @@ from pathlib import Path
 
 import numpy as np
 
-from ur5lib.lab.doubles.controller_double import EmulatedController
-from ur5lib.lab.doubles.device_double import HOST, Clock
-from ur5lib.lab.doubles.net_ft_double import INTERNAL_RATE, NetFTBox
+from ur5lib.lab.doubles.controller_double import ControllerDouble
+from ur5lib.lab.doubles.device_double import HOST, DeviceClock
+from ur5lib.lab.doubles.net_ft_double import INTERNAL_RATE, NetFTDouble
 from ur5lib.lab.doubles.true_states import force_reading, imu_reading
-from ur5lib.lab.doubles.xsens_double import XsensDevice as EmulatedXsens
-from ur5lib.lab.recorder.device_settings import ArmDevice, Lab, NetFTDevice, XsensDevice
+from ur5lib.lab.doubles.xsens_double import XsensDouble
+from ur5lib.lab.recorder.device_settings import (
+    ArmSettings,
+    LabSettings,
+    NetFTSettings,
+    XsensSettings,
+)
 from ur5lib.lab.stand.plan import ForceSensor, Imu, SimulatedRecording
 from ur5lib.lab.stand.rig import STEP, build_rig
 from ur5lib.lab.stand.truth import write_truth
 from ur5lib.robots.description import Robot
 
 FORCE_RATE, IMU_RATE = 500.0, 256.0  # Hz
-FORCE_CLOCK, IMU_CLOCK = Clock(drift_ppm=40.0), Clock(drift_ppm=-3000.0)
-ARM_CLOCK = Clock(offset_s=4096.0, drift_ppm=25.0)
+FORCE_CLOCK, IMU_CLOCK = DeviceClock(drift_ppm=40.0), DeviceClock(drift_ppm=-3000.0)
+ARM_CLOCK = DeviceClock(offset_s=4096.0, drift_ppm=25.0)
 FORCE_SENSOR, IMU = ForceSensor(bias=(-5.3, 1.8, -1.0, 0.07, 0.43, -0.11)), Imu()
-TRUTH = "truth"  # file of the truth beside a recording's files, without suffix
+TRUTH_STEM = "truth"  # file of the truth beside a recording's files, without suffix
 PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]}
 
 
 @contextmanager
-def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
+def lab_double(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[LabSettings]:
     """Yield the devices of an emulated laboratory, which answer on this computer alone.
 
     An arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm is pushed 8 s
@@ -36,14 +41,14 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
     plain = {"trajectory": {"kind": "standstill"}, "contacts": [PUSH] if is_pushed else []}
     sensors = {"force_sensor": FORCE_SENSOR, "imu": IMU}
     plan = SimulatedRecording.model_validate(plain | sensors)  # at rest until somebody moves it
-    with EmulatedController(robot, plan, clock=ARM_CLOCK) as arm:
-        box = NetFTBox(force_reading(arm.truth, FORCE_SENSOR), FORCE_RATE, FORCE_CLOCK)
-        imu = EmulatedXsens(imu_reading(arm.truth, IMU, IMU_RATE), IMU_RATE, IMU_CLOCK)
+    with ControllerDouble(robot, plan, clock=ARM_CLOCK) as arm:
+        box = NetFTDouble(force_reading(arm.truth, FORCE_SENSOR), FORCE_RATE, FORCE_CLOCK)
+        imu = XsensDouble(imu_reading(arm.truth, IMU, IMU_RATE), IMU_RATE, IMU_CLOCK)
         with box, imu:
-            yield Lab(
-                robot=ArmDevice(address=HOST),
-                force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
-                imu=XsensDevice(port=imu.path, rate_hz=IMU_RATE),
+            yield LabSettings(
+                robot=ArmSettings(address=HOST),
+                force_sensor=NetFTSettings(address=HOST, port=box.port, http_port=box.http_port),
+                imu=XsensSettings(port=imu.path, rate_hz=IMU_RATE),
             )
         start = _first(folder / "robot.csv", "timestamp")
         if start is None:
@@ -59,7 +64,7 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
         }
         motion = arm.truth.states(round((start - ARM_CLOCK.offset_s) / STEP))
         rig = build_rig(robot, plan, np.random.default_rng(arm.setup.seed))
-        write_truth(rig, plan, motion, 1 / arm.setup.rate, clocks, folder / TRUTH)
+        write_truth(rig, plan, motion, 1 / arm.setup.rate, clocks, folder / TRUTH_STEM)
 
 
 def _first(file: Path, column: str) -> float | None:

@@ -8,27 +8,35 @@ from typing import BinaryIO
 import mujoco
 import numpy as np
 
-from ur5lib.lab.doubles.true_states import STATE
-from ur5lib.lab.stand.controller_channels import WINDOW
-from ur5lib.lab.stand.friction import USUAL
+from ur5lib.lab.doubles.true_states import STATE_TYPE
+from ur5lib.lab.stand.controller_channels import VELOCITY_WINDOW
+from ur5lib.lab.stand.friction import USUAL_TEMPERATURE
 from ur5lib.lab.stand.plan import Contact, Imu, SimulatedRecording
-from ur5lib.lab.stand.rig import SETTLE, STEP, Target, as_rows, build_arm, build_rig, step_times
+from ur5lib.lab.stand.rig import (
+    SETTLING_STEPS,
+    STEP,
+    Target,
+    as_rows,
+    build_arm,
+    build_rig,
+    step_times,
+)
 from ur5lib.lab.stand.trajectories import leg, plan_targets
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration
 
-REST = np.zeros(6)
-KEPT = WINDOW + 1  # last states, from which the controller computes velocities
-TOLERANCE = 1.02  # factor of the limits of position and speed, up to which targets may go
-FOLLOWING_ERROR = 0.1  # rad; a larger deviation from the target stops the arm
+STANDSTILL = np.zeros(6)
+STATES_KEPT = VELOCITY_WINDOW + 1  # last states, from which the controller computes velocities
+LIMIT_TOLERANCE = 1.02  # factor of the limits of position and speed, up to which targets may go
+MAX_FOLLOWING_ERROR = 0.1  # rad; a larger deviation from the target stops the arm
 
 
 class LiveArm:
     """An arm that follows the commands of its `motion`, step by step.
 
     It starts at rest where the trajectory of its plan starts; the plan's contacts and warming count
-    from there. states: the last states (KEPT,); time: [s] since the start.
+    from there. states: the last states (STATES_KEPT,); time: [s] since the start.
     """
 
     def __init__(
@@ -40,11 +48,11 @@ class LiveArm:
         self._position_limits = [high for _, high in robot.position_limits()]
         self._velocity_limits = robot.velocity_limits()
         start = plan_targets(plan.trajectory, robot, np.zeros(1)).q[0]
-        self.motion = JointMotion(start)
-        self.states = np.zeros(KEPT, STATE)
+        self.motion = TargetGenerator(start)
+        self.states = np.zeros(STATES_KEPT, STATE_TYPE)
         self._rows = as_rows(self.states)
-        self.rig.data.qpos, self.rig.data.time = start, -SETTLE * STEP
-        for _ in range(SETTLE):
+        self.rig.data.qpos, self.rig.data.time = start, -SETTLING_STEPS * STEP
+        for _ in range(SETTLING_STEPS):
             self._step()
 
     @property
@@ -87,20 +95,20 @@ class LiveArm:
         target = self.motion
         for joint in range(6):
             outwards = target.q[joint] * target.qd[joint] > 0
-            if outwards and abs(target.q[joint]) > TOLERANCE * self._position_limits[joint]:
+            if outwards and abs(target.q[joint]) > LIMIT_TOLERANCE * self._position_limits[joint]:
                 return f"position limit of joint {joint + 1}"
-            if abs(target.qd[joint]) > TOLERANCE * self._velocity_limits[joint]:
+            if abs(target.qd[joint]) > LIMIT_TOLERANCE * self._velocity_limits[joint]:
                 return f"speed limit of joint {joint + 1}"
         off = np.abs(target.q - self.states["q"][-1])
-        return f"joint {off.argmax() + 1} off its path" if off.max() > FOLLOWING_ERROR else ""
+        return f"joint {off.argmax() + 1} off its path" if off.max() > MAX_FOLLOWING_ERROR else ""
 
     def _step(self) -> None:
-        warmth = float(self.plan.temperature(self.time)) - USUAL
+        warmth = float(self.plan.temperature(self.time)) - USUAL_TEMPERATURE
         self._rows[:-1] = self._rows[1:]
         self.rig.step(self.motion.step(), warmth, self._rows[-1])
 
 
-class JointMotion:
+class TargetGenerator:
     """The motion of the joints' targets under one command at a time.
 
     q, qd, qdd: the present targets (6,) [rad, rad/s, rad/s²]; moving: whether a command has not
@@ -109,7 +117,7 @@ class JointMotion:
 
     def __init__(self, q: Array) -> None:
         """q: where the joints rest at first (6,) [rad]."""
-        self.q, self.qd, self.qdd = q, REST, REST
+        self.q, self.qd, self.qdd = q, STANDSTILL, STANDSTILL
         self._rows: Iterator[Target] = iter(())
         self.moving = False
         self._goal, self._rate, self._gain = q, 0.0, 0.0
@@ -120,7 +128,7 @@ class JointMotion:
         row = next(self._rows, None)
         if row is None:
             self.moving, self._kind = False, ""
-            row = self.q, REST, REST
+            row = self.q, STANDSTILL, STANDSTILL
         self.q, self.qd, self.qdd = row
         return row
 
@@ -159,7 +167,7 @@ class JointMotion:
 
         actual: returns their angles and speeds (6,) [rad, rad/s].
         """
-        self._start("freedrive", ((*actual(), REST) for _ in count()))
+        self._start("freedrive", ((*actual(), STANDSTILL) for _ in count()))
 
     def _start(self, kind: str, rows: Iterator[Target]) -> None:
         self._kind, self._rows, self.moving = kind, rows, True

@@ -12,15 +12,21 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.lab.doubles.device_double import HOST, Clock, Emulated, Faults, Reading
+from ur5lib.lab.doubles.device_double import (
+    HOST,
+    DeviceClock,
+    DeviceDouble,
+    Reading,
+    TransmissionFaults,
+)
 from ur5lib.lab.recorder import net_ft
 from ur5lib.timeseries.arrays import Array
 
 INTERNAL_RATE = 7000  # Hz, at which ft_sequence counts
-GAUGES_SATURATED = net_ft.ERROR | net_ft.SATURATED
-LARGEST = 2**31 - 1  # count
+SATURATION_STATUS = net_ft.ERROR_BIT | net_ft.SATURATION_BIT
+MAX_COUNT = 2**31 - 1  # count
 
-PAGE = """<?xml version="1.0"?>
+SETTINGS_PAGE = """<?xml version="1.0"?>
 <netft>
 <runstat>0x00000000</runstat><prodname>Net F/T (emulated)</prodname>
 <cfgnam>lab</cfgnam><cfgcalsel>0</cfgcalsel><cfgcalsn>FT00001</cfgcalsn>
@@ -32,11 +38,11 @@ PAGE = """<?xml version="1.0"?>
 """
 
 
-class NetFTBox(Emulated):
+class NetFTDouble(DeviceDouble):
     """A box on 127.0.0.1, at free ports: `port` for RDT and `http_port` for its page.
 
     reading: force and torque (6,), in the box's units; force_counts, torque_counts: counts per
-    unit; saturation: largest force [box's unit], beyond which the status is GAUGES_SATURATED.
+    unit; saturation: largest force [box's unit], beyond which the status is SATURATION_STATUS.
     """
 
     is_stream = False
@@ -45,8 +51,8 @@ class NetFTBox(Emulated):
         self,
         reading: Reading,
         rate_hz: float = 1000.0,
-        clock: Clock = Clock(),
-        faults: Faults = Faults(),
+        clock: DeviceClock = DeviceClock(),
+        faults: TransmissionFaults = TransmissionFaults(),
         force_unit: str = "N",
         torque_unit: str = "Nm",
         force_counts: int = 1_000_000,
@@ -56,7 +62,7 @@ class NetFTBox(Emulated):
         super().__init__(reading, rate_hz, clock, faults)
         self._counts = np.repeat([force_counts, torque_counts], 3)
         self._saturation = saturation
-        self._page = PAGE.format(
+        self._page = SETTINGS_PAGE.format(
             force_unit=force_unit,
             torque_unit=torque_unit,
             force_counts=force_counts,
@@ -83,7 +89,7 @@ class NetFTBox(Emulated):
         if len(data) != net_ft.REQUEST.size or not self.is_powered():
             return
         header, command, _ = net_ft.REQUEST.unpack(data)
-        if header != net_ft.HEADER:
+        if header != net_ft.REQUEST_HEADER:
             return
         if command == net_ft.STOP:
             self._client = None
@@ -100,12 +106,17 @@ class NetFTBox(Emulated):
         if self._zero is None:
             self._zero = true
         clipped = np.clip(true[:3], -self._saturation, self._saturation)
-        status = GAUGES_SATURATED if (clipped != true[:3]).any() else 0
+        status = SATURATION_STATUS if (clipped != true[:3]).any() else 0
         self._sequence += 1
         internal = round(self.shown(sample) * INTERNAL_RATE)
         wrench = np.concatenate([clipped, true[3:]])
         counts = np.rint((wrench - self._zero) * self._counts)
-        numbers = [self._sequence, internal, status, *counts.clip(-LARGEST, LARGEST).astype(int)]
+        numbers = [
+            self._sequence,
+            internal,
+            status,
+            *counts.clip(-MAX_COUNT, MAX_COUNT).astype(int),
+        ]
         return b"".join((int(n) % 2**32).to_bytes(4, "big") for n in numbers)
 
     def send(self, part: bytes) -> None:

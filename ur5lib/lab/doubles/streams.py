@@ -11,13 +11,13 @@ import numpy as np
 
 from ur5lib.lab.doubles.control_box import ControlBox
 from ur5lib.lab.doubles.control_script import run_programs
-from ur5lib.lab.doubles.device_double import Faults, FaultyStream
+from ur5lib.lab.doubles.device_double import FaultyStream, TransmissionFaults
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.realtime_message import fields
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, INPUTS, OUTPUTS, exists, size
 
-INFO = 2  # level of a text message
-SOURCE = b"URControl"
+INFO_LEVEL = 2  # level of a text message
+TEXT_SOURCE = b"URControl"
 
 
 def recipe(names: list[str], kinds: list[str]) -> np.dtype[np.void]:
@@ -29,14 +29,14 @@ def recipe(names: list[str], kinds: list[str]) -> np.dtype[np.void]:
 class RtdeServer:
     """All RTDE clients of one controller."""
 
-    def __init__(self, box: ControlBox, faults: Faults) -> None:
+    def __init__(self, box: ControlBox, faults: TransmissionFaults) -> None:
         self.box, self._faults = box, faults
-        self.clients: set[RtdeClient] = set()
+        self.clients: set[RtdeConnection] = set()
         box.log.append(self._send_text)
 
     async def serve(self, reader: StreamReader, writer: StreamWriter) -> None:
         """Answer the packages of a client, and send it data, until it hangs up."""
-        client = RtdeClient(self, FaultyStream(writer, self._faults))
+        client = RtdeConnection(self, FaultyStream(writer, self._faults))
         self.clients.add(client)
         try:
             while True:
@@ -50,7 +50,7 @@ class RtdeServer:
         for client in self.clients:
             client.publish(cycle)
 
-    def claimed(self, name: str, by: "RtdeClient") -> bool:
+    def claimed(self, name: str, by: "RtdeConnection") -> bool:
         """Return whether another client writes an input."""
         return any(name in client.inputs for client in self.clients - {by})
 
@@ -59,7 +59,7 @@ class RtdeServer:
             client.send_text(text)
 
 
-class RtdeClient:
+class RtdeConnection:
     """One client's connection."""
 
     def __init__(self, server: RtdeServer, stream: FaultyStream) -> None:
@@ -113,7 +113,13 @@ class RtdeClient:
         """Send a text message."""
         if self._started and self._version > 1:
             message = text.encode()[:255]
-            parts = bytes([len(message)]), message, bytes([len(SOURCE)]), SOURCE, bytes([INFO])
+            parts = (
+                bytes([len(message)]),
+                message,
+                bytes([len(TEXT_SOURCE)]),
+                TEXT_SOURCE,
+                bytes([INFO_LEVEL]),
+            )
             self._stream.write(_package(rtde.TEXT, b"".join(parts)))
 
     def _set_outputs(self, content: bytes) -> bytes:
@@ -156,7 +162,7 @@ class RtdeClient:
 class RealtimeServer:
     """All clients of the realtime port, which get each cycle's message and may send programs."""
 
-    def __init__(self, box: ControlBox, size: int, faults: Faults) -> None:
+    def __init__(self, box: ControlBox, size: int, faults: TransmissionFaults) -> None:
         """size: of the messages [bytes], which decides on their layout."""
         self._box, self._size, self._faults = box, size, faults
         self._fields = {"timestamp": slice(0, 1)} | fields(size)

@@ -5,22 +5,22 @@ from pathlib import Path
 
 import numpy as np
 
-from ur5lib.lab.doubles.device_double import Clock, Reading
+from ur5lib.lab.doubles.device_double import DeviceClock, Reading
 from ur5lib.lab.stand.plan import ForceSensor, Imu
 from ur5lib.lab.stand.rig import STEP, States, state_of
 from ur5lib.lab.stand.sensors import ImuReader, read_force
 from ur5lib.timeseries.arrays import Array
 
-STATE = state_of(6)
+STATE_TYPE = state_of(6)
 
 
-class Truth:
+class TrueStates:
     """The true states of an arm since it was switched on, in a file that its process writes.
 
     Times are the host's time.monotonic; clock: the controller's.
     """
 
-    def __init__(self, path: Path, clock: Clock) -> None:
+    def __init__(self, path: Path, clock: DeviceClock) -> None:
         self._file, self._clock = path.open("rb"), clock
 
     def latest(self) -> float:
@@ -30,11 +30,11 @@ class Truth:
     def states(self, first: int = 0, end: int | None = None) -> States:
         """Return the states from step `first` to before step `end`, by default all."""
         count = (self._count() if end is None else end) - first
-        size = STATE.itemsize
-        return np.frombuffer(os.pread(self._file.fileno(), count * size, first * size), STATE)
+        size = STATE_TYPE.itemsize
+        return np.frombuffer(os.pread(self._file.fileno(), count * size, first * size), STATE_TYPE)
 
     def part(self, name: str, when: Array | float) -> Array:
-        """Return a quantity of STATE at times (...) [s, host]: (..., components).
+        """Return a quantity of STATE_TYPE at times (...) [s, host]: (..., components).
 
         Interpolated between steps; times before the first or after the last one give that one.
         """
@@ -48,10 +48,10 @@ class Truth:
         return np.asarray((1 - share) * values[before - first] + share * values[after - first])
 
     def _count(self) -> int:
-        return os.fstat(self._file.fileno()).st_size // STATE.itemsize
+        return os.fstat(self._file.fileno()).st_size // STATE_TYPE.itemsize
 
 
-def force_reading(truth: Truth, sensor: ForceSensor, seed: int | None = 0) -> Reading:
+def force_reading(truth: TrueStates, sensor: ForceSensor, seed: int | None = 0) -> Reading:
     """Return a force sensor's reading: force and torque on the arm (6,) [N, Nm].
 
     At the sensor, axes of frame 6. seed: of the noise, None for no noise.
@@ -60,7 +60,7 @@ def force_reading(truth: Truth, sensor: ForceSensor, seed: int | None = 0) -> Re
     return lambda when: read_force(sensor, truth.part("force_sensor", when), random)
 
 
-def imu_reading(truth: Truth, imu: Imu, rate: float, seed: int | None = 0) -> Reading:
+def imu_reading(truth: TrueStates, imu: Imu, rate: float, seed: int | None = 0) -> Reading:
     """Return an IMU's reading (9,), in its axes, to be called for each sample.
 
     Specific force [m/s²], angular rate [rad/s] and magnetic field [normalised]. rate: of the

@@ -9,7 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.lab.doubles.control_box import ENDING, ControlBox, Program, UnsupportedCommandError
+from ur5lib.lab.doubles.control_box import (
+    PROGRAM_END_DECELERATION,
+    ControlBox,
+    Program,
+    UnsupportedCommandError,
+)
 from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
 from ur5lib.timeseries.arrays import Array
 
@@ -37,7 +42,7 @@ def wait_until_done(box: ControlBox) -> Program:
 
 def end_freedrive(box: ControlBox) -> Program:
     """Stay where the arm was led; yield once per cycle until it rests."""
-    box.arm.motion.stopj(ENDING)
+    box.arm.motion.stopj(PROGRAM_END_DECELERATION)
     yield from wait_until_done(box)
 
 

@@ -10,16 +10,16 @@ import os
 import struct
 import tty
 
-from ur5lib.lab.doubles.device_double import Clock, Emulated, Faults, Reading
+from ur5lib.lab.doubles.device_double import DeviceClock, DeviceDouble, Reading, TransmissionFaults
 from ur5lib.lab.recorder import xbus, xsens
 
-WAKE_UP = 0x3E
-ANSWERS = {  # to requests for the device's identity
+WAKE_UP_MESSAGE = 0x3E
+IDENTITY_ANSWERS = {  # to requests for the device's identity
     xsens.REQUEST_DEVICE_ID: bytes.fromhex("07700ABC"),
     xsens.REQUEST_FIRMWARE: bytes([1, 8, 2]),
     xsens.REQUEST_PRODUCT_CODE: b"MTi-30-2A5G4        ",
 }
-FACTORY = {
+FACTORY_OUTPUTS = {
     xbus.PACKET_COUNTER: xsens.WITH_EACH_SAMPLE,
     xbus.SAMPLE_TIME_FINE: xsens.WITH_EACH_SAMPLE,
     **dict.fromkeys(xbus.VECTORS, 100),
@@ -29,11 +29,11 @@ LEGACY_SETTINGS = {
     xsens.SET_OUTPUT_MODE: b"\x00\x02",
     xsens.SET_OUTPUT_SETTINGS: b"\x00\x00\x00\x01",
 }
-KEPT = 1 << 16  # bytes of a serial port that nobody reads
+SERIAL_BUFFER_BYTES = 1 << 16  # bytes of a serial port that nobody reads
 INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
 
 
-class XsensDevice(Emulated):
+class XsensDouble(DeviceDouble):
     """A tracker at the terminal `path`; it streams as soon as it is switched on.
 
     reading: specific force [m/s²], angular rate [rad/s] and magnetic field (9,), axes of the
@@ -47,8 +47,8 @@ class XsensDevice(Emulated):
         self,
         reading: Reading,
         rate_hz: float = 256.0,
-        clock: Clock = Clock(),
-        faults: Faults = Faults(),
+        clock: DeviceClock = DeviceClock(),
+        faults: TransmissionFaults = TransmissionFaults(),
         is_legacy: bool = False,
     ) -> None:
         super().__init__(reading, rate_hz, clock, faults)
@@ -57,7 +57,7 @@ class XsensDevice(Emulated):
         tty.setraw(self._slave)
         os.set_blocking(self.line, False)
         self.path = os.ttyname(self._slave)
-        self._outputs = dict(FACTORY)  # kept without power
+        self._outputs = dict(FACTORY_OUTPUTS)  # kept without power
         self._asked = self._unread = b""
         self._is_measuring = True
 
@@ -100,14 +100,14 @@ class XsensDevice(Emulated):
 
     def send(self, part: bytes) -> None:
         """Write bytes; as of a serial port, Linux keeps the first unread ones, no further ones."""
-        self._unread = (self._unread + part)[:KEPT]
+        self._unread = (self._unread + part)[:SERIAL_BUFFER_BYTES]
         with contextlib.suppress(BlockingIOError):  # a terminal keeps fewer
             self._unread = self._unread[os.write(self.line, self._unread) :]
 
     def restart(self) -> None:
         """Send the wake-up message, and stream with the last configured outputs."""
         self._asked, self._unread, self._is_measuring = b"", b"", True
-        self.send(xbus.encode(WAKE_UP))
+        self.send(xbus.encode(WAKE_UP_MESSAGE))
 
     def disconnect(self) -> None:
         """Close the terminal."""
@@ -121,14 +121,14 @@ class XsensDevice(Emulated):
             self.send(xbus.encode(request + 1))
         elif self._is_measuring:
             return  # other requests are for the configuration state
-        elif request in ANSWERS:
-            self.send(xbus.encode(request + 1, ANSWERS[request]))
+        elif request in IDENTITY_ANSWERS:
+            self.send(xbus.encode(request + 1, IDENTITY_ANSWERS[request]))
         elif self._is_legacy:
             self._set_legacy(request, data)
         elif request == xsens.SET_OUTPUT_CONFIGURATION:
             self._set_outputs(data)
         else:
-            self.send(xbus.encode(xbus.ERROR, INVALID_MESSAGE))
+            self.send(xbus.encode(xbus.ERROR_MESSAGE, INVALID_MESSAGE))
 
     def _set_legacy(self, request: int, data: bytes) -> None:
         """Accept the one mode and rate that the device offers."""
@@ -136,17 +136,17 @@ class XsensDevice(Emulated):
             xsens.SET_PERIOD: round(xsens.PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
         }
         if request not in offered:
-            self.send(xbus.encode(xbus.ERROR, INVALID_MESSAGE))
+            self.send(xbus.encode(xbus.ERROR_MESSAGE, INVALID_MESSAGE))
         elif data != offered[request]:
-            self.send(xbus.encode(xbus.ERROR, INVALID_PARAMETER))
+            self.send(xbus.encode(xbus.ERROR_MESSAGE, INVALID_PARAMETER))
         else:
             self.send(xbus.encode(request + 1))
 
     def _set_outputs(self, data: bytes) -> None:
         """Configure the requested items at the device's rate, and confirm them."""
         wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
-        if any(name not in FACTORY for name in wanted):
-            self.send(xbus.encode(xbus.ERROR, INVALID_PARAMETER))
+        if any(name not in FACTORY_OUTPUTS for name in wanted):
+            self.send(xbus.encode(xbus.ERROR_MESSAGE, INVALID_PARAMETER))
             return
         rates = dict.fromkeys(xbus.VECTORS, round(self.rate_hz))
         self._outputs = {name: rates.get(name, xsens.WITH_EACH_SAMPLE) for name in wanted}

@@ -10,17 +10,19 @@ from typing import Any, Self
 
 from ur5lib.errors import InputError, of_recorder
 from ur5lib.lab.recorder.arm_state import read_state
-from ur5lib.lab.recorder.commanded_motion import ACCELERATION, SPEED, CommandedMotion
+from ur5lib.lab.recorder.commanded_motion import FULL_ACCELERATION, FULL_SPEED, CommandedMotion
 from ur5lib.timeseries.arrays import Array
 
-WATCHDOG = 4.0  # Hz; the controller stops the arm when this program writes less often
-STARTING = 5.0  # s, within which the control program starts
-POLL = 0.01  # s, between queries of a motion's state
-STOPPING = 5.0  # rad/s², deceleration of `stop`
-LOOKAHEAD, GAIN = 0.1, 300.0  # of servoj [s, 1], as URScript's defaults
-REST = 1.0  # s at rest before and after a motion, from which a force sensor's bias is estimated
-RATE = 125.0  # Hz, of servoj, which every controller supports
-CATCH_UP = 3 * LOOKAHEAD  # s, in which the arm reaches the last point of a stream
+WATCHDOG_RATE = 4.0  # Hz; the controller stops the arm when this program writes less often
+PROGRAM_START_TIMEOUT = 5.0  # s, within which the control program starts
+POLL_INTERVAL = 0.01  # s, between queries of a motion's state
+STOP_DECELERATION = 5.0  # rad/s², deceleration of `stop`
+SERVOJ_LOOKAHEAD, SERVOJ_GAIN = 0.1, 300.0  # of servoj [s, 1], as URScript's defaults
+REST_TIME = (
+    1.0  # s at rest before and after a motion, from which a force sensor's bias is estimated
+)
+SERVOJ_RATE = 125.0  # Hz, of servoj, which every controller supports
+CATCH_UP_TIME = 3 * SERVOJ_LOOKAHEAD  # s, in which the arm reaches the last point of a stream
 
 
 class MotionError(Exception):
@@ -81,13 +83,15 @@ class ArmMotion:
         """
         self._prepare()
         start, last = time.monotonic(), len(q) - 1
-        end = last / rate + CATCH_UP
+        end = last / rate + CATCH_UP_TIME
         self._streams = True
         while (passed := time.monotonic() - start) < end and not self._stopped.is_set():
             point = q[min(int(passed * rate), last)]
-            self._command("servoJ", point.tolist(), 0.0, 0.0, 1 / rate, LOOKAHEAD, GAIN)
+            self._command(
+                "servoJ", point.tolist(), 0.0, 0.0, 1 / rate, SERVOJ_LOOKAHEAD, SERVOJ_GAIN
+            )
             time.sleep(max(0.0, 1 / rate - (time.monotonic() - start - passed)))
-        self._command("servoStop", STOPPING)
+        self._command("servoStop", STOP_DECELERATION)
         self._streams = False
         return not self._stopped.is_set()
 
@@ -105,8 +109,8 @@ class ArmMotion:
         with self._lock:
             if self._is_connected() and self._control.isProgramRunning():
                 if self._streams:
-                    self._control.servoStop(STOPPING)
-                self._control.stopJ(STOPPING)
+                    self._control.servoStop(STOP_DECELERATION)
+                self._control.stopJ(STOP_DECELERATION)
 
     def _move_to(self, point: Array, speed: float, acceleration: float) -> bool:
         before = self._control.getAsyncOperationProgressEx().operationId()
@@ -125,10 +129,10 @@ class ArmMotion:
             if not read_state(self._address).ready:
                 raise MotionError(self._explain("a motion"))
             self._command("reuploadScript")
-            until = time.monotonic() + STARTING
+            until = time.monotonic() + PROGRAM_START_TIMEOUT
             while not self._control.isProgramRunning() and time.monotonic() < until:
-                time.sleep(POLL)
-        self._command("setWatchdog", WATCHDOG)
+                time.sleep(POLL_INTERVAL)
+        self._command("setWatchdog", WATCHDOG_RATE)
 
     def _command(self, name: str, *arguments: Any, even_stopped: bool = False) -> None:
         """Call a command of ur_rtde, unless the arm was stopped."""
@@ -152,7 +156,7 @@ class ArmMotion:
         """Wait until a motion is done or stopped, and feed the watchdog."""
         while not self._stopped.is_set() and not done():
             self._command("kickWatchdog")
-            time.sleep(POLL)
+            time.sleep(POLL_INTERVAL)
 
     def _explain(self, name: str) -> str:
         """Return a sentence on why the arm does not execute a command."""
@@ -181,10 +185,10 @@ class Mover(threading.Thread):
         """Move; the thread ends when the arm rests again."""
         try:
             with self._arm:
-                time.sleep(REST)
+                time.sleep(REST_TIME)
                 if not self._over.is_set():
                     self._execute()
-                time.sleep(REST)
+                time.sleep(REST_TIME)
         except (MotionError, InputError) as error:
             self.failure = str(error)
 
@@ -199,13 +203,13 @@ class Mover(threading.Thread):
             self._arm.lead_by_hand(done)
         elif self._motion.time is None:
             share = self._motion.speed
-            self._arm.move_through(self._motion.q, SPEED * share, ACCELERATION * share)
+            self._arm.move_through(self._motion.q, FULL_SPEED * share, FULL_ACCELERATION * share)
         else:
-            self._arm.stream(self._motion.at_rate(RATE), RATE)
+            self._arm.stream(self._motion.at_rate(SERVOJ_RATE), SERVOJ_RATE)
 
 
 def move_to_start(address: str, motion: CommandedMotion) -> None:
     """Move by movej to where a motion starts. Raises MotionError, InputError."""
     with ArmMotion(address) as arm:
         share = motion.speed
-        arm.move_through(motion.q[:1], SPEED * share, ACCELERATION * share)
+        arm.move_through(motion.q[:1], FULL_SPEED * share, FULL_ACCELERATION * share)

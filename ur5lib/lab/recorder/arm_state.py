@@ -7,13 +7,13 @@ from enum import IntEnum
 import numpy as np
 
 from ur5lib.errors import InputError, of_recorder
-from ur5lib.lab.recorder.device import PATIENCE, DeviceLost
+from ur5lib.lab.recorder.device import ANSWER_TIMEOUT, DeviceLost
 from ur5lib.lab.recorder.rtde_arm import PORT, RtdeClient
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
 from ur5lib.timeseries.arrays import Array
 
-NAMES = ("actual_q", "actual_qd", "robot_mode", "safety_mode", "runtime_state")
-SAFE = (SafetyMode.NORMAL, SafetyMode.REDUCED)
+STATE_OUTPUTS = ("actual_q", "actual_qd", "robot_mode", "safety_mode", "runtime_state")
+SAFE_MODES = (SafetyMode.NORMAL, SafetyMode.REDUCED)
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ def read_state(address: str, port: int = PORT) -> ArmState:
     """Return the state of the arm at an address. Raises InputError when it does not answer."""
     client = RtdeClient(address, port)
     try:
-        client.start(NAMES, 125.0)
-        packages = client.receive(PATIENCE) or client.receive(PATIENCE)
+        client.start(STATE_OUTPUTS, 125.0)
+        packages = client.receive(ANSWER_TIMEOUT) or client.receive(ANSWER_TIMEOUT)
     except DeviceLost as error:
         raise InputError(f"{error} while its state was read; is the controller booting?") from error
     finally:
@@ -52,7 +52,7 @@ def read_state(address: str, port: int = PORT) -> ArmState:
         qd=np.array(numbers[6:12]),
         robot_mode=_word(robot, RobotMode),
         safety_mode=_word(safety, SafetyMode),
-        ready=robot == RobotMode.RUNNING and safety in SAFE,
+        ready=robot == RobotMode.RUNNING and safety in SAFE_MODES,
         program_runs=runtime == RuntimeState.PLAYING,
     )
 

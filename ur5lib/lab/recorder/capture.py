@@ -15,10 +15,10 @@ from typing import Any
 
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder.device import Device, DeviceLost, NewSamples, Packets
-from ur5lib.lab.recorder.device_settings import AnyDevice
+from ur5lib.lab.recorder.device_settings import DeviceSettings
 
-REPORT = 0.25  # s between reports to the recorder
-HOST_TIME = "host_time"
+REPORT_INTERVAL = 0.25  # s between reports to the recorder
+HOST_TIME_COLUMN = "host_time"
 
 
 @dataclass
@@ -55,7 +55,7 @@ class SampleFile:
     def __init__(self, path: Path, columns: tuple[str, ...]) -> None:
         self._file = path.open("w", encoding="ascii")
         self._has_clock = columns[0] == "timestamp"
-        time = "received_s" if columns == ("payload_hex",) else HOST_TIME
+        time = "received_s" if columns == ("payload_hex",) else HOST_TIME_COLUMN
         names = (*columns, time) if self._has_clock else (time, *columns)
         self._file.write(",".join(names) + "\n")
         self._file.flush()
@@ -80,7 +80,7 @@ class SampleFile:
         self._file.close()
 
 
-def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Event) -> None:
+def capture(plan: DeviceSettings, path: Path, zero: float, line: Connection, stop: Event) -> None:
     """Record a device into a file until `stop` is set; runs in the device's own process.
 
     zero: as in SampleFile.write. Sends through `line`: first the device's entry for the manifest,
@@ -139,7 +139,7 @@ def _record(
             if len(samples.received):
                 first = samples.received[0] if first is None else first
                 _count(status, device, samples, first)
-            if time.monotonic() - reported > REPORT and reports.empty():
+            if time.monotonic() - reported > REPORT_INTERVAL and reports.empty():
                 reported = time.monotonic()
                 reports.put(copy.deepcopy(status))
     finally:
@@ -147,7 +147,7 @@ def _record(
         reader.join()
         file.close()
         reports.put(None)
-        reporter.join(REPORT if os.getppid() != parent else None)
+        reporter.join(REPORT_INTERVAL if os.getppid() != parent else None)
 
 
 def _read(device: Any, received: queue.SimpleQueue[Any], over: threading.Event) -> None:

@@ -13,12 +13,12 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
-DENSE = 0.02  # rad, between the samples of a path that are checked
-FEWEST = 2
-WANTED = "give six joint angles [rad], or a time [s] and six angles, in every line"
-SPEED, ACCELERATION = 1.0, 2.0  # rad/s, rad/s²; of movej, at the full speed
-AT_START = 0.01  # rad; a closer arm need not move to the start
-FARTHEST = 4 * np.pi  # rad; limit of joints without a published one
+CHECKED_STEP = 0.02  # rad, between the samples of a path that are checked
+MIN_POINTS = 2
+EXPECTED_LINES = "give six joint angles [rad], or a time [s] and six angles, in every line"
+FULL_SPEED, FULL_ACCELERATION = 1.0, 2.0  # rad/s, rad/s²; of movej, at the full speed
+START_TOLERANCE = 0.01  # rad; a closer arm need not move to the start
+DEFAULT_POSITION_LIMIT = 4 * np.pi  # rad; limit of joints without a published one
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class CommandedMotion:
     def fastest(self) -> Array:
         """Return the largest speeds of the joints (6,) [rad/s]."""
         if self.time is None:
-            return np.full(6, SPEED * self.speed)
+            return np.full(6, FULL_SPEED * self.speed)
         steps = np.diff(self.q, axis=0) / np.diff(self.time)[:, None]
         return np.asarray(np.abs(steps).max(axis=0) * self.speed)
 
@@ -61,13 +61,13 @@ def read_motion(path: Path, speed: float) -> CommandedMotion:
     try:
         numbers = np.loadtxt(path, delimiter=",", ndmin=2)
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: {error}; {WANTED}") from error
+        raise InputError(f"{path}: {error}; {EXPECTED_LINES}") from error
     if numbers.shape[1] not in (6, 7) or not np.isfinite(numbers).all():
-        raise InputError(f"{path} has {numbers.shape[1]} columns or empty cells; {WANTED}")
+        raise InputError(f"{path} has {numbers.shape[1]} columns or empty cells; {EXPECTED_LINES}")
     q = numbers[:, -6:]
     if numbers.shape[1] == 6:
         return CommandedMotion(q, None, speed)
-    if len(q) < FEWEST or (np.diff(numbers[:, 0]) <= 0).any():
+    if len(q) < MIN_POINTS or (np.diff(numbers[:, 0]) <= 0).any():
         raise InputError(f"{path}: the times of a trajectory must increase from line to line")
     return CommandedMotion(q, numbers[:, 0], speed)
 
@@ -102,7 +102,7 @@ def refusals(
 def dense_path(q: Array) -> Array:
     """Return a path (M, 6) [rad] of straight lines between angles (N, 6) [rad], in small steps."""
     parts = [
-        np.linspace(begin, end, 2 + int(np.abs(end - begin).max() / DENSE))
+        np.linspace(begin, end, 2 + int(np.abs(end - begin).max() / CHECKED_STEP))
         for begin, end in pairwise(q)
     ]
     return np.concatenate(parts)
@@ -111,4 +111,4 @@ def dense_path(q: Array) -> Array:
 def position_limits(robot: Robot) -> Array:
     """Return the largest angles of the joints (6,) [rad]."""
     ends = [high for _, high in robot.position_limits()]
-    return np.nan_to_num(ends, nan=FARTHEST, posinf=FARTHEST)
+    return np.nan_to_num(ends, nan=DEFAULT_POSITION_LIMIT, posinf=DEFAULT_POSITION_LIMIT)

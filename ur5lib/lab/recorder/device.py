@@ -12,11 +12,11 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 
-CHUNK = 1 << 16  # bytes read at a time
-LONGEST_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
-LONGEST_SILENCE = 1.0  # s
-PATIENCE = 3.0  # s, for a device to answer
-GATHER = 0.05  # s, for which one call collects samples
+CHUNK_BYTES = 1 << 16  # bytes read at a time
+MAX_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
+MAX_SILENCE = 1.0  # s
+ANSWER_TIMEOUT = 3.0  # s, for a device to answer
+GATHERING_TIME = 0.05  # s, for which one call collects samples
 
 
 class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects
@@ -102,12 +102,12 @@ class Counter:
     """Checks the numbers of consecutive samples.
 
     bits: numbers wrap around at 2^bits; rate_hz: of the samples. Numbers that are repeated, late,
-    or more than LONGEST_GAP ahead are not accepted. total: the number without wrap-around.
+    or more than MAX_GAP ahead are not accepted. total: the number without wrap-around.
     """
 
     def __init__(self, bits: int, rate_hz: float) -> None:
         self._period = 1 << bits
-        self._furthest = min(int(LONGEST_GAP * rate_hz), self._period // 2 - 1)
+        self._furthest = min(int(MAX_GAP * rate_hz), self._period // 2 - 1)
         self._last: int | None = None
         self.total = 0
 
@@ -126,7 +126,7 @@ class Counter:
 class CycleCounter:
     """Counts the cycles [s] that are missing between a controller's timestamps.
 
-    Stamps that are not finite count for nothing, nor do steps back and steps beyond LONGEST_GAP:
+    Stamps that are not finite count for nothing, nor do steps back and steps beyond MAX_GAP:
     they are damaged, or the controller was restarted. last: timestamp [s] before the first.
     """
 
@@ -138,7 +138,7 @@ class CycleCounter:
         known = stamps[np.isfinite(stamps)]
         steps = np.diff(known, prepend=self._last if math.isfinite(self._last) else known[:1])
         self._last = float(known[-1]) if len(known) else self._last
-        gaps = steps[(steps > 0) & (steps <= LONGEST_GAP)]
+        gaps = steps[(steps > 0) & (steps <= MAX_GAP)]
         return int((np.rint(gaps / self._cycle) - 1).clip(min=0).sum())
 
 
@@ -153,8 +153,8 @@ class Silence:
         now = time.monotonic()
         if samples:
             self._last = now
-        elif now - self._last > LONGEST_SILENCE:
-            raise DeviceLost(f"{self._name} has sent nothing for {LONGEST_SILENCE:g} s")
+        elif now - self._last > MAX_SILENCE:
+            raise DeviceLost(f"{self._name} has sent nothing for {MAX_SILENCE:g} s")
 
 
 def receive(connection: socket.socket, address: str, patience: float) -> tuple[float, bytes]:
@@ -166,7 +166,7 @@ def receive(connection: socket.socket, address: str, patience: float) -> tuple[f
     if not select.select([connection], [], [], patience)[0]:
         return time.monotonic(), b""
     try:
-        data = connection.recv(CHUNK)
+        data = connection.recv(CHUNK_BYTES)
     except OSError as error:
         raise DeviceLost(f"{address}: {error}") from error
     if not data:

@@ -10,7 +10,7 @@ from ur5lib.strict import Strict
 Port = Annotated[int, Field(gt=0, lt=65536)]
 
 
-class ArmDevice(Strict):
+class ArmSettings(Strict):
     """The arm, through its controller."""
 
     address: str = Field(description="name or IP address of the controller")
@@ -39,7 +39,7 @@ class ArmDevice(Strict):
         return {"format": form, "file": file}
 
 
-class NetFTDevice(Strict):
+class NetFTSettings(Strict):
     """An ATI Net F/T force sensor."""
 
     address: str = Field(description="name or IP address of its box")
@@ -59,7 +59,7 @@ class NetFTDevice(Strict):
         return {"file": file, "columns": columns, "time": "host_s"}
 
 
-class XsensDevice(Strict):
+class XsensSettings(Strict):
     """An Xsens MTi inertial measurement unit."""
 
     port: str = Field(description="its serial port, e.g. /dev/ttyUSB0")
@@ -78,22 +78,22 @@ class XsensDevice(Strict):
         return {"file": file, "columns": columns, "time": "host_s"}
 
 
-AnyDevice = ArmDevice | NetFTDevice | XsensDevice
+DeviceSettings = ArmSettings | NetFTSettings | XsensSettings
 
 
-class Lab(Strict):
+class LabSettings(Strict):
     """The devices that `ur5 record` records together."""
 
-    robot: ArmDevice = Field(description="the arm")
-    force_sensor: NetFTDevice | None = Field(None, description="ATI Net F/T, if there is one")
-    imu: XsensDevice | None = Field(None, description="Xsens MTi, if there is one")
+    robot: ArmSettings = Field(description="the arm")
+    force_sensor: NetFTSettings | None = Field(None, description="ATI Net F/T, if there is one")
+    imu: XsensSettings | None = Field(None, description="Xsens MTi, if there is one")
     table_m: float | None = Field(
         0.0,
         description="height in the base frame of a table that the arm must not touch [m]; null for "
         "none",
     )
 
-    def devices(self) -> dict[str, AnyDevice]:
+    def devices(self) -> dict[str, DeviceSettings]:
         """Return the devices of this laboratory by name."""
         devices = {"robot": self.robot, "force_sensor": self.force_sensor, "imu": self.imu}
         return {name: device for name, device in devices.items() if device is not None}

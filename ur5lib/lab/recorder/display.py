@@ -5,16 +5,16 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from rich.table import Table
 
-from ur5lib.lab.recorder.arm_state import SAFE
+from ur5lib.lab.recorder.arm_state import SAFE_MODES
 from ur5lib.lab.recorder.capture import Status
 from ur5lib.lab.recorder.device import Identity
-from ur5lib.lab.recorder.net_ft import SATURATED
+from ur5lib.lab.recorder.net_ft import SATURATION_BIT
 from ur5lib.robots.rtde_variables import SafetyMode
 
-FEW = 0.001  # share of samples that may be lost
-SLOW = 0.9  # least share of a device's nominal rate
-SETTLED = 2.0  # s, after which a rate can be judged
-MOVED = 0.5  # rad; the friction of a joint that turns less cannot be identified
+MAX_LOST_SHARE = 0.001  # share of samples that may be lost
+MIN_RATE_SHARE = 0.9  # least share of a device's nominal rate
+RATE_SETTLING_TIME = 2.0  # s, after which a rate can be judged
+MIN_TURN_FOR_FRICTION = 0.5  # rad; the friction of a joint that turns less cannot be identified
 
 
 def table(statuses: Mapping[str, Status]) -> Table:
@@ -44,14 +44,18 @@ def warnings(statuses: Mapping[str, Status], identities: Mapping[str, Identity])
     for name, status in statuses.items():
         if status.ended:
             yield f"{name} has ended: {status.ended}; the others go on"
-        elif status.lost > FEW * (status.samples + status.lost):
+        elif status.lost > MAX_LOST_SHARE * (status.samples + status.lost):
             yield f"{name} loses samples: check the network and what else the computer does"
         nominal = identities[name].rate_hz
-        if nominal and status.seconds > SETTLED and status.rate() < SLOW * nominal:
+        if (
+            nominal
+            and status.seconds > RATE_SETTLING_TIME
+            and status.rate() < MIN_RATE_SHARE * nominal
+        ):
             yield f"{name} sends fewer than its {nominal:g} samples a second: check its cable"
-        if int(status.latest.get("status", 0)) & SATURATED:
+        if int(status.latest.get("status", 0)) & SATURATION_BIT:
             yield f"{name} is saturated: its force is beyond its range"
-        if int(status.latest.get("safety_mode", SafetyMode.NORMAL)) not in SAFE:
+        if int(status.latest.get("safety_mode", SafetyMode.NORMAL)) not in SAFE_MODES:
             yield "the arm is in a safety stop: look at its pendant"
 
 
@@ -60,4 +64,8 @@ def unmoved(status: Status) -> list[int]:
     names = [f"actual_q_{joint}" for joint in range(6)]
     if not all(name in status.high for name in names):
         return []
-    return [k for k, name in enumerate(names, 1) if status.high[name] - status.low[name] < MOVED]
+    return [
+        k
+        for k, name in enumerate(names, 1)
+        if status.high[name] - status.low[name] < MIN_TURN_FOR_FRICTION
+    ]

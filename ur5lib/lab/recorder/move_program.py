@@ -13,21 +13,21 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.lab.recorder.commanded_motion import FEWEST, CommandedMotion, position_limits
+from ur5lib.lab.recorder.commanded_motion import MIN_POINTS, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import SINGULAR_VALUE, geometric_jacobian, link_frames, solutions
 from ur5lib.robots.urscript import Command, ToolPose, parse, read_calls, six
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid
 
-PERIOD = 0.008  # s, between the samples of a plan
+SAMPLE_PERIOD = 0.008  # s, between the samples of a plan
 ARGUMENTS: dict[str, dict[str, float | None]] = {  # with URScript's defaults
     "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
 }
-NO_WAY = 1e-9  # rad, m; shorter moves take no time
-SAME = 1e-3  # rad, within which a straight line must end at its commanded angles
-WANTED = (
+NEGLIGIBLE_WAY = 1e-9  # rad, m; shorter moves take no time
+GOAL_TOLERANCE = 1e-3  # rad, within which a straight line must end at its commanded angles
+ACCEPTED_CALLS = (
     "write movej([six angles]), movej(p[pose]), movel(p[pose]), movel([six angles]) or sleep(t)"
 )
 
@@ -70,8 +70,8 @@ def read_program(path: Path) -> list[Move]:
             else:
                 moves.append(_move(command, place))
         except (KeyError, TypeError, ValueError) as error:
-            raise InputError(f"{place}: {line[:60]!r} is no move; {WANTED}") from error
-    if len(moves) < FEWEST:
+            raise InputError(f"{place}: {line[:60]!r} is no move; {ACCEPTED_CALLS}") from error
+    if len(moves) < MIN_POINTS:
         raise InputError(f"{path}: found {len(moves)} move(s); give at least two")
     return moves
 
@@ -93,7 +93,7 @@ def plan(
         corners.append(legs[-1][-1])
     starts = [0]
     for move, leg, following in zip(moves, legs, legs[1:], strict=False):
-        rest, waited = (round(seconds * speed / PERIOD) for seconds in (move.rest, wait))
+        rest, waited = (round(seconds * speed / SAMPLE_PERIOD) for seconds in (move.rest, wait))
         early = 0 if rest else _overlap(robot, leg, following, move.blend)
         starts.append(starts[-1] + max(len(leg) - 1 + rest - early, waited))
     q = np.tile(corners[0], (starts[-1] + len(legs[-1]), 1))
@@ -101,7 +101,7 @@ def plan(
         # Each move adds its displacement; where two overlap, they round the corner.
         q[start : start + len(leg)] += leg - leg[0]
         q[start + len(leg) :] += leg[-1] - leg[0]
-    time: Array = PERIOD * np.arange(len(q), dtype=np.float64)
+    time: Array = SAMPLE_PERIOD * np.arange(len(q), dtype=np.float64)
     return CommandedMotion(q, time, speed)
 
 
@@ -141,7 +141,7 @@ def _pose(goal: ToolPose) -> tuple[Array, Array]:
 
 
 def _leg(move: Move, robot: Robot, origin: Array) -> Array:
-    """Return a move's angles (M, 6) at each PERIOD, from `origin` to its goal."""
+    """Return a move's angles (M, 6) at each SAMPLE_PERIOD, from `origin` to its goal."""
     if not move.straight:
         way = _goal_angles(move, robot, origin) - origin
         return origin + np.outer(_progress(move, np.abs(way).max()), way)
@@ -155,7 +155,7 @@ def _leg(move: Move, robot: Robot, origin: Array) -> Array:
     progress = _progress(move, float(longest))
     rotations = Rotation.from_rotvec(np.outer(progress, turn)).as_matrix() @ begin
     q = _along(move, robot, origin, rotations, start + np.outer(progress, goal - start))
-    if not isinstance(move.goal, ToolPose) and np.abs(q[-1] - move.goal).max() > SAME:
+    if not isinstance(move.goal, ToolPose) and np.abs(q[-1] - move.goal).max() > GOAL_TOLERANCE:
         where = ", ".join(f"{angle:.2f}" for angle in q[-1])
         raise InputError(
             f"{move.place}: the straight line ends at ({where}) rad, another posture of the same "
@@ -165,15 +165,15 @@ def _leg(move: Move, robot: Robot, origin: Array) -> Array:
 
 
 def _progress(move: Move, longest: float) -> Array:
-    """Return a move's progress (M,) from 0 to 1 at each PERIOD; longest: its way [rad] or [m]."""
-    if longest < NO_WAY:
+    """Return a move's progress (M,), 0 to 1, each SAMPLE_PERIOD; longest: its way [rad] or [m]."""
+    if longest < NEGLIGIBLE_WAY:
         return np.zeros(1)
     speed, acceleration = move.speed, move.acceleration
     if move.seconds:  # overrides speed and acceleration; the arm accelerates for half of it
         speed, acceleration = 2 * longest / move.seconds, 4 * longest / move.seconds**2
     way = np.array([longest])
     end = duration(way, speed, acceleration)[2]
-    time: Array = PERIOD * np.arange(int(np.ceil(end / PERIOD)) + 1, dtype=np.float64)
+    time: Array = SAMPLE_PERIOD * np.arange(int(np.ceil(end / SAMPLE_PERIOD)) + 1, dtype=np.float64)
     return trapezoid(time, way, speed, acceleration)[0] / longest
 
 

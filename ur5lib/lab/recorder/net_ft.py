@@ -19,8 +19,8 @@ import requests
 from ur5lib.channels import units_of
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder.device import (
-    GATHER,
-    PATIENCE,
+    ANSWER_TIMEOUT,
+    GATHERING_TIME,
     Counter,
     DeviceLost,
     Identity,
@@ -29,12 +29,12 @@ from ur5lib.lab.recorder.device import (
 )
 
 PORT = 49152
-HIGHEST_RATE = 8000.0  # Hz; Net F/T boxes send up to 7000 records a second, Axia sensors 7812
+MAX_RECORD_RATE = 8000.0  # Hz; Net F/T boxes send up to 7000 records a second, Axia sensors 7812
 SEQUENCE_BITS = 32
-HEADER = 0x1234
+REQUEST_HEADER = 0x1234
 STOP, STREAM, SET_BIAS = 0x0000, 0x0002, 0x0042  # commands; STREAM: one record per datagram
-SATURATED, ERROR = 1 << 17, 1 << 31  # bits of the status: gauges saturated; any error
-FIELDS: Final = ("rdt_sequence", "ft_sequence", "status")  # before the six counts
+SATURATION_BIT, ERROR_BIT = 1 << 17, 1 << 31  # bits of the status: gauges saturated; any error
+COUNTER_COLUMNS: Final = ("rdt_sequence", "ft_sequence", "status")  # before the six counts
 REQUEST = struct.Struct(">HHI")
 RECORD = struct.Struct(">3I6i")
 
@@ -56,20 +56,22 @@ TORQUE_UNITS = {  # Nm
     "lbfft": 4.4482216152605 * 0.3048,
     "kgfcm": 9.80665e-2,
 }
-ATTEMPTS = 4  # to request the stream: UDP may lose a request
-LONGEST_PAGE = 1 << 20  # bytes
-BUFFER = 1 << 22  # bytes of datagrams that the socket may queue; Linux may allow fewer
+REQUEST_ATTEMPTS = 4  # to request the stream: UDP may lose a request
+MAX_PAGE_BYTES = 1 << 20  # bytes
+RECEIVE_BUFFER_BYTES = (
+    1 << 22
+)  # bytes of datagrams that the socket may queue; Linux may allow fewer
 
 
 def request(command: int) -> bytes:
     """Return a request; STREAM: of records until STOP, whose count is zero."""
-    return REQUEST.pack(HEADER, command, 0)
+    return REQUEST.pack(REQUEST_HEADER, command, 0)
 
 
 def decode(datagram: bytes) -> tuple[int, ...] | None:
-    """Return the nine numbers of a record, FIELDS first; None for a datagram of another size.
+    """Return the nine numbers of a record; None for a datagram of another size.
 
-    The last six are counts of Fx, Fy, Fz, Tx, Ty, Tz.
+    COUNTER_COLUMNS are first; the last six are counts of Fx, Fy, Fz, Tx, Ty, Tz.
     """
     return RECORD.unpack(datagram) if len(datagram) == RECORD.size else None
 
@@ -78,11 +80,11 @@ class NetFT:
     """The force sensor at an address, streamed by RDT.
 
     Its samples: rdt_sequence (the number of the record in the stream), ft_sequence (of the box's
-    own measurement, at 7000 Hz), status (see SATURATED, ERROR), force [N] and torque [Nm]
+    own measurement, at 7000 Hz), status (see SATURATION_BIT, ERROR_BIT), force [N] and torque [Nm]
     on the sensor's tool side, in the axes that the box is set to.
     """
 
-    columns = (*FIELDS, *UNITS)
+    columns = (*COUNTER_COLUMNS, *UNITS)
 
     def __init__(
         self, address: str, bias: bool = False, port: int = PORT, http_port: int = 80
@@ -97,7 +99,7 @@ class NetFT:
         counts, units = self._counts(settings), self._units(settings)
         self._scale = np.repeat([1.0, units[0] / counts[0], units[1] / counts[1]], 3)
         self._socket = self._connect(address, port, bias)
-        self._records = Counter(SEQUENCE_BITS, HIGHEST_RATE)
+        self._records = Counter(SEQUENCE_BITS, MAX_RECORD_RATE)
         self._silence = Silence(self._box)
         self.identity = Identity(
             model=settings.get("prodname", "ATI Net F/T"),
@@ -114,7 +116,7 @@ class NetFT:
     def read(self) -> NewSamples:
         """Return the samples that arrive within 0.05 s, as `Device.read`."""
         received, records, lost = [], [], 0
-        until = time.monotonic() + GATHER
+        until = time.monotonic() + GATHERING_TIME
         while datagram := self._receive(until):
             record = decode(datagram)
             before = self._records.lost_before(record[0]) if record else None
@@ -135,9 +137,9 @@ class NetFT:
     def _connect(self, address: str, port: int, bias: bool) -> socket.socket:
         """Start the stream and wait for its first record, without consuming it."""
         connection = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
-        connection.settimeout(PATIENCE / ATTEMPTS)
-        for _ in range(ATTEMPTS):
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
+        connection.settimeout(ANSWER_TIMEOUT / REQUEST_ATTEMPTS)
+        for _ in range(REQUEST_ATTEMPTS):
             try:
                 connection.connect((address, port))  # ignores other senders
                 if bias:
@@ -192,9 +194,9 @@ def _settings(url: str) -> dict[str, str]:
     try:
         with requests.Session() as session:
             session.trust_env = False  # the box is in the local network, behind no proxy
-            reply = session.get(url, timeout=PATIENCE, stream=True, allow_redirects=False)
+            reply = session.get(url, timeout=ANSWER_TIMEOUT, stream=True, allow_redirects=False)
             reply.raise_for_status()
-            page = next(reply.iter_content(LONGEST_PAGE), b"")
+            page = next(reply.iter_content(MAX_PAGE_BYTES), b"")
     except (requests.RequestException, OSError) as error:
         raise InputError(
             f"no Net F/T box answers at {url}; check its power, the network cable and the address "

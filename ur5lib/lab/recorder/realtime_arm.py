@@ -8,8 +8,8 @@ import time
 import numpy as np
 
 from ur5lib.lab.recorder.device import (
-    LONGEST_SILENCE,
-    PATIENCE,
+    ANSWER_TIMEOUT,
+    MAX_SILENCE,
     CycleCounter,
     Identity,
     Packets,
@@ -20,8 +20,8 @@ from ur5lib.lab.recorder.device import (
 from ur5lib.robots.realtime_message import SOFTWARE
 
 PORT = 30003
-HEAD = struct.Struct(">id")  # size and timestamp of a message
-WAIT = 0.1  # s, for which one call waits
+MESSAGE_HEAD = struct.Struct(">id")  # size and timestamp of a message
+READ_TIMEOUT = 0.1  # s, for which one call waits
 
 
 class RealtimeArm:
@@ -33,7 +33,7 @@ class RealtimeArm:
         """Raise InputError also where the messages have an unknown layout."""
         self._address = address
         try:
-            self._socket = socket.create_connection((address, port), PATIENCE)
+            self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
             self._size, first, second = self._peek()
         except (OSError, struct.error) as error:
             raise no_controller("its stream", address, port, error) from error
@@ -52,7 +52,7 @@ class RealtimeArm:
 
     def read(self) -> Packets:
         """Return the bytes since the last call, as `Device.read`."""
-        arrived, data = receive(self._socket, self._address, WAIT)
+        arrived, data = receive(self._socket, self._address, READ_TIMEOUT)
         self._silence.check(len(data))
         if not data:
             return Packets(np.zeros(0), [], 0, 0)
@@ -65,18 +65,18 @@ class RealtimeArm:
 
     def _peek(self) -> tuple[int, float, float]:
         """Return the messages' size [bytes] and the first two timestamps [s], not consuming any."""
-        (size, _) = HEAD.unpack(self._ahead(HEAD.size))
+        (size, _) = MESSAGE_HEAD.unpack(self._ahead(MESSAGE_HEAD.size))
         if size not in SOFTWARE:
             raise ConnectionError(f"the layout of its messages of {size} bytes is unknown")
-        both = self._ahead(size + HEAD.size)
-        first, second = HEAD.unpack_from(both)[1], HEAD.unpack_from(both, size)[1]
-        if not 0 < second - first < LONGEST_SILENCE:
+        both = self._ahead(size + MESSAGE_HEAD.size)
+        first, second = MESSAGE_HEAD.unpack_from(both)[1], MESSAGE_HEAD.unpack_from(both, size)[1]
+        if not 0 < second - first < MAX_SILENCE:
             raise ConnectionError("its messages have no timestamps")
         return size, first, second
 
     def _ahead(self, count: int) -> bytes:
         """Return the next bytes and leave them in the socket."""
-        until = time.monotonic() + PATIENCE
+        until = time.monotonic() + ANSWER_TIMEOUT
         while len(data := self._socket.recv(count, socket.MSG_PEEK)) < count:
             if not data or time.monotonic() > until:
                 raise ConnectionError("it does not send")
@@ -87,7 +87,7 @@ class RealtimeArm:
         """Return the counts of complete messages, and of those missing before or among them."""
         stream, at, stamps = self._rest + data, 0, list[float]()
         while len(stream) - at >= self._size:
-            size, stamp = HEAD.unpack_from(stream, at)
+            size, stamp = MESSAGE_HEAD.unpack_from(stream, at)
             if size != self._size:  # damaged; the reader of the recording repairs it
                 at = len(stream)
                 break

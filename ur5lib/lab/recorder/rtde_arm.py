@@ -17,8 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ur5lib.lab.recorder.device import (
-    GATHER,
-    PATIENCE,
+    ANSWER_TIMEOUT,
+    GATHERING_TIME,
     CycleCounter,
     DeviceLost,
     Identity,
@@ -31,8 +31,8 @@ from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, all_columns, layout
 
 PORT = 30004
-PROTOCOL = 2
-OUTPUTS = (
+PROTOCOL_VERSION = 2
+RECORDED_OUTPUTS = (
     *("timestamp", "target_q", "target_qd", "target_qdd", "target_current", "target_moment"),
     *("actual_q", "actual_qd", "actual_current", "actual_current_as_torque"),
     *("actual_TCP_pose", "actual_TCP_speed", "actual_TCP_force"),
@@ -42,9 +42,9 @@ OUTPUTS = (
     *("collision_detection_ratio", "joint_position_deviation_ratio"),
     *("speed_scaling", "robot_mode", "safety_mode", "runtime_state"),
 )
-RATES = {3: 125.0}  # Hz, of the controller's software; later ones have 500
-USUAL_RATE = 500.0
-WAIT = 0.1  # s, for which one call waits for samples
+RATE_BY_MAJOR_VERSION = {3: 125.0}  # Hz, of the controller's software; later ones have 500
+DEFAULT_RATE = 500.0
+READ_TIMEOUT = 0.1  # s, for which one call waits for samples
 
 
 class RtdeClient:
@@ -55,9 +55,9 @@ class RtdeClient:
         self._address, self._port = address, port
         self._buffer = b""
         try:
-            self._socket = socket.create_connection((address, port), PATIENCE)
+            self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if self._ask(rtde.VERSION, struct.pack(">H", PROTOCOL)) != b"\x01":
+            if self._ask(rtde.VERSION, struct.pack(">H", PROTOCOL_VERSION)) != b"\x01":
                 raise ConnectionError("it does not speak version 2")
             major, minor, bugfix, build = struct.unpack(">4I", self._ask(rtde.SOFTWARE))
         except (OSError, struct.error) as error:
@@ -142,16 +142,16 @@ class RtdeClient:
 class RtdeArm:
     """The arm at an address, recorded package by package through RTDE.
 
-    columns: those of OUTPUTS that the controller has; lost packages are counted by `timestamp`, the
-    controller's clock.
+    columns: those of RECORDED_OUTPUTS that the controller has; lost packages are counted by
+    `timestamp`, the controller's clock.
     """
 
     def __init__(self, address: str, rate: float | None = None, port: int = PORT) -> None:
         """rate: [Hz], None for the controller's default."""
         self._client = RtdeClient(address, port)
         software = self._client.software
-        rate = rate or RATES.get(software[0], USUAL_RATE)
-        names = self._client.start(OUTPUTS, rate)
+        rate = rate or RATE_BY_MAJOR_VERSION.get(software[0], DEFAULT_RATE)
+        names = self._client.start(RECORDED_OUTPUTS, rate)
         self.columns = all_columns(tuple(names))
         self._cycles = CycleCounter(1 / rate)
         self._silence = Silence(address)
@@ -162,12 +162,12 @@ class RtdeArm:
             rate_hz=rate,
             units="SI",
             clock="timestamp",
-            missing=[name for name in OUTPUTS if name not in names],
+            missing=[name for name in RECORDED_OUTPUTS if name not in names],
         )
 
     def read(self) -> NewSamples:
         """Return the samples that arrive within 0.05 s, as `Device.read`, or the first of all."""
-        until, packages = time.monotonic() + GATHER, self._client.receive(WAIT)
+        until, packages = time.monotonic() + GATHERING_TIME, self._client.receive(READ_TIMEOUT)
         with contextlib.suppress(DeviceLost):  # which the next call meets, too
             while packages and (remaining := until - time.monotonic()) > 0:
                 packages += self._client.receive(remaining)

@@ -14,14 +14,16 @@ from typing import Any, Self
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder.capture import Status, capture
 from ur5lib.lab.recorder.device import Identity
-from ur5lib.lab.recorder.device_settings import AnyDevice
+from ur5lib.lab.recorder.device_settings import DeviceSettings
 from ur5lib.tables import checksum, write_json
 
 MANIFEST = "manifest.json"
-CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
-PATIENCE = 30.0  # s, for a device to answer and its process to start
-CLOSING = 10.0  # s, for all processes to write their last samples
-POLL = 0.05  # s between queries of their reports meanwhile
+CLOCK_DESCRIPTION = (
+    "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
+)
+START_TIMEOUT = 30.0  # s, for a device to answer and its process to start
+CLOSING_TIMEOUT = 10.0  # s, for all processes to write their last samples
+POLL_INTERVAL = 0.05  # s between queries of their reports meanwhile
 
 
 @dataclass
@@ -38,7 +40,7 @@ class Session:
     devices: by name; folder: gets `<name>.csv` of each. All have answered when the context begins.
     """
 
-    def __init__(self, devices: Mapping[str, AnyDevice], folder: Path) -> None:
+    def __init__(self, devices: Mapping[str, DeviceSettings], folder: Path) -> None:
         self._devices, self._folder = devices, folder
         self._context = multiprocessing.get_context("spawn")
         self._stop = self._context.Event()
@@ -80,17 +82,17 @@ class Session:
     def close(self) -> None:
         """Stop all devices; returns when their files are closed."""
         self._stop.set()
-        end = time.monotonic() + CLOSING
+        end = time.monotonic() + CLOSING_TIMEOUT
         for name, worker in self._workers.items():
             while worker.process.is_alive() and time.monotonic() < end:
                 self._listen(name, worker)
-                worker.process.join(POLL)
+                worker.process.join(POLL_INTERVAL)
             self._listen(name, worker)
             late = worker.process.is_alive()
             if late:
                 worker.process.kill()
             if worker.status.ended is None and not worker.status.final:
-                why = f"did not end within {CLOSING:g} s" if late else "was killed"
+                why = f"did not end within {CLOSING_TIMEOUT:g} s" if late else "was killed"
                 worker.status.ended = (
                     f"the process that records {name} {why}; its file may have samples that are "
                     "not counted here"
@@ -98,7 +100,7 @@ class Session:
 
     def _answer(self, name: str, worker: _Worker) -> Identity:
         try:
-            answer = worker.connection.recv() if worker.connection.poll(PATIENCE) else None
+            answer = worker.connection.recv() if worker.connection.poll(START_TIMEOUT) else None
         except EOFError:
             answer = None
         if isinstance(answer, Identity):
@@ -143,7 +145,7 @@ def write_manifest(
             "written": datetime.now(UTC).isoformat(timespec="seconds"),
             "complete": statuses is not None,
             "host": platform.node(),
-            "clock": CLOCK,
+            "clock": CLOCK_DESCRIPTION,
             "ur5lib": version("ur5lib"),
             "motion": moved,
             "devices": entries,

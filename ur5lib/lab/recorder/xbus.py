@@ -19,13 +19,15 @@ from typing import Final, NamedTuple
 from ur5lib.errors import InputError, of_recorder
 from ur5lib.lab.recorder.device import DeviceLost
 
-START = b"\xfa\xff"  # preamble, and the bus identifier of a device that is connected directly
-LONGEST = 2048  # bytes of data in a message
-EXTENDED = 0xFF  # the length byte that announces two more
-ERROR = 0x42  # identifier of the answer to a request that the device does not know or accept
-WAIT = 0.02  # s, for which one call waits for bytes
-ANSWER = 0.5  # s, for an acknowledgement
-ATTEMPTS = 4  # requests that arrive while the device starts are lost
+PREAMBLE = b"\xfa\xff"  # preamble, and the bus identifier of a device that is connected directly
+MAX_DATA_BYTES = 2048  # bytes of data in a message
+EXTENDED_LENGTH = 0xFF  # the length byte that announces two more
+ERROR_MESSAGE = (
+    0x42  # identifier of the answer to a request that the device does not know or accept
+)
+READ_TIMEOUT = 0.02  # s, for which one call waits for bytes
+ACKNOWLEDGEMENT_TIMEOUT = 0.5  # s, for an acknowledgement
+REQUEST_ATTEMPTS = 4  # requests that arrive while the device starts are lost
 
 MTDATA, MTDATA2 = 0x32, 0x36  # identifiers of the messages
 COUNTER_BITS = 16
@@ -34,17 +36,17 @@ COUNTER_BITS = 16
 PACKET_COUNTER, SAMPLE_TIME_FINE = 0x1020, 0x1060
 ACCELERATION, RATE_OF_TURN, MAGNETIC_FIELD = 0x4020, 0x8020, 0xC020
 VECTORS: Final = (ACCELERATION, RATE_OF_TURN, MAGNETIC_FIELD)
-PRECISION, GROUP = 0x3, 0xFFF0
+PRECISION_MASK, ITEM_MASK = 0x3, 0xFFF0
 
 # Three numbers in each precision: float32, fixed point 12.20 and 16.32, float64.
-LAYOUTS: Final = (">3f", ">3i", ">IhIhIh", ">3d")
+VECTOR_LAYOUTS: Final = (">3f", ">3i", ">IhIhIh", ">3d")
 
 # Output mode and settings of MTData, and its samples under them: three vectors and the counter.
-CALIBRATED, SAMPLE_COUNTER = 0x2, 0x1
-SAMPLE = struct.Struct(">9fH")
+CALIBRATED_MODE, SAMPLE_COUNTER = 0x2, 0x1
+MTDATA_SAMPLE = struct.Struct(">9fH")
 
 Vector = tuple[float, ...]
-NOTHING: Final = (math.nan, math.nan, math.nan)
+MISSING_VECTOR: Final = (math.nan, math.nan, math.nan)
 
 
 class Message(NamedTuple):
@@ -57,9 +59,13 @@ class Message(NamedTuple):
 def encode(identifier: int, data: bytes = b"") -> bytes:
     """Return the bytes of a message."""
     size = len(data)
-    length = bytes([size]) if size < EXTENDED else bytes([EXTENDED, *size.to_bytes(2, "big")])
-    body = START[1:] + bytes([identifier]) + length + data
-    return START[:1] + body + bytes([-sum(body) % 256])
+    length = (
+        bytes([size])
+        if size < EXTENDED_LENGTH
+        else bytes([EXTENDED_LENGTH, *size.to_bytes(2, "big")])
+    )
+    body = PREAMBLE[1:] + bytes([identifier]) + length + data
+    return PREAMBLE[:1] + body + bytes([-sum(body) % 256])
 
 
 class Decoder:
@@ -80,7 +86,7 @@ class Decoder:
             if end > len(stream):
                 break
             if sum(stream[at + 1 : end]) % 256 == 0 and end > at + 4:
-                head = 6 if stream[at + 3] == EXTENDED else 4
+                head = 6 if stream[at + 3] == EXTENDED_LENGTH else 4
                 messages.append(Message(stream[at + 2], stream[at + head : end - 1]))
                 at = end
             else:
@@ -91,10 +97,10 @@ class Decoder:
 
 def _start(stream: bytes, at: int) -> int:
     """Return the offset of the next FA FF, or of an FA at the end; else the stream's length."""
-    place = stream.find(START, at)
+    place = stream.find(PREAMBLE, at)
     if place >= 0:
         return place
-    return len(stream) - int(stream.endswith(START[:1]) and len(stream) > at)
+    return len(stream) - int(stream.endswith(PREAMBLE[:1]) and len(stream) > at)
 
 
 def _end(stream: bytes, at: int) -> int:
@@ -104,15 +110,15 @@ def _end(stream: bytes, at: int) -> int:
     """
     if len(stream) < at + 4:
         return len(stream) + 1
-    if stream[at + 3] != EXTENDED:
+    if stream[at + 3] != EXTENDED_LENGTH:
         return at + 5 + stream[at + 3]
     if len(stream) < at + 6:
         return len(stream) + 1
     size = int.from_bytes(stream[at + 4 : at + 6], "big")
-    return at + 7 + size if EXTENDED <= size <= LONGEST else at
+    return at + 7 + size if EXTENDED_LENGTH <= size <= MAX_DATA_BYTES else at
 
 
-class Measurement(NamedTuple):
+class ImuSample(NamedTuple):
     """One sample; quantities that a message does not contain are NaN.
 
     time_fine: the device's own time [ticks of 0.1 ms]; vectors: acceleration [m/s²], rate of turn
@@ -124,28 +130,28 @@ class Measurement(NamedTuple):
     vectors: Vector
 
 
-def decode_mtdata2(data: bytes) -> Measurement | None:
+def decode_mtdata2(data: bytes) -> ImuSample | None:
     """Return the sample in an MTData2 message; None without a packet counter or if inconsistent."""
     items = _items(data)
     counter = items.get(PACKET_COUNTER, (0, b""))[1]
     fine = items.get(SAMPLE_TIME_FINE, (0, b""))[1]
-    vectors = [_vector(*items[name]) if name in items else NOTHING for name in VECTORS]
+    vectors = [_vector(*items[name]) if name in items else MISSING_VECTOR for name in VECTORS]
     whole = [vector for vector in vectors if vector is not None]
     if len(counter) != 2 or len(fine) not in (0, 4) or len(whole) < len(vectors):
         return None
     time = float(int.from_bytes(fine, "big")) if fine else math.nan
-    return Measurement(int.from_bytes(counter, "big"), time, sum(whole, ()))
+    return ImuSample(int.from_bytes(counter, "big"), time, sum(whole, ()))
 
 
-def decode_mtdata(data: bytes) -> Measurement | None:
-    """Return the sample in an MTData message of CALIBRATED data with the SAMPLE_COUNTER.
+def decode_mtdata(data: bytes) -> ImuSample | None:
+    """Return the sample in an MTData message of CALIBRATED_MODE data with the SAMPLE_COUNTER.
 
     None for a message of another size, as other settings have.
     """
-    if len(data) != SAMPLE.size:
+    if len(data) != MTDATA_SAMPLE.size:
         return None
-    *numbers, counter = SAMPLE.unpack(data)
-    return Measurement(counter, math.nan, tuple(numbers))
+    *numbers, counter = MTDATA_SAMPLE.unpack(data)
+    return ImuSample(counter, math.nan, tuple(numbers))
 
 
 def _items(data: bytes) -> dict[int, tuple[int, bytes]]:
@@ -154,16 +160,16 @@ def _items(data: bytes) -> dict[int, tuple[int, bytes]]:
     while at + 3 <= len(data):
         name = int.from_bytes(data[at : at + 2], "big")
         end = at + 3 + data[at + 2]
-        items[name & GROUP] = name & PRECISION, data[at + 3 : end]
+        items[name & ITEM_MASK] = name & PRECISION_MASK, data[at + 3 : end]
         at = end
     return items if at == len(data) else {}
 
 
 def _vector(precision: int, data: bytes) -> Vector | None:
     """Return three numbers; None if the bytes are too few or too many for the precision."""
-    if len(data) != struct.calcsize(LAYOUTS[precision]):
+    if len(data) != struct.calcsize(VECTOR_LAYOUTS[precision]):
         return None
-    sent = struct.unpack(LAYOUTS[precision], data)
+    sent = struct.unpack(VECTOR_LAYOUTS[precision], data)
     if precision == 1:
         return tuple(number / 2**20 for number in sent)
     if precision == 2:  # the 32 bits after the point come first
@@ -186,7 +192,9 @@ class XbusPort:
         self._decoder = Decoder()
         self._early: deque[Message] = deque()
         try:
-            self._port = serial.Serial(path, baudrate, timeout=WAIT, write_timeout=ANSWER)
+            self._port = serial.Serial(
+                path, baudrate, timeout=READ_TIMEOUT, write_timeout=ACKNOWLEDGEMENT_TIMEOUT
+            )
         except (OSError, ValueError) as error:  # SerialException is an OSError
             raise InputError(
                 f"the IMU's serial port {path} cannot be opened; check the cable, the port and "
@@ -199,7 +207,7 @@ class XbusPort:
         Raises RefusedError when the device answers with an error, InputError when not at all.
         """
         try:
-            for _ in range(ATTEMPTS):
+            for _ in range(REQUEST_ATTEMPTS):
                 self._port.write(encode(request, data))
                 answer = self._answer(request)
                 if answer is not None:
@@ -236,11 +244,11 @@ class XbusPort:
 
     def _answer(self, request: int) -> bytes | None:
         """Return the acknowledgement's data, None if it is late; skip data messages before it."""
-        until = time.monotonic() + ANSWER
+        until = time.monotonic() + ACKNOWLEDGEMENT_TIMEOUT
         while time.monotonic() < until:
             messages = self.receive()
             for number, message in enumerate(messages):
-                if message.identifier == ERROR:
+                if message.identifier == ERROR_MESSAGE:
                     raise RefusedError
                 if message.identifier == request + 1:
                     self._early.extend(messages[number + 1 :])

@@ -11,8 +11,8 @@ import numpy as np
 from ur5lib.channels import units_of
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder import xbus
-from ur5lib.lab.recorder.device import GATHER, Counter, Identity, NewSamples, Silence
-from ur5lib.lab.recorder.xbus import Measurement, Message, RefusedError, XbusPort
+from ur5lib.lab.recorder.device import GATHERING_TIME, Counter, Identity, NewSamples, Silence
+from ur5lib.lab.recorder.xbus import ImuSample, Message, RefusedError, XbusPort
 
 GO_TO_CONFIG, GO_TO_MEASUREMENT = 0x30, 0x10
 REQUEST_DEVICE_ID, REQUEST_PRODUCT_CODE, REQUEST_FIRMWARE = 0x00, 0x1C, 0x12
@@ -66,7 +66,7 @@ class Xsens:
         Those that arrive together share their time of arrival.
         """
         received, rows, lost = [], [], 0
-        until = time.monotonic() + GATHER
+        until = time.monotonic() + GATHERING_TIME
         while time.monotonic() < until:
             messages, now = self._port.receive(), time.monotonic()
             for measurement in filter(None, map(self._decode, messages)):
@@ -116,11 +116,11 @@ class Xsens:
             period = min(round(PERIOD_CLOCK / wanted_hz), 0xFFFF)
             self._port.ask(SET_PERIOD, struct.pack(">H", period))
             self._port.ask(SET_SKIP_FACTOR, struct.pack(">H", 0))
-            self._port.ask(SET_OUTPUT_MODE, struct.pack(">H", xbus.CALIBRATED))
+            self._port.ask(SET_OUTPUT_MODE, struct.pack(">H", xbus.CALIBRATED_MODE))
             self._port.ask(SET_OUTPUT_SETTINGS, struct.pack(">I", xbus.SAMPLE_COUNTER))
             return "MTData", PERIOD_CLOCK / period
 
-    def _decode(self, message: Message) -> Measurement | None:
+    def _decode(self, message: Message) -> ImuSample | None:
         if message.identifier != self._identifier:
             return None
         if self._identifier == xbus.MTDATA2:

@@ -9,7 +9,7 @@ from ur5lib.lab.stand.plan import Contact, Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.robots.mjcf import TOOL, flange
 from ur5lib.timeseries.arrays import Array
 
-GRASP = 0.2  # s, duration of lifting or putting down a load
+GRASP_TIME = 0.2  # s, duration of lifting or putting down a load
 
 
 def _profile(contact: Timed, time: float) -> float:
@@ -20,7 +20,7 @@ def _profile(contact: Timed, time: float) -> float:
 def _held_share(load: Load, time: float) -> float:
     """Return the share of a load's weight on the arm: 0 at its start and end, 1 in between."""
     since = min(time - load.start_s, load.start_s + load.seconds - time)
-    return float(np.sin(np.pi / 2 * min(since / GRASP, 1.0)) ** 2)
+    return float(np.sin(np.pi / 2 * min(since / GRASP_TIME, 1.0)) ** 2)
 
 
 def _cross(one: Array, other: Array) -> Array:

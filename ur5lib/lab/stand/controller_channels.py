@@ -18,13 +18,13 @@ from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 
 DECIMALS = 6  # of all channels, as in the thesis's logs
-COUNTS = 2**19  # of an encoder per turn
+ENCODER_COUNTS = 2**19  # of an encoder per turn
 # Noise of moving joints, like the real residuals against the targets.
 POSITION_NOISE = np.array([5e-5, 4e-5, 6e-5, 15e-5, 9e-5, 15e-5])  # rad
 VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
-WINDOW = 4  # steps over which velocity is averaged, which delays it by 2 ms
+VELOCITY_WINDOW = 4  # steps over which velocity is averaged, which delays it by 2 ms
 FORCE_CUTOFF = 5.0  # Hz, of the controller's force estimate
-DAMPING = 0.02**2 * np.eye(6)  # of that estimate near singularities
+SINGULARITY_DAMPING = 0.02**2 * np.eye(6)  # of that estimate near singularities
 TEMPERATURE_STEP = 1 / 16  # °C
 
 
@@ -44,7 +44,9 @@ def frames(
     cycle: [s]; random: generator of the noise, None for no noise.
     """
     rig, states = experiment.rig, experiment.motion
-    before = np.concatenate([np.repeat(states["q"][:1], WINDOW, axis=0), states["q"][:-WINDOW]])
+    before = np.concatenate(
+        [np.repeat(states["q"][:1], VELOCITY_WINDOW, axis=0), states["q"][:-VELOCITY_WINDOW]]
+    )
     measured = measure(rig.drive, states, before, random)
     sent = slice(None, None, round(cycle / STEP))
     time, estimate = step_times(len(states))[sent], ForceEstimate(cycle)
@@ -69,8 +71,8 @@ def measure(
 ) -> Measurement:
     """Return the measurements in true states (...), by encoders' counts and their differences.
 
-    before: angles WINDOW steps earlier (..., n) [rad]; random: generator of the noise, None for the
-    true values.
+    before: angles VELOCITY_WINDOW steps earlier (..., n) [rad]; random: generator of the noise,
+    None for the true values.
     """
     q, qd = states["q"], states["qd"]
     current = states["motor_torque"] / drive.torque_constant
@@ -78,10 +80,10 @@ def measure(
         return Measurement(q, qd, current)
     noise = motion_share(qd) * random.normal(size=(2, *q.shape))
     of_q, of_qd = (along_chain(size, q.shape[-1]) for size in (POSITION_NOISE, VELOCITY_NOISE))
-    count = 2 * np.pi / COUNTS
+    count = 2 * np.pi / ENCODER_COUNTS
     return Measurement(
         q=count * np.rint((q + of_q * noise[0]) / count),
-        qd=(q - before) / (WINDOW * STEP) + of_qd * noise[1],
+        qd=(q - before) / (VELOCITY_WINDOW * STEP) + of_qd * noise[1],
         current=current + current_noise(q, qd, random),
     )
 
@@ -199,5 +201,5 @@ def damped_wrench(external: Array, jacobian: Array) -> Array:
     """Return the wrenches (..., 6) [N, Nm] of external torques (..., n) [Nm] by damped least
     squares; jacobian: (..., 6, n).
     """
-    square = jacobian @ jacobian.mT + DAMPING
+    square = jacobian @ jacobian.mT + SINGULARITY_DAMPING
     return np.asarray(np.linalg.solve(square, jacobian @ external[..., None])[..., 0])

@@ -14,11 +14,11 @@ from ur5lib.robots.realtime_message import fields
 from ur5lib.tables import channel, write_text
 
 EPOCH = 1388577600.0  # s; fictitious date of all recordings, 2014-01-01 12:00 UTC
-DAY = 86400.0  # s
-OTHER_RUN = 5000.0  # s; how much earlier the other run of a stale file was
-UPTIME = 4096.0  # s; time on the controller's clock when a recording begins
-MESSAGE = 756  # bytes
-UNCONNECTED = -1e-6  # value that an unconnected force sensor writes
+SECONDS_PER_DAY = 86400.0  # s
+STALE_RUN_AGE = 5000.0  # s; how much earlier the other run of a stale file was
+CONTROLLER_UPTIME = 4096.0  # s; time on the controller's clock when a recording begins
+MESSAGE_BYTES = 756  # bytes
+UNCONNECTED_SENSOR_READING = -1e-6  # value that an unconnected force sensor writes
 
 Files = dict[str, str]  # text by name
 Sensors = Mapping[str, pd.DataFrame]  # readings, by the plan's name of the sensor
@@ -40,7 +40,7 @@ def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording)
         for file, name in THESIS_FILES.items()
     }
     files["start_time.csv"] = f"{EPOCH:.12g}\n" * len(frames)
-    nothing = {str(column): UNCONNECTED for column in range(6)}
+    nothing = {str(column): UNCONNECTED_SENSOR_READING for column in range(6)}
     force = sensors.get("force_sensor", frames[["time"]].assign(**nothing))
     files["log_force_sensor.csv"] = _rows(force["time"], force.drop(columns="time").to_numpy())
     start = EPOCH + (_stamp(plan.force_sensor.clock) if plan.force_sensor else 0.0)
@@ -49,8 +49,10 @@ def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording)
         counter = np.rint(1000 * sensors["imu"]["time"].to_numpy())  # in milliseconds
         table = np.column_stack([counter, sensors["imu"].drop(columns="time").to_numpy()])
         files["acc_data.csv"] = _formatted(table, ", ".join(["%d"] + ["%.6g"] * 9))
-        day = _stamp(plan.imu.clock) + EPOCH - OTHER_RUN * plan.faults.stale_imu
-        files["acc_start_time.csv"] = f"{day % DAY * 1000:.6g}"  # this file has no newline
+        day = _stamp(plan.imu.clock) + EPOCH - STALE_RUN_AGE * plan.faults.stale_imu
+        files["acc_start_time.csv"] = (
+            f"{day % SECONDS_PER_DAY * 1000:.6g}"  # this file has no newline
+        )
     return {f"csv_files/{name}": text for name, text in files.items()}
 
 
@@ -67,7 +69,7 @@ def rtde_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -
     """Return one CSV with RTDE names, and sensors whose time counts from the robot's first row."""
     names = frames.columns.drop(["time", "sent", "kept"])
     header = ",".join(["timestamp", *names]) + "\n"
-    rows = _rows(frames["time"] + UPTIME, frames[names].to_numpy(), ",")
+    rows = _rows(frames["time"] + CONTROLLER_UPTIME, frames[names].to_numpy(), ",")
     return {ROBOT_FILES["rtde-csv"]: header + rows, **_sensor_tables(sensors, plan, 0.0)}
 
 
@@ -80,17 +82,17 @@ WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]]
 
 def messages(frames: pd.DataFrame) -> list[bytes]:
     """Return frames as messages of the 756-byte layout: int32 size, then big-endian doubles."""
-    doubles = np.zeros((len(frames), (MESSAGE - 4) // 8), ">f8")
-    doubles[:, 0] = frames["time"] + UPTIME
-    for name, place in fields(MESSAGE).items():
+    doubles = np.zeros((len(frames), (MESSAGE_BYTES - 4) // 8), ">f8")
+    doubles[:, 0] = frames["time"] + CONTROLLER_UPTIME
+    for name, place in fields(MESSAGE_BYTES).items():
         doubles[:, place] = channel(frames, name)
-    size = MESSAGE.to_bytes(4, "big")
+    size = MESSAGE_BYTES.to_bytes(4, "big")
     return [size + row.tobytes() for row in doubles]
 
 
 def _receive(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float, bytes]]:
     """Return time [s] and bytes of each receipt; cut messages end early."""
-    lengths = (MESSAGE * frames["kept"]).astype(int)
+    lengths = (MESSAGE_BYTES * frames["kept"]).astype(int)
     packets = [message[:end] for message, end in zip(messages(frames), lengths, strict=True)]
     time = frames["sent"].to_numpy()
     if plan.faults.late_packets:
@@ -100,7 +102,7 @@ def _receive(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float
 
 def _sensor_tables(sensors: Sensors, plan: SimulatedRecording, zero: float) -> Files:
     """Return `force_sensor.csv` and `imu.csv`; their time starts at `zero` [s]."""
-    other_run = {"imu": OTHER_RUN * plan.faults.stale_imu}
+    other_run = {"imu": STALE_RUN_AGE * plan.faults.stale_imu}
     return {
         f"{name}.csv": _rows(
             zero + _stamp(getattr(plan, name).clock) - other_run.get(name, 0.0) + table["time"],

@@ -9,9 +9,13 @@ import pandas as pd
 from ur5lib.lab.stand.plan import Faults
 from ur5lib.timeseries.arrays import Array, Mask
 
-BUFFER = 4096  # bytes; a partly filled buffer is never written to the file
-LATE, SPLIT, REST = 3, 694, 0.001  # every third packet; bytes in its first part; s to the rest
-MOVES = 1e-3  # rad/s; above it, the arm counts as moving
+FILE_BUFFER_BYTES = 4096  # bytes; a partly filled buffer is never written to the file
+LATE_PACKET_INTERVAL, FIRST_PART_BYTES, SECOND_PART_DELAY = (
+    3,
+    694,
+    0.001,
+)  # every third packet; bytes in its first part; s to the rest
+MOVING_SPEED = 1e-3  # rad/s; above it, the arm counts as moving
 
 
 @dataclass(frozen=True)
@@ -59,21 +63,24 @@ def split_late(messages: list[bytes], sent: Array, moving: Mask) -> list[tuple[f
     for message, time, moves in zip(messages, sent.tolist(), moving, strict=True):
         count = count + 1 if moves else 0
         if late:
-            received += [(time, late + message[:SPLIT]), (time + REST, message[SPLIT:])]
+            received += [
+                (time, late + message[:FIRST_PART_BYTES]),
+                (time + SECOND_PART_DELAY, message[FIRST_PART_BYTES:]),
+            ]
             late = b""
-        elif moves and count % LATE == 0:
+        elif moves and count % LATE_PACKET_INTERVAL == 0:
             late = message
         else:
             received.append((time, message))
-    return [*received, (float(sent[-1]) + REST, late)] if late else received
+    return [*received, (float(sent[-1]) + SECOND_PART_DELAY, late)] if late else received
 
 
 def is_moving(frames: pd.DataFrame) -> Mask:
     """Return whether the targets move, frame by frame (N,)."""
     speed = frames.filter(like="target_qd_").abs().max(axis="columns")
-    return (speed > MOVES).to_numpy()
+    return (speed > MOVING_SPEED).to_numpy()
 
 
 def tear(text: str) -> str:
     """Return a file without its last, partly filled buffer."""
-    return text[: max(len(text) // BUFFER, 1) * BUFFER]
+    return text[: max(len(text) // FILE_BUFFER_BYTES, 1) * FILE_BUFFER_BYTES]

@@ -24,14 +24,18 @@ def along_chain(values: Array, joints: int) -> Array:
     return np.asarray(np.interp(places, np.arange(len(values)), values))
 
 
-COULOMB = np.array(
+COULOMB_SHARE = np.array(
     [0.054, 0.058, 0.054, 0.078, 0.083, 0.071]
 )  # share of the motor's largest torque
-VISCOUS = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # the same, per rad/s
-LOAD = 0.05  # Nm/Nm
-PERIODIC = 0.05  # share of the Coulomb friction
-STICTION, STRIBECK_VELOCITY, PRESLIDING = 1.15, 0.03, 2e-4  # see FrictionParameters
-USUAL = 30.0  # °C, temperature of the values above
+VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # the same, per rad/s
+LOAD_SHARE = 0.05  # Nm/Nm
+PERIODIC_SHARE = 0.05  # share of the Coulomb friction
+STICTION_RATIO, STRIBECK_VELOCITY, PRESLIDING_DEFLECTION = (
+    1.15,
+    0.03,
+    2e-4,
+)  # see FrictionParameters
+USUAL_TEMPERATURE = 30.0  # °C, temperature of the values above
 # Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
 # is warm, and dry friction changes less.
 COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
@@ -80,24 +84,25 @@ def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
     """Return the friction of an arm's joints; friction: False for none."""
     size = np.array(robot.torque_limits()) * friction
     coulomb, viscous, periodic = (
-        along_chain(share, len(size)) * size for share in (COULOMB, VISCOUS, PERIODIC * COULOMB)
+        along_chain(share, len(size)) * size
+        for share in (COULOMB_SHARE, VISCOUS_SHARE, PERIODIC_SHARE * COULOMB_SHARE)
     )
     each = np.ones(len(size))
     return FrictionParameters(
         coulomb=coulomb,
         viscous=viscous,
-        load=LOAD * friction * each,
+        load=LOAD_SHARE * friction * each,
         periodic=periodic,
-        stiction=STICTION * each,
+        stiction=STICTION_RATIO * each,
         stribeck_velocity=STRIBECK_VELOCITY * each,
         phase=np.arange(float(len(size))),
-        presliding=PRESLIDING * each,
+        presliding=PRESLIDING_DEFLECTION * each,
         coulomb_warming=COULOMB_WARMING * each,
         viscous_warming=VISCOUS_WARMING * each,
     )
 
 
-class Friction:
+class BristleFriction:
     """Friction torque step by step, with the elastic deflection of sticking joints.
 
     Bristle model of Dahl and LuGre: z' = qd - |qd| z / z_max, with z_max = dry / stiffness, solved

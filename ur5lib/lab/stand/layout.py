@@ -5,15 +5,18 @@ from collections.abc import Collection
 from ur5lib.channels import THESIS_FILES
 
 ROBOT_FILES = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
-COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}  # the sensors' time columns
-COLUMNS = {"force_sensor": ["time", "ft"], "imu": ["time", "imu_a", "imu_m", "imu_g"]}
+SENSOR_TIME_KEYS = {
+    "realtime-stream": "epoch_s",
+    "rtde-csv": "relative_s",
+}  # the sensors' time columns
+SENSOR_COLUMNS = {"force_sensor": ["time", "ft"], "imu": ["time", "imu_a", "imu_m", "imu_g"]}
 FORMATS = ["thesis-csv", *ROBOT_FILES]
 FORMATS_OF_UR = ["thesis-csv", "realtime-stream"]  # six joints, with currents
 FORMATS_WITH_PAYLOAD = ["rtde-csv"]  # formats that record the payload declared to the controller
 
 
 def file_names(format: str, sensors: Collection[str]) -> list[str]:
-    """Return the files of a simulated recording, within its folder; sensors: those of COLUMNS."""
+    """Return the files of a simulated recording in its folder; sensors: those of SENSOR_COLUMNS."""
     if format != "thesis-csv":
         return [ROBOT_FILES[format], *(f"{name}.csv" for name in sensors)]
     names = [*(f"log_{file}.csv" for file in THESIS_FILES), "start_time.csv"]
@@ -29,6 +32,10 @@ def device_keys(
     if format == "thesis-csv":
         return {}
     return {"file": ROBOT_FILES[format]} | {
-        name: {"file": f"{name}.csv", "columns": COLUMNS[name], "time": COUNTS[format]}
+        name: {
+            "file": f"{name}.csv",
+            "columns": SENSOR_COLUMNS[name],
+            "time": SENSOR_TIME_KEYS[format],
+        }
         for name in sensors
     }

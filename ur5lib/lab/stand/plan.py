@@ -7,14 +7,16 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from ur5lib.channels import MOST_JOINTS
-from ur5lib.lab.stand.layout import COLUMNS
+from ur5lib.lab.stand.layout import SENSOR_COLUMNS
 from ur5lib.robots.description import Payload, Positive, Six, Vector3
 from ur5lib.strict import Strict, existing_file
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import rest_conditions
 
 POSTURE = (0.5, -1.6, 1.6, -1.5, 1.5, 0.3)  # rad; elbow up, far from singularities
-RESTING = 1e-6  # rad, tolerance of the conditions at the start: rounding of written coefficients
+REST_TOLERANCE = (
+    1e-6  # rad, tolerance of the conditions at the start: rounding of written coefficients
+)
 
 Share = Annotated[float, Field(ge=0, le=0.5)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -106,7 +108,7 @@ class Series(Planned):
         if {*map(len, self.coefficients)} != {len(self.posture)}:
             raise ValueError("in each line of `coefficients` as many numbers as in `posture`")
         conditions = rest_conditions(self.period_s, len(self.coefficients) // 2)
-        if np.abs(conditions @ np.array(self.coefficients)).max() > RESTING:
+        if np.abs(conditions @ np.array(self.coefficients)).max() > REST_TOLERANCE:
             raise ValueError("`coefficients` of a series that begins at the posture, at rest")
         return self
 
@@ -301,7 +303,7 @@ class SimulatedRecording(Planned):
 
     def sensors(self) -> list[str]:
         """Return the sensors with files of their own."""
-        return [name for name in COLUMNS if getattr(self, name) is not None]
+        return [name for name in SENSOR_COLUMNS if getattr(self, name) is not None]
 
     def temperature(self, time: Array | float) -> Array:
         """Return the motors' temperature [°C] at times [s] since the start."""

@@ -10,7 +10,12 @@ from scipy.spatial.transform import Rotation
 from ur5lib.errors import InputError
 from ur5lib.lab.stand.contacts import Contacts
 from ur5lib.lab.stand.drive import Drive, drive_of, link_torques
-from ur5lib.lab.stand.friction import USUAL, Friction, FrictionParameters, friction_of
+from ur5lib.lab.stand.friction import (
+    USUAL_TEMPERATURE,
+    BristleFriction,
+    FrictionParameters,
+    friction_of,
+)
 from ur5lib.lab.stand.plan import Imu, SimulatedRecording
 from ur5lib.lab.stand.trajectories import Targets, plan_targets
 from ur5lib.robots.description import Mounting, Payload, Robot
@@ -18,16 +23,16 @@ from ur5lib.robots.mjcf import add_arm
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.001  # s, of the integration
-SETTLE = 300  # steps simulated before anything is recorded
-START = 0.5  # largest initial dry friction, as a share of the breakaway torque
-WRENCH = float, 6
-SENSORS = {  # name: MuJoCo type, site where it is mounted
+SETTLING_STEPS = 300  # steps simulated before anything is recorded
+MAX_INITIAL_FRICTION = 0.5  # largest initial dry friction, as a share of the breakaway torque
+WRENCH_TYPE = float, 6
+MUJOCO_SENSORS = {  # name: MuJoCo type, site where it is mounted
     "force": (mujoco.mjtSensor.mjSENS_FORCE, "force_sensor"),
     "torque": (mujoco.mjtSensor.mjSENS_TORQUE, "force_sensor"),
     "accelerometer": (mujoco.mjtSensor.mjSENS_ACCELEROMETER, "imu"),
     "gyroscope": (mujoco.mjtSensor.mjSENS_GYRO, "imu"),
 }
-AT_ORIGIN = Mounting(imu=(0.0, 0.0, 0.0), force_sensor=(0.0, 0.0, 0.0))
+MOUNTING_AT_ORIGIN = Mounting(imu=(0.0, 0.0, 0.0), force_sensor=(0.0, 0.0, 0.0))
 
 States = NDArray[np.void]  # (N,) of `state_of` the arm's joints, every millisecond
 Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each (n,)
@@ -44,8 +49,11 @@ def state_of(joints: int) -> np.dtype[np.void]:
             ("motor_torque", *each),  # Nm
             ("friction_torque", *each),  # Nm, against the motion
             ("contact_torque", *each),  # Nm
-            ("wrench", *WRENCH),  # environment on the last link, base axes, origin of its frame
-            ("force_sensor", *WRENCH),  # tool and environment at the sensor, its axes
+            (
+                "wrench",
+                *WRENCH_TYPE,
+            ),  # environment on the last link, base axes, origin of its frame
+            ("force_sensor", *WRENCH_TYPE),  # tool and environment at the sensor, its axes
             ("imu", float, 6),  # specific force [m/s²] and angular rate [rad/s], IMU axes
             ("origin", float, 3),  # of the last link's frame [m]
             ("rotation", float, 9),  # of that frame
@@ -70,7 +78,7 @@ class Rig:
     nominal_data: mujoco.MjData
     declared: Payload | None
     friction: FrictionParameters
-    friction_state: Friction
+    friction_state: BristleFriction
     drive: Drive
     contacts: Contacts
 
@@ -110,11 +118,11 @@ def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.
     spec.option.timestep = step
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     tool = add_arm(spec, robot, model)
-    mounting = robot.mounting or AT_ORIGIN
+    mounting = robot.mounting or MOUNTING_AT_ORIGIN
     turn = Rotation.from_rotvec(imu_turn).as_quat(scalar_first=True)
     tool.parent.add_site(name="imu", pos=mounting.imu, quat=turn)
     tool.add_site(name="force_sensor", pos=mounting.force_sensor)
-    for name, (kind, site) in SENSORS.items():
+    for name, (kind, site) in MUJOCO_SENSORS.items():
         spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site)
     return spec.compile()
 
@@ -146,7 +154,9 @@ def build_rig(
         nominal_data=mujoco.MjData(nominal),
         declared=declared,
         friction=friction,
-        friction_state=Friction(friction, random.uniform(-START, START, len(robot.joints))),
+        friction_state=BristleFriction(
+            friction, random.uniform(-MAX_INITIAL_FRICTION, MAX_INITIAL_FRICTION, len(robot.joints))
+        ),
         drive=drive_of(robot, usual),
         contacts=Contacts(plant, plan.contacts),
     )
@@ -172,14 +182,14 @@ def perform(
     rig = build_rig(robot, plan, random, declare)
     time = step_times(round(plan.seconds / STEP) + 1)
     targets = plan_targets(plan.trajectory, rig.robot, time)
-    warmth = plan.temperature(time) - USUAL
+    warmth = plan.temperature(time) - USUAL_TEMPERATURE
     states = np.empty(len(time), state_of(len(robot.joints)))
-    rig.data.qpos, rig.data.time = targets.q[0], -SETTLE * STEP
+    rig.data.qpos, rig.data.time = targets.q[0], -SETTLING_STEPS * STEP
     wanted, rows = [*zip(*targets, strict=True)], as_rows(states)
     moved = rig
     if robot.carrying(rig.declared) == rig.robot:  # the controller's model is the arm itself
         moved = replace(rig, nominal=rig.plant, nominal_data=rig.data)
-    for step in range(-SETTLE, len(time)):
+    for step in range(-SETTLING_STEPS, len(time)):
         now = max(step, 0)  # while the arm settles, the first target holds
         moved.step(wanted[now], warmth[now], rows[now])
     return Experiment(rig, plan, states, targets)

@@ -17,7 +17,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
 FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz, by their own clocks
-TICK = 0.001  # s, of the IMU's stamps
+IMU_TICK = 0.001  # s, of the IMU's stamps
 FORCE_COLUMNS = columns("ft")
 IMU_COLUMNS = [name for part in "amg" for name in columns(f"imu_{part}")]
 
@@ -30,7 +30,7 @@ MAGNETOMETER_NOISE = 0.001  # relative to the Earth's field: 0.5 of about 500 mG
 EARTH_FIELD = np.array([0.32, 0.05, -0.73])  # base axes, normalised
 # Wrist sensor: noise between samples of a real UR5e at rest [N, Nm].
 WRIST_NOISE = np.array([0.22, 0.22, 0.09, 0.006, 0.007, 0.005])
-ZEROED = 0.2  # s, at the start, in which a program zeroes the wrist sensor
+ZEROING_TIME = 0.2  # s, at the start, in which a program zeroes the wrist sensor
 MINUTE = 60.0  # s
 
 
@@ -69,7 +69,7 @@ def imu_readings(
     """
     stamps, when, time = _samples(imu.clock, IMU_RATE, len(motion), random, noise)
     if noise:
-        stamps = TICK * np.rint(stamps / TICK)
+        stamps = IMU_TICK * np.rint(stamps / IMU_TICK)
     true, rotation = (interpolated(when, time, motion[name]) for name in ("imu", "rotation"))
     reader = ImuReader(imu, IMU_RATE, random if noise else None)
     return _table(stamps, np.hstack(reader.read(true, rotation)), IMU_COLUMNS)
@@ -135,7 +135,7 @@ def wrist_channels(
     raw = Wrist(sensor, noise).read(motion["force_sensor"][steps], time)
     rotation = motion["rotation"][steps].reshape(-1, 3, 3)
     force = raw - declared_weight(experiment.rig, rotation)
-    force -= force[time <= time[0] + ZEROED].mean(axis=0)
+    force -= force[time <= time[0] + ZEROING_TIME].mean(axis=0)
     force = in_base_axes(force, rotation)
     return named(np.round(raw, 6), "ft_raw_wrench") | named(np.round(force, 6), "actual_TCP_force")
 
@@ -198,11 +198,16 @@ def _table(time: Array, values: Array, names: list[str]) -> pd.DataFrame:
     return pd.DataFrame({"time": time, **dict(zip(names, values.T, strict=True))})
 
 
-BEHIND = 0.05  # share of a joint's friction that lies between its sensor and its link
-GAIN_ERROR, BIAS = 0.01, 0.003  # of all joints, alternating in sign; share of the largest torque
+FRICTION_SHARE_BEHIND_SENSOR = (
+    0.05  # share of a joint's friction that lies between its sensor and its link
+)
+GAIN_ERROR_SHARE, BIAS_SHARE = (
+    0.01,
+    0.003,
+)  # of all joints, alternating in sign; share of the largest torque
 # Share of the largest torque, by the differences between samples of a real xMate 7's sensors.
-NOISE = 7e-4
-NOT_STATED = ("actual_current", "target_current", "target_moment", "actual_TCP_force")
+NOISE_SHARE = 7e-4
+CHANNELS_OF_CURRENTS = ("actual_current", "target_current", "target_moment", "actual_TCP_force")
 
 
 @dataclass(frozen=True)
@@ -218,7 +223,7 @@ class TorqueSensors:
         """Return the sensors of an arm."""
         largest = np.array(robot.torque_limits())
         sign = np.array([(-1.0) ** k for k in robot.joint_numbers])
-        return cls(1 - GAIN_ERROR * sign, BIAS * sign * largest, NOISE * largest)
+        return cls(1 - GAIN_ERROR_SHARE * sign, BIAS_SHARE * sign * largest, NOISE_SHARE * largest)
 
     def channels(
         self, values: dict[str, Array], states: States, random: np.random.Generator | None
@@ -227,9 +232,11 @@ class TorqueSensors:
 
         random: generator of the noise, None for no noise.
         """
-        torque = states["motor_torque"] - (1 - BEHIND) * states["friction_torque"]
+        torque = (
+            states["motor_torque"] - (1 - FRICTION_SHARE_BEHIND_SENSOR) * states["friction_torque"]
+        )
         reading = self.gain * torque + self.bias
         if random is not None:
             reading += self.noise * random.normal(size=reading.shape)
-        stated = {name: value for name, value in values.items() if name not in NOT_STATED}
+        stated = {name: value for name, value in values.items() if name not in CHANNELS_OF_CURRENTS}
         return stated | {"actual_torque": reading}

@@ -21,12 +21,12 @@ from ur5lib.robots.description import Robot
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
 # Each has its own random generator.
-DEVICES = ("arm", "controller", "faults", "force_sensor", "imu", "wrist")
+RANDOM_STREAMS = ("arm", "controller", "faults", "force_sensor", "imu", "wrist")
 READINGS: dict[str, Callable[..., pd.DataFrame]] = {
     "force_sensor": force_readings,
     "imu": imu_readings,
 }
-CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
+CYCLE_BY_FORMAT = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 
 
 def simulate(
@@ -38,9 +38,13 @@ def simulate(
     summary without the suffixes .parquet and .json. The same plan gives the same bytes.
     Raises InputError when the arm cannot execute the plan.
     """
-    random = dict(zip(DEVICES, np.random.default_rng(plan.seed).spawn(len(DEVICES)), strict=True))
+    random = dict(
+        zip(
+            RANDOM_STREAMS, np.random.default_rng(plan.seed).spawn(len(RANDOM_STREAMS)), strict=True
+        )
+    )
     experiment = perform(robot, plan, random["arm"], declare=format in FORMATS_WITH_PAYLOAD)
-    cycle = CYCLES[format]
+    cycle = CYCLE_BY_FORMAT[format]
     sent = frames(experiment, cycle, random["controller"] if plan.noise else None)
     if plan.wrist_sensor is not None:
         sent = sent.assign(**wrist_channels(experiment, sent, random["wrist"]))

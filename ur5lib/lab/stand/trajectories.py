@@ -14,8 +14,8 @@ from ur5lib.robots.urscript import parse, read_calls, six
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, fourier_terms, rest_conditions, trapezoid
 
-REST = 1.0  # s at rest at the beginning of every recording
-SHORTEST = 0.008  # s, shortest duration of a command, even without motion
+INITIAL_REST = 1.0  # s at rest at the beginning of every recording
+MIN_COMMAND_TIME = 0.008  # s, shortest duration of a command, even without motion
 
 
 class Targets(NamedTuple):
@@ -36,12 +36,12 @@ def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time
             still = np.zeros((len(time), len(plan.posture)))
             targets = Targets(still + plan.posture, still, still)
         case Movej():
-            targets = _movej(plan, time - REST)
+            targets = _movej(plan, time - INITIAL_REST)
         case Fourier():
-            targets = _fourier(plan, robot, time - REST)
+            targets = _fourier(plan, robot, time - INITIAL_REST)
         case Series():
             targets = _targets(
-                plan.posture, plan.period_s, np.array(plan.coefficients), time - REST
+                plan.posture, plan.period_s, np.array(plan.coefficients), time - INITIAL_REST
             )
     _expect_within_limits(targets, robot)
     return targets
@@ -126,7 +126,7 @@ def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array
         if way.any():
             yield start, origin, goal
         moving = duration(way, plan.speed_rad_s, plan.acceleration_rad_s2)[2]
-        start += max(moving + plan.pause_s, SHORTEST)
+        start += max(moving + plan.pause_s, MIN_COMMAND_TIME)
 
 
 # Fourier series

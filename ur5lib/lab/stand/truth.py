@@ -10,12 +10,12 @@ from ur5lib.lab.stand import controller_channels, sensors
 from ur5lib.lab.stand import drive as drives
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import STEP, Rig, States, step_times
-from ur5lib.lab.stand.sensors import BEHIND, TorqueSensors
+from ur5lib.lab.stand.sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import runs
 
-COLUMNS = {  # of the table: quantities of `rig.state_of`, their names and units there
+STATE_COLUMNS = {  # of the table: quantities of `rig.state_of`, their names and units there
     "q": ("q", "rad"),
     "qd": ("qd", "rad/s"),
     "qdd": ("qdd", "rad/s2"),
@@ -41,14 +41,14 @@ def write_truth(
 ) -> None:
     """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
 
-    Columns of the table: `time`, and those of COLUMNS. rig: simulated arm; motion: its states;
-    cycle: of the controller [s]; clocks: of the devices, counted from their first samples,
+    Columns of the table: `time`, and those of STATE_COLUMNS. rig: simulated arm; motion: its
+    states; cycle: of the controller [s]; clocks: of the devices, counted from their first samples,
     t_robot = offset + (1 + drift) t_device; truth: path of both files without their suffixes;
     frames: numbers of the faulty ones by fault.
     """
     every = slice(None, None, round(cycle / STEP))
     columns, units = {"time": step_times(len(motion))[every]}, {"time": "s"}
-    for quantity, (name, unit) in COLUMNS.items():
+    for quantity, (name, unit) in STATE_COLUMNS.items():
         channels = named(motion[quantity][every], name)
         columns |= channels
         units |= dict.fromkeys(channels, unit)
@@ -79,7 +79,7 @@ def _of_torque_sensors(rig: Rig) -> dict[str, object]:
         return {}
     sensors, friction = TorqueSensors.of(rig.robot), rig.friction
     behind = {
-        name: BEHIND * getattr(friction, name)
+        name: FRICTION_SHARE_BEHIND_SENSOR * getattr(friction, name)
         for name in ("coulomb", "viscous", "load", "periodic")
     }
     map_ = {"torque_constant": 1 / sensors.gain, "offset": -sensors.bias / sensors.gain}
@@ -92,9 +92,9 @@ def _of_torque_sensors(rig: Rig) -> dict[str, object]:
 
 def _noise() -> dict[str, float | Array]:
     return {
-        "current_ripple_a": drives.RIPPLE,
-        "current_a": drives.NOISE,
-        "current_at_rest_a": drives.NOISE_AT_REST,
+        "current_ripple_a": drives.CURRENT_RIPPLE,
+        "current_a": drives.CURRENT_NOISE,
+        "current_at_rest_a": drives.CURRENT_NOISE_AT_REST,
         "position_rad": controller_channels.POSITION_NOISE,
         "velocity_rad_s": controller_channels.VELOCITY_NOISE,
         "force_sensor_n_nm": sensors.FORCE_NOISE,
