@@ -15,7 +15,7 @@ import pytest
 from tests.entries import read_recording
 from ur5lib.errors import InputError
 from ur5lib.lab.doubles.controller_double import ControllerDouble, Ports
-from ur5lib.lab.doubles.device_double import TransmissionFaults
+from ur5lib.lab.doubles.transmission import TransmissionFaults
 from ur5lib.lab.recorder.arm_motion import ArmMotion, MotionError
 from ur5lib.lab.recorder.arm_state import identify, read_state
 from ur5lib.lab.recorder.device import DeviceLost

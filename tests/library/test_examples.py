@@ -21,7 +21,7 @@ from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from ur5lib.cli import app
 from ur5lib.lab.recorder.commanded_motion import read_motion, refusals
-from ur5lib.lab.recorder.move_program import plan, read_program
+from ur5lib.lab.recorder.move_program import planned_motion, read_program
 from ur5lib.leaderboard.outside import outside
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_table
@@ -102,7 +102,7 @@ def test_way_points_can_be_read(example: Example, tmp_path: Path) -> None:
 def test_moves_are_possible(example: Example, tmp_path: Path) -> None:
     path, robot = tmp_path / "moves.txt", load_robot(robot_path("ur5e"))
     path.write_text(example.text)
-    motion = plan(read_program(path), robot, np.zeros(6), 1.0, 0.0)
+    motion = planned_motion(read_program(path), robot, np.zeros(6), 1.0, 0.0)
     assert [*refusals(motion, robot, motion.q[0], 0.0)] == []
 
 

@@ -20,8 +20,9 @@ from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
 from ur5lib.errors import InputError
 from ur5lib.lab.doubles.controller_double import ControllerDouble
-from ur5lib.lab.doubles.device_double import HOST, TransmissionFaults
+from ur5lib.lab.doubles.device_double import HOST
 from ur5lib.lab.doubles.net_ft_double import NetFTDouble
+from ur5lib.lab.doubles.transmission import TransmissionFaults
 from ur5lib.lab.recorder import display
 from ur5lib.lab.recorder.capture import Status
 from ur5lib.lab.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals

@@ -15,8 +15,9 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
-from ur5lib.lab.doubles.device_double import DeviceClock, DeviceDouble, TransmissionFaults
+from ur5lib.lab.doubles.device_double import DeviceClock, DeviceDouble
 from ur5lib.lab.doubles.net_ft_double import NetFTDouble
+from ur5lib.lab.doubles.transmission import TransmissionFaults
 from ur5lib.lab.doubles.xsens_double import XsensDouble
 from ur5lib.lab.recorder.device import DeviceLost
 from ur5lib.lab.recorder.net_ft import SATURATION_BIT, NetFT

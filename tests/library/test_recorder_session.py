@@ -20,8 +20,9 @@ from tests.entries import read_recording
 from tests.made_up_device import MadeUp
 from ur5lib.errors import InputError
 from ur5lib.lab.doubles.controller_double import ControllerDouble, Ports
-from ur5lib.lab.doubles.device_double import HOST, DeviceClock, TransmissionFaults
+from ur5lib.lab.doubles.device_double import HOST, DeviceClock
 from ur5lib.lab.doubles.net_ft_double import NetFTDouble
+from ur5lib.lab.doubles.transmission import TransmissionFaults
 from ur5lib.lab.doubles.xsens_double import XsensDouble
 from ur5lib.lab.recorder.capture import Status, capture
 from ur5lib.lab.recorder.device_settings import (

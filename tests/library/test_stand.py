@@ -17,6 +17,7 @@ from ur5lib.dynamics.rigid_body import (
 from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.lab.stand.controller_channels import frames
+from ur5lib.lab.stand.drive import drive_of, motion_share
 from ur5lib.lab.stand.friction import (
     COULOMB_WARMING,
     LOAD_SHARE,
@@ -280,6 +281,26 @@ def test_drives_keep_to_the_target(robot: str) -> None:
     off = np.sqrt(np.mean((done.motion["q"] - done.targets.q) ** 2, axis=0))
     assert (off < 1.5e-3).all()
     assert (off > 1e-5).all()
+
+
+@pytest.mark.parametrize("robot", ["ur5", "ur10e"])
+def test_the_controller_knows_four_fifths_of_the_friction_of_sliding_joints(robot: str) -> None:
+    """Against either direction, none at rest; the Coulomb part sets in around 0.05 rad/s."""
+    arm = load_robot(robot_path(robot))
+    friction = friction_of(arm, friction=True)
+    drive = drive_of(arm, friction)
+    qd = np.outer([-2.0, -0.5, 0.0, 0.5, 2.0], np.ones(6))
+    sliding = friction.viscous * qd + friction.coulomb * np.sign(qd)
+    np.testing.assert_allclose(drive.known_friction(qd), 0.8 * sliding, rtol=1e-7)
+    slow = drive.known_friction(np.array([[0.05], [-0.05]]) * np.ones(6))
+    coulomb = np.abs(slow) - 0.8 * 0.05 * friction.viscous
+    np.testing.assert_allclose(coulomb / (0.8 * friction.coulomb), np.tanh(1.0), rtol=1e-9)
+
+
+def test_the_noise_of_motion_sets_in_around_a_twentieth_of_a_radian_per_second() -> None:
+    """The same for both directions."""
+    share = motion_share(np.array([-2.0, -0.05, 0.0, 0.05, 2.0]))
+    np.testing.assert_allclose(share, [1.0, np.tanh(1.0), 0.0, np.tanh(1.0), 1.0], atol=1e-9)
 
 
 # Contacts

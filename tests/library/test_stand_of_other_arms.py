@@ -12,8 +12,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import Experiment, perform
-from ur5lib.lab.stand.sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
 from ur5lib.lab.stand.simulate import simulate
+from ur5lib.lab.stand.torque_sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.intake import read_and_repair

@@ -25,7 +25,7 @@ from ur5lib.lab.recorder.commanded_motion import (
     refusals,
 )
 from ur5lib.lab.recorder.device_settings import LabSettings
-from ur5lib.lab.recorder.move_program import is_program, plan, read_program
+from ur5lib.lab.recorder.move_program import is_program, planned_motion, read_program
 from ur5lib.lab.recorder.session import Session, write_manifest
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -130,7 +130,7 @@ def _prepare(
 def _planned(path: Path, robot: Robot, present: Array, options: RecordOptions) -> CommandedMotion:
     """Return the motion that a file commands; present: the arm's posture (6,) [rad]."""
     if is_program(path):
-        return plan(read_program(path), robot, present, options.speed, options.wait)
+        return planned_motion(read_program(path), robot, present, options.speed, options.wait)
     if options.wait:
         raise InputError(f"--wait: {path} has no commands to wait between; leave it out")
     return read_motion(path, options.speed)

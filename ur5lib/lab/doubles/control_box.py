@@ -1,4 +1,4 @@
-"""The control box of an emulated arm: its state, its program, its outputs in each cycle."""
+"""The control box of a live arm: its state, its program, its outputs in each cycle."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ from ur5lib.lab.stand.controller_channels import (
     measure,
     payload_channels,
     poses,
-    sensed,
+    rounded_temperature,
 )
 from ur5lib.lab.stand.plan import WristSensor
 from ur5lib.lab.stand.rig import STEP
-from ur5lib.lab.stand.sensors import Wrist, declared_weight, in_base_axes
+from ur5lib.lab.stand.sensors import WristReader, declared_weight, in_base_axes
 from ur5lib.lab.stand.trajectories import Targets
 from ur5lib.robots.mjcf import flange
 from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, RobotMode, RuntimeState, SafetyMode
@@ -183,7 +183,7 @@ class Instruments:
         """cycle: [s]; random: generator of the noise, unused where the plan has none."""
         self._arm, self._random = arm, random if arm.plan.noise else None
         self._estimate = ForceEstimate(cycle)
-        self._wrist = Wrist(arm.plan.wrist_sensor or WristSensor(), self._random)
+        self._wrist = WristReader(arm.plan.wrist_sensor or WristSensor(), self._random)
         self._zero = np.zeros(6)
         self.zero_force()
 
@@ -210,7 +210,7 @@ class Instruments:
             **self._electrics(measured.current),
             "target_gravity": -np.array(rig.robot.gravity),
             "actual_tool_accelerometer": state["imu"][:3],
-            "joint_temperatures": np.full(6, sensed(arm.plan.temperature(arm.time))),
+            "joint_temperatures": np.full(6, rounded_temperature(arm.plan.temperature(arm.time))),
         }
         size = float(np.linalg.norm(np.asarray(outputs["actual_TCP_force"])[:3]))
         return outputs | {"tcp_force_scalar": size}

@@ -130,8 +130,8 @@ class ControlScript:
                 name = f"input_int_register_{self._offset}"
                 box.watchdog = Watchdog(name, 1 / self._doubles(1)[0], box.time)
             case 37:  # isJointsWithinSafetyLimits
-                limits = [high for _, high in box.arm.rig.robot.position_limits()]
-                self._write(RESULT_REGISTER, bool((np.abs(self._doubles(6)) <= limits).all()))
+                is_within = np.abs(self._doubles(6)) <= box.arm.position_limits
+                self._write(RESULT_REGISTER, bool(is_within.all()))
             case 38:  # getJointTorques
                 self._answer(*np.asarray(box.outputs["actual_current_as_torque"]))
             case 40:  # getTCPOffset

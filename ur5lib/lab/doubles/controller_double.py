@@ -1,4 +1,4 @@
-"""An emulated controller of a Universal Robots arm, in a process of its own.
+"""The double of a Universal Robots arm's controller, in a process of its own.
 
 RTDE, the realtime port, the dashboard and the script ports answer on 127.0.0.1, as ur_rtde's
 clients and plain sockets expect them; behind them the simulated arm moves in real time.
@@ -28,9 +28,10 @@ from ur5lib.errors import InputError
 from ur5lib.lab.doubles import dashboard_server
 from ur5lib.lab.doubles.control_box import ControlBox
 from ur5lib.lab.doubles.control_script import run_programs
-from ur5lib.lab.doubles.device_double import HOST, DeviceClock, TransmissionFaults
+from ur5lib.lab.doubles.device_double import HOST, DeviceClock
 from ur5lib.lab.doubles.live_arm import LiveArm
 from ur5lib.lab.doubles.streams import RealtimeServer, RtdeServer
+from ur5lib.lab.doubles.transmission import TransmissionFaults
 from ur5lib.lab.doubles.true_states import TrueStates
 from ur5lib.lab.stand.plan import SimulatedRecording, Standstill
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -75,7 +76,7 @@ Service = Callable[[StreamReader, StreamWriter], Coroutine[Any, Any, None]]
 
 @dataclass(frozen=True)
 class ControllerSetup:
-    """The settings of an emulated controller.
+    """The settings of a controller's double.
 
     plan: payload, temperatures, contacts and sensors of the arm, which starts at rest where the
     plan's trajectory starts; software: major, minor, bugfix, build; rate: [Hz], of its cycle;
@@ -94,7 +95,7 @@ class ControllerSetup:
 
 
 class ControllerDouble:
-    """A running emulated controller: `with ControllerDouble("ur5e", rate=500) as controller:`.
+    """A running double of a controller: `with ControllerDouble("ur5e", rate=500) as controller:`.
 
     truth: the true motion and forces; clock: the controller's. Raises InputError when a port is
     taken.
@@ -141,7 +142,7 @@ class ControllerDouble:
     def _answer(self) -> Any:
         if not self._line.poll(ANSWER_TIMEOUT):
             raise TimeoutError(
-                f"the emulated controller does not answer within {ANSWER_TIMEOUT:g} s"
+                f"the double of the controller does not answer within {ANSWER_TIMEOUT:g} s"
             )
         answer = self._line.recv()
         if isinstance(answer, InputError):
@@ -225,7 +226,7 @@ class _ControllerProcess:
                 server = await asyncio.start_server(client, HOST, port, limit=MAX_LINE_BYTES)
             except OSError as error:
                 raise InputError(
-                    f"port {port} of {HOST} is taken: is another emulated controller running?"
+                    f"port {port} of {HOST} is taken: is another controller or its double running?"
                 ) from error
             self._servers.append(server)
 

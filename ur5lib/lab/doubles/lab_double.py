@@ -1,4 +1,4 @@
-"""An emulated laboratory that replaces the devices of a study."""
+"""Doubles of all devices of a laboratory, in place of those that a study names."""
 
 import csv
 from collections.abc import Iterator
@@ -33,10 +33,11 @@ PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]
 
 @contextmanager
 def lab_double(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[LabSettings]:
-    """Yield the devices of an emulated laboratory, which answer on this computer alone.
+    """Yield the settings of doubles, which answer on this computer alone.
 
-    An arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm is pushed 8 s
-    after it is switched on. folder: of the recording; the truth is written beside its files.
+    They stand for an arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the
+    arm is pushed 8 s after it is switched on. folder: of the recording; the truth is written beside
+    its files.
     """
     plain = {"trajectory": {"kind": "standstill"}, "contacts": [PUSH] if is_pushed else []}
     sensors = {"force_sensor": FORCE_SENSOR, "imu": IMU}
@@ -51,20 +52,27 @@ def lab_double(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[LabSetti
                 imu=XsensSettings(port=imu.path, rate_hz=IMU_RATE),
             )
         start = _first(folder / "robot.csv", "timestamp")
-        if start is None:
-            return
-        first = {
-            "force": (_first(folder / "force_sensor.csv", "ft_sequence"), INTERNAL_RATE, box.clock),
-            "imu": (_first(folder / "imu.csv", "sample_counter"), IMU_RATE, imu.clock),
-        }
-        clocks = {
-            name: {"offset_s": arm.clock.shown(clock.host(count / rate)) - start}
-            for name, (count, rate, clock) in first.items()
-            if count is not None
-        }
-        motion = arm.truth.states(round((start - ARM_CLOCK.offset_s) / STEP))
-        rig = build_rig(robot, plan, np.random.default_rng(arm.setup.seed))
-        write_truth(rig, plan, motion, 1 / arm.setup.rate, clocks, folder / TRUTH_STEM)
+        if start is not None:  # the arm was recorded
+            _write_truth(arm, box, imu, folder, start)
+
+
+def _write_truth(
+    arm: ControllerDouble, box: NetFTDouble, imu: XsensDouble, folder: Path, start: float
+) -> None:
+    """Write the truth of a recording that starts at a time of the controller's clock [s]."""
+    counts = {  # the first sample that each sensor's file has, its rate, and its clock
+        "force": (_first(folder / "force_sensor.csv", "ft_sequence"), INTERNAL_RATE, box.clock),
+        "imu": (_first(folder / "imu.csv", "sample_counter"), IMU_RATE, imu.clock),
+    }
+    clocks = {
+        name: {"offset_s": arm.clock.shown(clock.host(count / rate)) - start}
+        for name, (count, rate, clock) in counts.items()
+        if count is not None
+    }
+    setup = arm.setup
+    motion = arm.truth.states(round((start - setup.clock.offset_s) / STEP))
+    rig = build_rig(setup.robot, setup.plan, np.random.default_rng(setup.seed))
+    write_truth(rig, setup.plan, motion, 1 / setup.rate, clocks, folder / TRUTH_STEM)
 
 
 def _first(file: Path, column: str) -> float | None:

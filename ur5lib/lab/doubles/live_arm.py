@@ -11,13 +11,13 @@ import numpy as np
 from ur5lib.lab.doubles.true_states import STATE_TYPE
 from ur5lib.lab.stand.controller_channels import VELOCITY_WINDOW
 from ur5lib.lab.stand.friction import USUAL_TEMPERATURE
-from ur5lib.lab.stand.plan import Contact, Imu, SimulatedRecording
+from ur5lib.lab.stand.plan import Contact, SimulatedRecording
 from ur5lib.lab.stand.rig import (
     SETTLING_STEPS,
     STEP,
     Target,
+    arm_in_mujoco,
     as_rows,
-    build_arm,
     build_rig,
     step_times,
 )
@@ -36,7 +36,8 @@ class LiveArm:
     """An arm that follows the commands of its `motion`, step by step.
 
     It starts at rest where the trajectory of its plan starts; the plan's contacts and warming count
-    from there. states: the last states (STATES_KEPT,); time: [s] since the start.
+    from there. states: the last states (STATES_KEPT,); position_limits: of its joints, to
+    either side [rad].
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class LiveArm:
         """truth: file to which all states are written."""
         self.plan, self.rig = plan, build_rig(robot, plan, random)
         self._bare, self._truth = robot, truth
-        self._position_limits = [high for _, high in robot.position_limits()]
+        self.position_limits = [high for _, high in robot.position_limits()]
         self._velocity_limits = robot.velocity_limits()
         start = plan_targets(plan.trajectory, robot, np.zeros(1)).q[0]
         self.motion = TargetGenerator(start)
@@ -78,10 +79,9 @@ class LiveArm:
 
         mass: [kg], 0 for none; center: its centre [m], inertia: [kg m²], as RTDE has them.
         """
-        whole = {"mass": mass, "center_of_mass": (*center,), "inertia": (*inertia,)}
-        payload = Payload.model_validate(whole) if mass else None
-        mounting = np.deg2rad((self.plan.imu or Imu()).mounting_deg)
-        nominal = build_arm(self._bare.carrying(payload), self.rig.model, mounting, STEP)
+        body = {"mass": mass, "center_of_mass": (*center,), "inertia": (*inertia,)}
+        payload = Payload.model_validate(body) if mass else None
+        nominal = arm_in_mujoco(self._bare.carrying(payload), self.rig.model, self.plan.imu)
         data = mujoco.MjData(nominal)
         self.rig = replace(self.rig, nominal=nominal, nominal_data=data, declared=payload)
 
@@ -95,7 +95,7 @@ class LiveArm:
         target = self.motion
         for joint in range(6):
             outwards = target.q[joint] * target.qd[joint] > 0
-            if outwards and abs(target.q[joint]) > LIMIT_TOLERANCE * self._position_limits[joint]:
+            if outwards and abs(target.q[joint]) > LIMIT_TOLERANCE * self.position_limits[joint]:
                 return f"position limit of joint {joint + 1}"
             if abs(target.qd[joint]) > LIMIT_TOLERANCE * self._velocity_limits[joint]:
                 return f"speed limit of joint {joint + 1}"

@@ -1,4 +1,4 @@
-"""An emulated Net F/T box: a force sensor that streams RDT records and has a page of settings.
+"""The double of a Net F/T box: a force sensor that streams RDT records and has a page of settings.
 
 Source of the protocol: ATI Industrial Automation, Net F/T manual 9620-05-NET FT. Its
 records are encoded independently of the decoder in `recorder`, so that one proves the other.
@@ -12,13 +12,8 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.lab.doubles.device_double import (
-    HOST,
-    DeviceClock,
-    DeviceDouble,
-    Reading,
-    TransmissionFaults,
-)
+from ur5lib.lab.doubles.device_double import HOST, DeviceClock, DeviceDouble, Reading
+from ur5lib.lab.doubles.transmission import TransmissionFaults
 from ur5lib.lab.recorder import net_ft
 from ur5lib.timeseries.arrays import Array
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from ur5lib.lab.doubles.control_box import ControlBox
 from ur5lib.lab.doubles.control_script import run_programs
-from ur5lib.lab.doubles.device_double import FaultyStream, TransmissionFaults
+from ur5lib.lab.doubles.transmission import FaultyStream, TransmissionFaults
 from ur5lib.robots import rtde_variables as rtde
-from ur5lib.robots.realtime_message import fields
+from ur5lib.robots.realtime_message import encoded
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, INPUTS, OUTPUTS, exists, size
 
 INFO_LEVEL = 2  # level of a text message
@@ -165,7 +165,6 @@ class RealtimeServer:
     def __init__(self, box: ControlBox, size: int, faults: TransmissionFaults) -> None:
         """size: of the messages [bytes], which decides on their layout."""
         self._box, self._size, self._faults = box, size, faults
-        self._fields = {"timestamp": slice(0, 1)} | fields(size)
         self._streams: set[FaultyStream] = set()
 
     async def serve(self, reader: StreamReader, writer: StreamWriter) -> None:
@@ -185,11 +184,10 @@ class RealtimeServer:
                 stream.send(message)
 
     def message(self) -> bytes:
-        """Return the state of this cycle: int32 size, then big-endian doubles."""
-        doubles = np.zeros((self._size - 4) // 8, ">f8")
-        for name, place in self._fields.items():
-            doubles[place] = self._box.outputs.get(name, 0.0)
-        return self._size.to_bytes(4, "big") + doubles.tobytes()
+        """Return the state of this cycle."""
+        outputs = self._box.outputs
+        [message] = encoded(self._size, np.atleast_1d(outputs["timestamp"]), outputs)
+        return message
 
 
 def _names(content: bytes) -> list[str]:

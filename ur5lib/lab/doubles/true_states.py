@@ -1,4 +1,4 @@
-"""The true motion and forces of an emulated arm, shared with other processes of the host."""
+"""The true motion and forces of a live arm, shared with other processes of the host."""
 
 import os
 from pathlib import Path
@@ -7,11 +7,11 @@ import numpy as np
 
 from ur5lib.lab.doubles.device_double import DeviceClock, Reading
 from ur5lib.lab.stand.plan import ForceSensor, Imu
-from ur5lib.lab.stand.rig import STEP, States, state_of
+from ur5lib.lab.stand.rig import STEP, States, state_type
 from ur5lib.lab.stand.sensors import ImuReader, read_force
 from ur5lib.timeseries.arrays import Array
 
-STATE_TYPE = state_of(6)
+STATE_TYPE = state_type(6)
 
 
 class TrueStates:

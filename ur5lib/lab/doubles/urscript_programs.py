@@ -15,8 +15,18 @@ from ur5lib.lab.doubles.control_box import (
     Program,
     UnsupportedCommandError,
 )
-from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
+from ur5lib.robots.urscript import (
+    MOVE_ARGUMENTS,
+    Command,
+    ToolPose,
+    calls,
+    parse,
+    six,
+    speed_and_acceleration,
+)
 from ur5lib.timeseries.arrays import Array
+
+MIN_WAY = 1e-9  # rad, of a move with a duration: without a way, it would have no speed
 
 
 def program(lines: Sequence[str], box: ControlBox) -> Program:
@@ -51,21 +61,21 @@ def _execute(command: Command, box: ControlBox) -> Program:
     motion = box.arm.motion
     match command.name:
         case "movej":
-            q, a, v, t, _ = command.arguments(q=None, a=1.4, v=1.05, t=0, r=0)
-            goal = _joints(q)
-            if t:  # the duration wins over speed and acceleration; half of it accelerates
-                way = float(np.abs(goal - motion.q).max()) or 1e-9
-                v, a = 2 * way / t, 4 * way / t**2
+            q, a, v, t, _ = command.arguments(**MOVE_ARGUMENTS["movej"])
+            goal = _joint_values(q)
+            if t:
+                way = float(np.abs(goal - motion.q).max()) or MIN_WAY
+                v, a = speed_and_acceleration(way, t)
             motion.movej(goal, v, a)
             yield from wait_until_done(box)
         case "servoj":
             defaults = {"q": None, "a": 0, "v": 0, "t": 0.002, "lookahead_time": 0.1, "gain": 300}
             q, _, _, t, lookahead, _ = command.arguments(**defaults)
-            motion.servoj(_joints(q), lookahead)
+            motion.servoj(_joint_values(q), lookahead)
             yield from _wait(t, box)
         case "speedj":
             qd, a, t = command.arguments(qd=None, a=1.4, t=0)
-            motion.speedj(_joints(qd), a)
+            motion.speedj(_joint_values(qd), a)
             yield from _wait(t, box)
         case "stopj":
             motion.stopj(*command.arguments(a=2.0))
@@ -104,7 +114,7 @@ def _set(command: Command, box: ControlBox) -> None:
             raise UnsupportedCommandError(f"{command.name}() is not emulated")
 
 
-def _joints(values: Any) -> Array:
+def _joint_values(values: Any) -> Array:
     """Return six joint values. Raises UnsupportedCommandError for anything else."""
     try:
         return six(values)

@@ -1,4 +1,4 @@
-"""An emulated Xsens MTi: a motion tracker that speaks Xbus on a pseudo-terminal.
+"""The double of an Xsens MTi: a motion tracker that speaks Xbus on a pseudo-terminal.
 
 Source of the protocol: Xsens, MT Low-Level Communication Protocol Documentation. Its samples are
 encoded independently of the decoder in `recorder`, so that one proves the other.
@@ -10,7 +10,8 @@ import os
 import struct
 import tty
 
-from ur5lib.lab.doubles.device_double import DeviceClock, DeviceDouble, Reading, TransmissionFaults
+from ur5lib.lab.doubles.device_double import DeviceClock, DeviceDouble, Reading
+from ur5lib.lab.doubles.transmission import TransmissionFaults
 from ur5lib.lab.recorder import xbus, xsens
 
 WAKE_UP_MESSAGE = 0x3E

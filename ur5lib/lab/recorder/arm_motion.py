@@ -127,7 +127,7 @@ class ArmMotion:
         """Load the control program anew where it has ended, and start the watchdog."""
         if not self._control.isProgramRunning():
             if not read_state(self._address).ready:
-                raise MotionError(self._explain("a motion"))
+                raise MotionError(self._refusal("a motion"))
             self._command("reuploadScript")
             until = time.monotonic() + PROGRAM_START_TIMEOUT
             while not self._control.isProgramRunning() and time.monotonic() < until:
@@ -146,7 +146,7 @@ class ArmMotion:
         except RuntimeError as error:
             raise MotionError(f"the connection to {self._address} is lost: {error}") from error
         if not done:
-            raise MotionError(self._explain(name))
+            raise MotionError(self._refusal(name))
 
     def _is_connected(self) -> bool:
         """Return whether the controller is connected; otherwise repeats the last state."""
@@ -158,7 +158,7 @@ class ArmMotion:
             self._command("kickWatchdog")
             time.sleep(POLL_INTERVAL)
 
-    def _explain(self, name: str) -> str:
+    def _refusal(self, name: str) -> str:
         """Return a sentence on why the arm does not execute a command."""
         try:
             state = read_state(self._address)

@@ -38,6 +38,7 @@ def read_state(address: str, port: int = PORT) -> ArmState:
     client = RtdeClient(address, port)
     try:
         client.start(STATE_OUTPUTS, 125.0)
+        # the first bytes may be part of a package only
         packages = client.receive(ANSWER_TIMEOUT) or client.receive(ANSWER_TIMEOUT)
     except DeviceLost as error:
         raise InputError(f"{error} while its state was read; is the controller booting?") from error
@@ -50,16 +51,17 @@ def read_state(address: str, port: int = PORT) -> ArmState:
     return ArmState(
         q=np.array(numbers[:6]),
         qd=np.array(numbers[6:12]),
-        robot_mode=_word(robot, RobotMode),
-        safety_mode=_word(safety, SafetyMode),
+        robot_mode=_mode_name(robot, RobotMode),
+        safety_mode=_mode_name(safety, SafetyMode),
         ready=robot == RobotMode.RUNNING and safety in SAFE_MODES,
         program_runs=runtime == RuntimeState.PLAYING,
     )
 
 
-def _word(mode: int, modes: type[IntEnum]) -> str:
-    known = mode in modes.__members__.values()
-    return modes(mode).name.lower().replace("_", " ") if known else f"unknown mode {mode}"
+def _mode_name(mode: int, modes: type[IntEnum]) -> str:
+    if mode not in modes.__members__.values():
+        return f"unknown mode {mode}"
+    return modes(mode).name.lower().replace("_", " ")
 
 
 def identify(address: str) -> dict[str, str]:

@@ -80,7 +80,9 @@ class SampleFile:
         self._file.close()
 
 
-def capture(plan: DeviceSettings, path: Path, zero: float, line: Connection, stop: Event) -> None:
+def capture(
+    settings: DeviceSettings, path: Path, zero: float, line: Connection, stop: Event
+) -> None:
     """Record a device into a file until `stop` is set; runs in the device's own process.
 
     zero: as in SampleFile.write. Sends through `line`: first the device's entry for the manifest,
@@ -88,7 +90,7 @@ def capture(plan: DeviceSettings, path: Path, zero: float, line: Connection, sto
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the recorder handles Ctrl-C
     try:
-        device = plan.open()
+        device = settings.open()
     except InputError as error:
         line.send(str(error))
         return

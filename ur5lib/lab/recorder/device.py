@@ -135,9 +135,9 @@ class CycleCounter:
 
     def lost(self, stamps: Array) -> int:
         """Return the count of cycles missing before or among timestamps (n,) [s]."""
-        known = stamps[np.isfinite(stamps)]
-        steps = np.diff(known, prepend=self._last if math.isfinite(self._last) else known[:1])
-        self._last = float(known[-1]) if len(known) else self._last
+        finite = stamps[np.isfinite(stamps)]
+        steps = np.diff(finite, prepend=self._last if math.isfinite(self._last) else finite[:1])
+        self._last = float(finite[-1]) if len(finite) else self._last
         gaps = steps[(steps > 0) & (steps <= MAX_GAP)]
         return int((np.rint(gaps / self._cycle) - 1).clip(min=0).sum())
 

@@ -1,4 +1,4 @@
-"""The devices of a laboratory, as a study names them under `devices`."""
+"""Settings of a laboratory's devices, as a study names them under `devices`."""
 
 from typing import Annotated, Literal
 

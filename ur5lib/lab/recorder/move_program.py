@@ -16,15 +16,19 @@ from ur5lib.errors import InputError
 from ur5lib.lab.recorder.commanded_motion import MIN_POINTS, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import SINGULAR_VALUE, geometric_jacobian, link_frames, solutions
-from ur5lib.robots.urscript import Command, ToolPose, parse, read_calls, six
+from ur5lib.robots.urscript import (
+    MOVE_ARGUMENTS,
+    Command,
+    ToolPose,
+    parse,
+    read_calls,
+    six,
+    speed_and_acceleration,
+)
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid
 
 SAMPLE_PERIOD = 0.008  # s, between the samples of a plan
-ARGUMENTS: dict[str, dict[str, float | None]] = {  # with URScript's defaults
-    "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
-    "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
-}
 NEGLIGIBLE_WAY = 1e-9  # rad, m; shorter moves take no time
 GOAL_TOLERANCE = 1e-3  # rad, within which a straight line must end at its commanded angles
 ACCEPTED_CALLS = (
@@ -76,7 +80,7 @@ def read_program(path: Path) -> list[Move]:
     return moves
 
 
-def plan(
+def planned_motion(
     moves: Sequence[Move], robot: Robot, present: Array, speed: float, wait: float
 ) -> CommandedMotion:
     """Return the trajectory of a file's moves, from the goal of the first one on.
@@ -106,7 +110,7 @@ def plan(
 
 
 def _move(command: Command, place: str) -> Move:
-    goal, a, v, t, r = command.arguments(**ARGUMENTS[command.name])
+    goal, a, v, t, r = command.arguments(**MOVE_ARGUMENTS[command.name])
     if not 0 < min(a, v) <= max(a, v) < np.inf:
         raise ValueError
     goal = goal if isinstance(goal, ToolPose) else six(goal)
@@ -169,8 +173,8 @@ def _progress(move: Move, longest: float) -> Array:
     if longest < NEGLIGIBLE_WAY:
         return np.zeros(1)
     speed, acceleration = move.speed, move.acceleration
-    if move.seconds:  # overrides speed and acceleration; the arm accelerates for half of it
-        speed, acceleration = 2 * longest / move.seconds, 4 * longest / move.seconds**2
+    if move.seconds:
+        speed, acceleration = speed_and_acceleration(longest, move.seconds)
     way = np.array([longest])
     end = duration(way, speed, acceleration)[2]
     time: Array = SAMPLE_PERIOD * np.arange(int(np.ceil(end / SAMPLE_PERIOD)) + 1, dtype=np.float64)

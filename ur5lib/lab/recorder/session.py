@@ -42,6 +42,7 @@ class Session:
 
     def __init__(self, devices: Mapping[str, DeviceSettings], folder: Path) -> None:
         self._devices, self._folder = devices, folder
+        # a fork would copy locks that other threads hold
         self._context = multiprocessing.get_context("spawn")
         self._stop = self._context.Event()
         self._workers: dict[str, _Worker] = {}
@@ -51,9 +52,9 @@ class Session:
         """Start all devices. Raises InputError when one does not answer; none records then."""
         self._folder.mkdir(parents=True)
         try:
-            for name, plan in self._devices.items():
+            for name, settings in self._devices.items():
                 here, there = self._context.Pipe()
-                arguments = plan, self._folder / f"{name}.csv", self.zero, there, self._stop
+                arguments = settings, self._folder / f"{name}.csv", self.zero, there, self._stop
                 process = self._context.Process(target=capture, args=arguments, daemon=True)
                 process.start()
                 there.close()
@@ -70,8 +71,8 @@ class Session:
 
     def identities(self) -> dict[str, Identity]:
         """Return each device's entry in the manifest, by name."""
-        found = {name: worker.identity for name, worker in self._workers.items()}
-        return {name: identity for name, identity in found.items() if identity}
+        identities = {name: worker.identity for name, worker in self._workers.items()}
+        return {name: identity for name, identity in identities.items() if identity}
 
     def statuses(self) -> dict[str, Status]:
         """Return the progress of each device so far, by name."""
@@ -88,13 +89,13 @@ class Session:
                 self._listen(name, worker)
                 worker.process.join(POLL_INTERVAL)
             self._listen(name, worker)
-            late = worker.process.is_alive()
-            if late:
+            is_late = worker.process.is_alive()
+            if is_late:
                 worker.process.kill()
             if worker.status.ended is None and not worker.status.final:
-                why = f"did not end within {CLOSING_TIMEOUT:g} s" if late else "was killed"
+                cause = f"did not end within {CLOSING_TIMEOUT:g} s" if is_late else "was killed"
                 worker.status.ended = (
-                    f"the process that records {name} {why}; its file may have samples that are "
+                    f"the process that records {name} {cause}; its file may have samples that are "
                     "not counted here"
                 )
 

@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array
 GRASP_TIME = 0.2  # s, duration of lifting or putting down a load
 
 
-def _profile(contact: Timed, time: float) -> float:
+def _strength(contact: Timed, time: float) -> float:
     """Return the strength of a contact over time: 0 at its start and end, 1 halfway."""
     return float(np.sin(np.pi * (time - contact.start_s) / contact.seconds) ** 2)
 
@@ -57,14 +57,16 @@ class Touch:
         """
         contact = self.plan
         if isinstance(contact, Wall):
-            return _wall(contact, point, velocity)
+            return _wall_force(contact, point, velocity)
         if isinstance(contact, Push):
-            return _profile(contact, time) * np.array(contact.force)
+            return _strength(contact, time) * np.array(contact.force)
         if isinstance(contact, Load):
-            return self._weigh(_held_share(contact, time) * contact.mass, velocity, mobility, step)
-        return self._pull(contact, time, point, velocity, step)
+            return self._load_force(
+                _held_share(contact, time) * contact.mass, velocity, mobility, step
+            )
+        return self._spring_force(contact, time, point, velocity, step)
 
-    def _weigh(self, mass: float, velocity: Array, mobility: Array, step: float) -> Array:
+    def _load_force(self, mass: float, velocity: Array, mobility: Array, step: float) -> Array:
         """Return weight and inertial force of a mass at the point: f = m (g − a), a = a_free + W f.
 
         a_free, the acceleration without the mass, is taken from the previous step, which keeps the
@@ -77,7 +79,7 @@ class Touch:
         self.weight = held.astype(np.float64)
         return self.weight
 
-    def _pull(
+    def _spring_force(
         self,
         contact: Hand | Spring,
         time: float,
@@ -86,7 +88,7 @@ class Touch:
         step: float,
     ) -> Array:
         """Return the force of a spring and damper with a moving far end; a hand follows the arm."""
-        strength = _profile(contact, time)
+        strength = _strength(contact, time)
         anchor = point.copy() if self.anchor is None else self.anchor
         follows = np.zeros(3)
         if isinstance(contact, Hand):
@@ -99,7 +101,7 @@ class Touch:
         return grip * pull
 
 
-def _wall(wall: Wall, point: Array, velocity: Array) -> Array:
+def _wall_force(wall: Wall, point: Array, velocity: Array) -> Array:
     """Return the force of a wall, which pushes and never pulls."""
     normal = np.array(wall.normal) / np.linalg.norm(wall.normal)
     depth = float(normal @ (np.array(wall.through) - point))

@@ -10,7 +10,7 @@ from scipy.signal import butter, lfilter
 from ur5lib.lab.stand.drive import Drive, current_noise, motion_share
 from ur5lib.lab.stand.friction import along_chain
 from ur5lib.lab.stand.rig import STEP, Experiment, Rig, States, step_times
-from ur5lib.lab.stand.sensors import TorqueSensors
+from ur5lib.lab.stand.torque_sensors import TorqueSensors
 from ur5lib.lab.stand.trajectories import Targets
 from ur5lib.robots.description import Payload
 from ur5lib.robots.mjcf import flange
@@ -55,7 +55,7 @@ def frames(
     values = channels(rig, states[sent], measured, targets, estimate)
     if rig.robot.senses_torque():
         values = TorqueSensors.of(rig.robot).channels(values, states[sent], random)
-    temperature = sensed(experiment.plan.temperature(time))
+    temperature = rounded_temperature(experiment.plan.temperature(time))
     values["joint_temperatures"] = np.repeat(temperature[:, None], states["q"].shape[1], axis=1)
     columns = {"time": np.round(time, DECIMALS)}
     for name, numbers in values.items():
@@ -100,19 +100,19 @@ def channels(
     """
     drive, moment = rig.drive, model_torques(rig, targets)
     jacobian = jacobians(rig, states["q"])
-    known = drive.known_friction(targets.qd)
-    expected = moment + known
-    force = estimate.update(jacobian, drive.torque_constant * measured.current - expected)
+    friction = drive.known_friction(targets.qd)
+    external = drive.torque_constant * measured.current - (moment + friction)
+    force = estimate.update(jacobian, external)
     forces = {"actual_TCP_force": force}
-    stated = drive.viscous * targets.qd  # the friction in the target current of a real UR5
+    target_friction = drive.viscous * targets.qd  # in the target current of a real UR5
     if rig.robot.wrist_sensor:  # of a real UR5e, where model and both explain 99.7 % of it and more
-        stated = known
+        target_friction = friction
         forces = {"actual_TCP_force": np.zeros_like(force), "wrench_calc_from_currents": -force}
     return {
         "target_q": targets.q,
         "target_qd": targets.qd,
         "target_qdd": targets.qdd,
-        "target_current": (moment + stated) / drive.torque_constant,
+        "target_current": (moment + target_friction) / drive.torque_constant,
         "target_moment": moment,
         "actual_q": measured.q,
         "actual_qd": measured.qd,
@@ -123,7 +123,7 @@ def channels(
     }
 
 
-def sensed(temperature: Array) -> Array:
+def rounded_temperature(temperature: Array) -> Array:
     """Return the motors' temperatures [°C], rounded to the sensor's step."""
     return TEMPERATURE_STEP * np.rint(temperature / TEMPERATURE_STEP)
 

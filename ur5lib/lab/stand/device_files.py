@@ -7,17 +7,17 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import THESIS_FILES
-from ur5lib.lab.stand.faults import is_moving, split_late, tear
+from ur5lib.lab.stand.faults import is_moving, receipts_with_late_packets, without_last_buffer
 from ur5lib.lab.stand.layout import ROBOT_FILES
 from ur5lib.lab.stand.plan import Clock, SimulatedRecording
-from ur5lib.robots.realtime_message import fields
+from ur5lib.robots.realtime_message import encoded, fields
 from ur5lib.tables import channel, write_text
 
 EPOCH = 1388577600.0  # s; fictitious date of all recordings, 2014-01-01 12:00 UTC
 SECONDS_PER_DAY = 86400.0  # s
 STALE_RUN_AGE = 5000.0  # s; how much earlier the other run of a stale file was
 CONTROLLER_UPTIME = 4096.0  # s; time on the controller's clock when a recording begins
-MESSAGE_BYTES = 756  # bytes
+MESSAGE_BYTES = 756  # of the realtime port, by software 1.5 and 1.6
 UNCONNECTED_SENSOR_READING = -1e-6  # value that an unconnected force sensor writes
 
 Files = dict[str, str]  # text by name
@@ -27,7 +27,7 @@ Sensors = Mapping[str, pd.DataFrame]  # readings, by the plan's name of the sens
 def write_files(files: Mapping[str, str], folder: Path, torn: bool) -> None:
     """Write a recording's files into a folder; torn: without their last, partly filled buffers."""
     for name, text in files.items():
-        write_text(tear(text) if torn else text, folder / name)
+        write_text(without_last_buffer(text) if torn else text, folder / name)
 
 
 def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
@@ -58,7 +58,7 @@ def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording)
 
 def realtime_stream(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
     """Return a capture of the realtime port, `received_s,payload_hex`, and epoch-time sensors."""
-    lines = (f"{EPOCH + time:.6f},{data.hex()}\n" for time, data in _receive(frames, plan) if data)
+    lines = (f"{EPOCH + time:.6f},{data.hex()}\n" for time, data in _receipts(frames, plan) if data)
     return {
         ROBOT_FILES["realtime-stream"]: "received_s,payload_hex\n" + "".join(lines),
         **_sensor_tables(sensors, plan, EPOCH),
@@ -81,22 +81,18 @@ WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]]
 
 
 def messages(frames: pd.DataFrame) -> list[bytes]:
-    """Return frames as messages of the 756-byte layout: int32 size, then big-endian doubles."""
-    doubles = np.zeros((len(frames), (MESSAGE_BYTES - 4) // 8), ">f8")
-    doubles[:, 0] = frames["time"] + CONTROLLER_UPTIME
-    for name, place in fields(MESSAGE_BYTES).items():
-        doubles[:, place] = channel(frames, name)
-    size = MESSAGE_BYTES.to_bytes(4, "big")
-    return [size + row.tobytes() for row in doubles]
+    """Return frames as messages of the realtime port."""
+    channels = {name: channel(frames, name) for name in fields(MESSAGE_BYTES)}
+    return encoded(MESSAGE_BYTES, frames["time"].to_numpy() + CONTROLLER_UPTIME, channels)
 
 
-def _receive(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float, bytes]]:
+def _receipts(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float, bytes]]:
     """Return time [s] and bytes of each receipt; cut messages end early."""
     lengths = (MESSAGE_BYTES * frames["kept"]).astype(int)
     packets = [message[:end] for message, end in zip(messages(frames), lengths, strict=True)]
     time = frames["sent"].to_numpy()
     if plan.faults.late_packets:
-        return split_late(packets, time, is_moving(frames))
+        return receipts_with_late_packets(packets, time, is_moving(frames))
     return list(zip(time.tolist(), packets, strict=True))
 
 

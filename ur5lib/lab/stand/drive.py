@@ -12,13 +12,12 @@ from ur5lib.timeseries.arrays import Array
 # rad/s; with these, joints deviate from their targets as much as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
 COMPENSATED_FRICTION_SHARE = 0.8  # share of the friction that the controller compensates
-MOVING_SPEED = 0.05  # rad/s; speed at which the noise of a moving joint sets in
+MOVING_SPEED = 0.05  # rad/s, at which a joint shows three quarters of the noise of a moving one
 
 # Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
 # currents above 2 Hz: a ripple of two (big joints) or four periods per motor turn, and noise.
-MAX_TORQUE_CONSTANT = np.array(
-    [10.7, 10.7, 10.7, 10.2, 11.9, 10.7]
-)  # Nm/A, upper limits for all arms
+# Nm/A, an upper limit for all arms
+MAX_TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])
 CURRENT_RIPPLE = np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])  # A, amplitude
 RIPPLE_PERIODS = np.array([202, 202, 202, 404, 404, 404])  # of the ripple per turn of the joint
 CURRENT_NOISE, CURRENT_NOISE_AT_REST = 0.05, 0.01  # A
@@ -58,6 +57,7 @@ class Drive:
 
     def known_friction(self, qd: Array) -> Array:
         """Return the friction torques (..., n) [Nm] known to the controller; qd: [rad/s]."""
+        # tanh instead of the sign: the current is continuous where the direction reverses
         return self.viscous * qd + self.coulomb * np.tanh(qd / MOVING_SPEED)
 
 
@@ -72,14 +72,14 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
     """Return the drives of an arm whose joints have this friction."""
     joints = len(robot.joints)
     frequency = along_chain(NATURAL_FREQUENCY, joints)
-    largest = along_chain(MAX_TORQUE_CONSTANT, joints)
+    usual = along_chain(MAX_TORQUE_CONSTANT, joints)
     return Drive(
         position_gain=frequency**2,  # (2.74)
         velocity_gain=2 * frequency,
         viscous=COMPENSATED_FRICTION_SHARE * friction.viscous,
         coulomb=COMPENSATED_FRICTION_SHARE * friction.coulomb,
         torque_max=np.array(robot.torque_limits()),
-        torque_constant=np.fmin(largest, robot.maker_torque_constants()),
+        torque_constant=np.fmin(usual, robot.maker_torque_constants()),
     )
 
 
@@ -90,7 +90,7 @@ def motion_share(qd: Array) -> Array:
 
 def current_noise(q: Array, qd: Array, random: np.random.Generator) -> Array:
     """Return the ripple and noise of measured currents (N, n) [A]."""
-    size, periods = (along_chain(own, q.shape[-1]) for own in (CURRENT_RIPPLE, RIPPLE_PERIODS))
+    size, periods = (along_chain(each, q.shape[-1]) for each in (CURRENT_RIPPLE, RIPPLE_PERIODS))
     ripple = size * np.sin(periods * q)
     noise = random.normal(size=q.shape) * (CURRENT_NOISE_AT_REST + CURRENT_NOISE * motion_share(qd))
     return ripple * motion_share(qd) + noise

@@ -52,7 +52,9 @@ def apply_faults(
     return frames[~faulty.lost]
 
 
-def split_late(messages: list[bytes], sent: Array, moving: Mask) -> list[tuple[float, bytes]]:
+def receipts_with_late_packets(
+    messages: list[bytes], sent: Array, moving: Mask
+) -> list[tuple[float, bytes]]:
     """Return time [s] and bytes of each receipt, with every third packet late (Figure 4.4).
 
     sent: times of sending [s] (N,); moving: whether the arm moves (N,). The late packet arrives
@@ -81,6 +83,6 @@ def is_moving(frames: pd.DataFrame) -> Mask:
     return (speed > MOVING_SPEED).to_numpy()
 
 
-def tear(text: str) -> str:
+def without_last_buffer(text: str) -> str:
     """Return a file without its last, partly filled buffer."""
     return text[: max(len(text) // FILE_BUFFER_BYTES, 1) * FILE_BUFFER_BYTES]

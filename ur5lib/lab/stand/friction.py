@@ -15,6 +15,19 @@ import numpy as np
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
+# Of the UR5's joints, from base to wrist. Shares of the motor's largest torque:
+COULOMB_SHARE = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])
+VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # per rad/s
+LOAD_SHARE = 0.05  # Nm of friction per Nm of load
+PERIODIC_SHARE = 0.05  # of the Coulomb friction
+STICTION_RATIO = 1.15  # of breakaway to Coulomb torque
+STRIBECK_VELOCITY = 0.03  # rad/s, at which stiction has vanished
+PRESLIDING_DEFLECTION = 2e-4  # rad, of a joint that sticks, before it slips
+USUAL_TEMPERATURE = 30.0  # °C, of the values above
+# Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
+# is warm, and dry friction changes less.
+COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
+
 
 def along_chain(values: Array, joints: int) -> Array:
     """Return values of the UR5's joints, from base to wrist (6,), for an arm's joints (joints,)."""
@@ -22,23 +35,6 @@ def along_chain(values: Array, joints: int) -> Array:
         return values
     places = np.linspace(0, len(values) - 1, joints)
     return np.asarray(np.interp(places, np.arange(len(values)), values))
-
-
-COULOMB_SHARE = np.array(
-    [0.054, 0.058, 0.054, 0.078, 0.083, 0.071]
-)  # share of the motor's largest torque
-VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # the same, per rad/s
-LOAD_SHARE = 0.05  # Nm/Nm
-PERIODIC_SHARE = 0.05  # share of the Coulomb friction
-STICTION_RATIO, STRIBECK_VELOCITY, PRESLIDING_DEFLECTION = (
-    1.15,
-    0.03,
-    2e-4,
-)  # see FrictionParameters
-USUAL_TEMPERATURE = 30.0  # °C, temperature of the values above
-# Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
-# is warm, and dry friction changes less.
-COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
 
 
 @dataclass(frozen=True)
@@ -82,12 +78,12 @@ class FrictionParameters:
 
 def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
     """Return the friction of an arm's joints; friction: False for none."""
-    size = np.array(robot.torque_limits()) * friction
+    largest = np.array(robot.torque_limits()) * friction
     coulomb, viscous, periodic = (
-        along_chain(share, len(size)) * size
+        along_chain(share, len(largest)) * largest
         for share in (COULOMB_SHARE, VISCOUS_SHARE, PERIODIC_SHARE * COULOMB_SHARE)
     )
-    each = np.ones(len(size))
+    each = np.ones(len(largest))
     return FrictionParameters(
         coulomb=coulomb,
         viscous=viscous,
@@ -95,7 +91,7 @@ def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
         periodic=periodic,
         stiction=STICTION_RATIO * each,
         stribeck_velocity=STRIBECK_VELOCITY * each,
-        phase=np.arange(float(len(size))),
+        phase=np.arange(float(len(largest))),
         presliding=PRESLIDING_DEFLECTION * each,
         coulomb_warming=COULOMB_WARMING * each,
         viscous_warming=VISCOUS_WARMING * each,

@@ -315,14 +315,14 @@ class SimulatedRecording(Planned):
             yield f"model` is {self.model!r}; give one of {', '.join(models)}, which {arm} has"
         if joints != 6 and isinstance(getattr(self.trajectory, "way_points", None), str):
             yield f"trajectory.way_points` names a file of six angles a line; {arm} has {joints}"
-        for key, numbers in self._by_joint():
+        for key, numbers in self._numbers_by_joint():
             if len(numbers) != joints:
                 yield f"{key}` has {len(numbers)} numbers; {arm} has {joints} joints"
         for k, contact in enumerate(self.contacts):
             if contact.link is not None and contact.link > joints:
                 yield f"contacts[{k}].link` is {contact.link}; {arm} has {joints} links"
 
-    def _by_joint(self) -> Iterator[tuple[str, Joints]]:
+    def _numbers_by_joint(self) -> Iterator[tuple[str, Joints]]:
         """Yield the keys with a number for each joint, and their numbers."""
         motion = self.trajectory
         if not isinstance(motion, Movej):

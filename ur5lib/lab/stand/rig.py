@@ -34,11 +34,11 @@ MUJOCO_SENSORS = {  # name: MuJoCo type, site where it is mounted
 }
 MOUNTING_AT_ORIGIN = Mounting(imu=(0.0, 0.0, 0.0), force_sensor=(0.0, 0.0, 0.0))
 
-States = NDArray[np.void]  # (N,) of `state_of` the arm's joints, every millisecond
+States = NDArray[np.void]  # (N,) of `state_type` the arm's joints, every millisecond
 Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each (n,)
 
 
-def state_of(joints: int) -> np.dtype[np.void]:
+def state_type(joints: int) -> np.dtype[np.void]:
     """Return the state of an arm in one step; D q̈ + C q̇ + g = motor − friction + contact."""
     each = float, joints
     return np.dtype(
@@ -83,7 +83,7 @@ class Rig:
     contacts: Contacts
 
     def step(self, target: Target, warmth: float, row: Array) -> None:
-        """Advance by one step; write the state before it into `row`, in the order of `state_of`.
+        """Advance by one step; write the state before it into `row`, in the order of `state_type`.
 
         warmth: [K], of the motors above the usual temperature.
         """
@@ -106,21 +106,21 @@ class Rig:
         np.concatenate((q, qd, self.data.qacc, *forces, *frame), out=row)
 
 
-def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.MjModel:
+def arm_in_mujoco(robot: Robot, model: str, imu: Imu | None) -> mujoco.MjModel:
     """Return the MuJoCo model of an arm with one of its link models.
 
-    imu_turn: rotation vector from the flange's axes to the IMU's [rad]; step: of the
-    integration [s]. Sensor data (12,): force, torque, accelerometer, gyroscope, each in its own
-    axes. Force and torque are those of the flange on the tool, at the sensor's origin.
+    imu: the plan's, None for one as it is usually mounted. Sensor data (12,): force, torque,
+    accelerometer, gyroscope, each in its own axes. Force and torque are those of the flange on the
+    tool, at the sensor's origin.
     """
     spec = mujoco.MjSpec()
     spec.option.gravity = robot.gravity
-    spec.option.timestep = step
+    spec.option.timestep = STEP
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     tool = add_arm(spec, robot, model)
     mounting = robot.mounting or MOUNTING_AT_ORIGIN
-    turn = Rotation.from_rotvec(imu_turn).as_quat(scalar_first=True)
-    tool.parent.add_site(name="imu", pos=mounting.imu, quat=turn)
+    turn = Rotation.from_rotvec(np.deg2rad((imu or Imu()).mounting_deg))
+    tool.parent.add_site(name="imu", pos=mounting.imu, quat=turn.as_quat(scalar_first=True))
     tool.add_site(name="force_sensor", pos=mounting.force_sensor)
     for name, (kind, site) in MUJOCO_SENSORS.items():
         spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site)
@@ -140,9 +140,8 @@ def build_rig(
     model = plan.model or list(robot.models)[-1]
     declared = plan.payload if declare else None
     loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
-    mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
-    plant = build_arm(loaded, model, mounting, STEP)
-    nominal = build_arm(robot.carrying(declared), model, mounting, STEP)
+    plant = arm_in_mujoco(loaded, model, plan.imu)
+    nominal = arm_in_mujoco(robot.carrying(declared), model, plan.imu)
     usual = friction_of(robot, plan.friction)
     friction = usual.changed(plan.coulomb_factor or 1.0, plan.viscous_factor or 1.0)
     return Rig(
@@ -183,7 +182,7 @@ def perform(
     time = step_times(round(plan.seconds / STEP) + 1)
     targets = plan_targets(plan.trajectory, rig.robot, time)
     warmth = plan.temperature(time) - USUAL_TEMPERATURE
-    states = np.empty(len(time), state_of(len(robot.joints)))
+    states = np.empty(len(time), state_type(len(robot.joints)))
     rig.data.qpos, rig.data.time = targets.q[0], -SETTLING_STEPS * STEP
     wanted, rows = [*zip(*targets, strict=True)], as_rows(states)
     moved = rig

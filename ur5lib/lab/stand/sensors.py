@@ -1,7 +1,4 @@
-"""Readings of force sensor and IMU, each on its own clock, of wrist sensor and torque sensors."""
-
-from dataclasses import dataclass
-from typing import Self
+"""Readings of force sensor and IMU, each on its own clock, and of the wrist sensor."""
 
 import numpy as np
 import pandas as pd
@@ -11,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from ur5lib.channels import columns
 from ur5lib.lab.stand.plan import Clock, ForceSensor, Imu, WristSensor
 from ur5lib.lab.stand.rig import STEP, Experiment, Rig, States, step_times
-from ur5lib.robots.description import Robot
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
@@ -28,7 +24,7 @@ GYROSCOPE_NOISE, GYROSCOPE_BANDWIDTH = np.deg2rad(0.05), 40.0
 ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH = 0.002, 30.0
 MAGNETOMETER_NOISE = 0.001  # relative to the Earth's field: 0.5 of about 500 mGauss
 EARTH_FIELD = np.array([0.32, 0.05, -0.73])  # base axes, normalised
-# Wrist sensor: noise between samples of a real UR5e at rest [N, Nm].
+# WristReader sensor: noise between samples of a real UR5e at rest [N, Nm].
 WRIST_NOISE = np.array([0.22, 0.22, 0.09, 0.006, 0.007, 0.005])
 ZEROING_TIME = 0.2  # s, at the start, in which a program zeroes the wrist sensor
 MINUTE = 60.0  # s
@@ -132,7 +128,7 @@ def wrist_channels(
     assert sensor is not None
     motion, steps = experiment.motion, np.rint(time / STEP).astype(int)
     noise = random if experiment.plan.noise else None
-    raw = Wrist(sensor, noise).read(motion["force_sensor"][steps], time)
+    raw = WristReader(sensor, noise).read(motion["force_sensor"][steps], time)
     rotation = motion["rotation"][steps].reshape(-1, 3, 3)
     force = raw - declared_weight(experiment.rig, rotation)
     force -= force[time <= time[0] + ZEROING_TIME].mean(axis=0)
@@ -140,7 +136,7 @@ def wrist_channels(
     return named(np.round(raw, 6), "ft_raw_wrench") | named(np.round(force, 6), "actual_TCP_force")
 
 
-class Wrist:
+class WristReader:
     """Reads the force sensor in the wrist of an e-Series arm."""
 
     def __init__(self, sensor: WristSensor, random: np.random.Generator | None) -> None:
@@ -196,47 +192,3 @@ def _samples(
 
 def _table(time: Array, values: Array, names: list[str]) -> pd.DataFrame:
     return pd.DataFrame({"time": time, **dict(zip(names, values.T, strict=True))})
-
-
-FRICTION_SHARE_BEHIND_SENSOR = (
-    0.05  # share of a joint's friction that lies between its sensor and its link
-)
-GAIN_ERROR_SHARE, BIAS_SHARE = (
-    0.01,
-    0.003,
-)  # of all joints, alternating in sign; share of the largest torque
-# Share of the largest torque, by the differences between samples of a real xMate 7's sensors.
-NOISE_SHARE = 7e-4
-CHANNELS_OF_CURRENTS = ("actual_current", "target_current", "target_moment", "actual_TCP_force")
-
-
-@dataclass(frozen=True)
-class TorqueSensors:
-    """Sensors that read gain τ + bias, each (n,); bias, noise: [Nm]."""
-
-    gain: Array
-    bias: Array
-    noise: Array
-
-    @classmethod
-    def of(cls, robot: Robot) -> Self:
-        """Return the sensors of an arm."""
-        largest = np.array(robot.torque_limits())
-        sign = np.array([(-1.0) ** k for k in robot.joint_numbers])
-        return cls(1 - GAIN_ERROR_SHARE * sign, BIAS_SHARE * sign * largest, NOISE_SHARE * largest)
-
-    def channels(
-        self, values: dict[str, Array], states: States, random: np.random.Generator | None
-    ) -> dict[str, Array]:
-        """Return the controller's channels with `actual_torque` [Nm] in place of those of currents.
-
-        random: generator of the noise, None for no noise.
-        """
-        torque = (
-            states["motor_torque"] - (1 - FRICTION_SHARE_BEHIND_SENSOR) * states["friction_torque"]
-        )
-        reading = self.gain * torque + self.bias
-        if random is not None:
-            reading += self.noise * random.normal(size=reading.shape)
-        stated = {name: value for name, value in values.items() if name not in CHANNELS_OF_CURRENTS}
-        return stated | {"actual_torque": reading}

@@ -36,11 +36,11 @@ def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time
             still = np.zeros((len(time), len(plan.posture)))
             targets = Targets(still + plan.posture, still, still)
         case Movej():
-            targets = _movej(plan, time - INITIAL_REST)
+            targets = _movej_targets(plan, time - INITIAL_REST)
         case Fourier():
-            targets = _fourier(plan, robot, time - INITIAL_REST)
+            targets = _fourier_targets(plan, robot, time - INITIAL_REST)
         case Series():
-            targets = _targets(
+            targets = _series_targets(
                 plan.posture, plan.period_s, np.array(plan.coefficients), time - INITIAL_REST
             )
     _expect_within_limits(targets, robot)
@@ -90,7 +90,7 @@ def _expect_within_limits(targets: Targets, robot: Robot) -> None:
 # Way-points
 
 
-def _movej(plan: Movej, time: Array) -> Targets:
+def _movej_targets(plan: Movej, time: Array) -> Targets:
     listed = plan.way_points
     points = np.array(read_way_points(listed) if isinstance(listed, str) else listed)
     q, qd, qdd = np.zeros((3, len(time), points.shape[1]))
@@ -132,7 +132,7 @@ def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array
 # Fourier series
 
 
-def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
+def _fourier_targets(plan: Fourier, robot: Robot, time: Array) -> Targets:
     """Return a series that starts at rest, scaled to the limits joint by joint."""
     fine = np.linspace(0, plan.period_s, 2001)
     # drawn subject to q = posture, qd = qdd = 0 at the start
@@ -148,10 +148,10 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     ]
     scales = [limit / np.abs(part).max(axis=0) for limit, part in zip(limits, parts, strict=True)]
     coefficients *= np.minimum.reduce(scales)
-    return _targets(plan.posture, plan.period_s, coefficients, time)
+    return _series_targets(plan.posture, plan.period_s, coefficients, time)
 
 
-def _targets(posture: Joints, period: float, coefficients: Array, time: Array) -> Targets:
+def _series_targets(posture: Joints, period: float, coefficients: Array, time: Array) -> Targets:
     """Return the targets of a series about a posture (n,) [rad]; it rests before time zero."""
     terms = fourier_terms(period, len(coefficients) // 2, time.clip(min=0))[:3]
     q, qd, qdd = (term @ coefficients for term in terms)

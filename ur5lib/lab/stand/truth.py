@@ -10,12 +10,12 @@ from ur5lib.lab.stand import controller_channels, sensors
 from ur5lib.lab.stand import drive as drives
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import STEP, Rig, States, step_times
-from ur5lib.lab.stand.sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
+from ur5lib.lab.stand.torque_sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import runs
 
-STATE_COLUMNS = {  # of the table: quantities of `rig.state_of`, their names and units there
+STATE_COLUMNS = {  # of the table: quantities of `rig.state_type`, their names and units there
     "q": ("q", "rad"),
     "qd": ("qd", "rad/s"),
     "qdd": ("qdd", "rad/s2"),
@@ -62,15 +62,15 @@ def write_truth(
         "plan": plan.model_dump(),
         "drive": asdict(rig.drive),
         "friction": asdict(rig.friction),
-        "noise": _noise() if plan.noise else None,
-        **_of_torque_sensors(rig),
+        "noise": _noise_sizes() if plan.noise else None,
+        **_torque_sensor_parameters(rig),
         "contacts": step_times(len(motion))[touched.clip(max=len(motion) - 1)],
         "clocks": clocks,
     } | ({} if frames is None else {"frames": frames})
     write_json(summary, f"{truth}.json")
 
 
-def _of_torque_sensors(rig: Rig) -> dict[str, object]:
+def _torque_sensor_parameters(rig: Rig) -> dict[str, object]:
     """Return what takes the place of motors and gears where the joints sense torque.
 
     With the reading y = gain τ + bias, K y = τ − offset; K is the `torque_constant` [1].
@@ -90,7 +90,7 @@ def _of_torque_sensors(rig: Rig) -> dict[str, object]:
     }
 
 
-def _noise() -> dict[str, float | Array]:
+def _noise_sizes() -> dict[str, float | Array]:
     return {
         "current_ripple_a": drives.CURRENT_RIPPLE,
         "current_a": drives.CURRENT_NOISE,
