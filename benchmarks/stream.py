@@ -22,10 +22,8 @@ from ur5lib.robots.realtime_message import fields
 FRAMES, PERIOD = 450_000, 0.008  # an hour at 125 Hz
 # Bytes a recv gives, as the thesis's Figure 4.4 shows them.
 PACKETS = (
-    MESSAGE_BYTES,
-    MESSAGE_BYTES,
-    MESSAGE_BYTES + FIRST_PART_BYTES,
-    MESSAGE_BYTES - FIRST_PART_BYTES,
+    *(MESSAGE_BYTES, MESSAGE_BYTES),
+    *(MESSAGE_BYTES + FIRST_PART_BYTES, MESSAGE_BYTES - FIRST_PART_BYTES),
 )
 ARRIVALS = (0.0, 0.008, 0.024, 0.025)  # s
 ROUNDS = 5

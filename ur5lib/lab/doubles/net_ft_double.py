@@ -105,13 +105,8 @@ class NetFTDouble(DeviceDouble):
         self._sequence += 1
         internal = round(self.shown(sample) * INTERNAL_RATE)
         wrench = np.concatenate([clipped, true[3:]])
-        counts = np.rint((wrench - self._zero) * self._counts)
-        numbers = [
-            self._sequence,
-            internal,
-            status,
-            *counts.clip(-MAX_COUNT, MAX_COUNT).astype(int),
-        ]
+        counts = np.rint((wrench - self._zero) * self._counts).clip(-MAX_COUNT, MAX_COUNT)
+        numbers = [self._sequence, internal, status, *counts.astype(int)]
         return b"".join((int(n) % 2**32).to_bytes(4, "big") for n in numbers)
 
     def send(self, part: bytes) -> None:

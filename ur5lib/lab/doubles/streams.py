@@ -113,13 +113,8 @@ class RtdeConnection:
         """Send a text message."""
         if self._started and self._version > 1:
             message = text.encode()[:255]
-            parts = (
-                bytes([len(message)]),
-                message,
-                bytes([len(TEXT_SOURCE)]),
-                TEXT_SOURCE,
-                bytes([INFO_LEVEL]),
-            )
+            source = bytes([len(TEXT_SOURCE)]) + TEXT_SOURCE
+            parts = bytes([len(message)]), message, source, bytes([INFO_LEVEL])
             self._stream.write(_package(rtde.TEXT, b"".join(parts)))
 
     def _set_outputs(self, content: bytes) -> bytes:

@@ -145,11 +145,11 @@ class XsensDouble(DeviceDouble):
 
     def _set_outputs(self, data: bytes) -> None:
         """Configure the requested items at the device's rate, and confirm them."""
-        wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
-        if any(name not in FACTORY_OUTPUTS for name in wanted):
+        names = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
+        if any(name not in FACTORY_OUTPUTS for name in names):
             self.send(xbus.encode(xbus.ERROR_MESSAGE, INVALID_PARAMETER))
             return
         rates = dict.fromkeys(xbus.VECTORS, round(self.rate_hz))
-        self._outputs = {name: rates.get(name, xsens.WITH_EACH_SAMPLE) for name in wanted}
+        self._outputs = {name: rates.get(name, xsens.WITH_EACH_SAMPLE) for name in names}
         accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
         self.send(xbus.encode(xsens.SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))

@@ -47,11 +47,8 @@ def warnings(statuses: Mapping[str, Status], identities: Mapping[str, Identity])
         elif status.lost > MAX_LOST_SHARE * (status.samples + status.lost):
             yield f"{name} loses samples: check the network and what else the computer does"
         nominal = identities[name].rate_hz
-        if (
-            nominal
-            and status.seconds > RATE_SETTLING_TIME
-            and status.rate() < MIN_RATE_SHARE * nominal
-        ):
+        is_settled = status.seconds > RATE_SETTLING_TIME
+        if nominal and is_settled and status.rate() < MIN_RATE_SHARE * nominal:
             yield f"{name} sends fewer than its {nominal:g} samples a second: check its cable"
         if int(status.latest.get("status", 0)) & SATURATION_BIT:
             yield f"{name} is saturated: its force is beyond its range"
@@ -64,8 +61,5 @@ def unmoved(status: Status) -> list[int]:
     names = [f"actual_q_{joint}" for joint in range(6)]
     if not all(name in status.high for name in names):
         return []
-    return [
-        k
-        for k, name in enumerate(names, 1)
-        if status.high[name] - status.low[name] < MIN_TURN_FOR_FRICTION
-    ]
+    turns = [status.high[name] - status.low[name] for name in names]
+    return [joint for joint, turn in enumerate(turns, 1) if turn < MIN_TURN_FOR_FRICTION]

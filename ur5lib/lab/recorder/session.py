@@ -18,9 +18,7 @@ from ur5lib.lab.recorder.device_settings import DeviceSettings
 from ur5lib.tables import checksum, write_json
 
 MANIFEST = "manifest.json"
-CLOCK_DESCRIPTION = (
-    "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
-)
+HOST_CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
 START_TIMEOUT = 30.0  # s, for a device to answer and its process to start
 CLOSING_TIMEOUT = 10.0  # s, for all processes to write their last samples
 POLL_INTERVAL = 0.05  # s between queries of their reports meanwhile
@@ -146,7 +144,7 @@ def write_manifest(
             "written": datetime.now(UTC).isoformat(timespec="seconds"),
             "complete": statuses is not None,
             "host": platform.node(),
-            "clock": CLOCK_DESCRIPTION,
+            "clock": HOST_CLOCK,
             "ur5lib": version("ur5lib"),
             "motion": moved,
             "devices": entries,

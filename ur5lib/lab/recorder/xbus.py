@@ -22,9 +22,7 @@ from ur5lib.lab.recorder.device import DeviceLost
 PREAMBLE = b"\xfa\xff"  # preamble, and the bus identifier of a device that is connected directly
 MAX_DATA_BYTES = 2048  # bytes of data in a message
 EXTENDED_LENGTH = 0xFF  # the length byte that announces two more
-ERROR_MESSAGE = (
-    0x42  # identifier of the answer to a request that the device does not know or accept
-)
+ERROR_MESSAGE = 0x42  # identifier of the answer to a request that is unknown or not accepted
 READ_TIMEOUT = 0.02  # s, for which one call waits for bytes
 ACKNOWLEDGEMENT_TIMEOUT = 0.5  # s, for an acknowledgement
 REQUEST_ATTEMPTS = 4  # requests that arrive while the device starts are lost
@@ -59,11 +57,8 @@ class Message(NamedTuple):
 def encode(identifier: int, data: bytes = b"") -> bytes:
     """Return the bytes of a message."""
     size = len(data)
-    length = (
-        bytes([size])
-        if size < EXTENDED_LENGTH
-        else bytes([EXTENDED_LENGTH, *size.to_bytes(2, "big")])
-    )
+    is_short = size < EXTENDED_LENGTH
+    length = bytes([size]) if is_short else bytes([EXTENDED_LENGTH, *size.to_bytes(2, "big")])
     body = PREAMBLE[1:] + bytes([identifier]) + length + data
     return PREAMBLE[:1] + body + bytes([-sum(body) % 256])
 

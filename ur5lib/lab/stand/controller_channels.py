@@ -44,9 +44,8 @@ def frames(
     cycle: [s]; random: generator of the noise, None for no noise.
     """
     rig, states = experiment.rig, experiment.motion
-    before = np.concatenate(
-        [np.repeat(states["q"][:1], VELOCITY_WINDOW, axis=0), states["q"][:-VELOCITY_WINDOW]]
-    )
+    q = states["q"]  # the arm rests before the first state
+    before = np.concatenate([np.repeat(q[:1], VELOCITY_WINDOW, axis=0), q[:-VELOCITY_WINDOW]])
     measured = measure(rig.drive, states, before, random)
     sent = slice(None, None, round(cycle / STEP))
     time, estimate = step_times(len(states))[sent], ForceEstimate(cycle)
@@ -56,7 +55,7 @@ def frames(
     if rig.robot.senses_torque():
         values = TorqueSensors.of(rig.robot).channels(values, states[sent], random)
     temperature = rounded_temperature(experiment.plan.temperature(time))
-    values["joint_temperatures"] = np.repeat(temperature[:, None], states["q"].shape[1], axis=1)
+    values["joint_temperatures"] = np.repeat(temperature[:, None], q.shape[1], axis=1)
     columns = {"time": np.round(time, DECIMALS)}
     for name, numbers in values.items():
         columns |= named(np.round(numbers, DECIMALS), name)

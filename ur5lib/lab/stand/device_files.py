@@ -1,6 +1,6 @@
 """Writers of simulated device files."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -71,13 +71,6 @@ def rtde_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -
     header = ",".join(["timestamp", *names]) + "\n"
     rows = _rows(frames["time"] + CONTROLLER_UPTIME, frames[names].to_numpy(), ",")
     return {ROBOT_FILES["rtde-csv"]: header + rows, **_sensor_tables(sensors, plan, 0.0)}
-
-
-WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]] = {
-    "thesis-csv": thesis_csv,
-    "realtime-stream": realtime_stream,
-    "rtde-csv": rtde_csv,
-}
 
 
 def messages(frames: pd.DataFrame) -> list[bytes]:

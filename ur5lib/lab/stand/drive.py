@@ -11,7 +11,7 @@ from ur5lib.timeseries.arrays import Array
 
 # rad/s; with these, joints deviate from their targets as much as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
-COMPENSATED_FRICTION_SHARE = 0.8  # share of the friction that the controller compensates
+KNOWN_FRICTION_SHARE = 0.8  # share of the friction that the controller knows
 MOVING_SPEED = 0.05  # rad/s, at which a joint shows three quarters of the noise of a moving one
 
 # Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
@@ -76,8 +76,8 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
     return Drive(
         position_gain=frequency**2,  # (2.74)
         velocity_gain=2 * frequency,
-        viscous=COMPENSATED_FRICTION_SHARE * friction.viscous,
-        coulomb=COMPENSATED_FRICTION_SHARE * friction.coulomb,
+        viscous=KNOWN_FRICTION_SHARE * friction.viscous,
+        coulomb=KNOWN_FRICTION_SHARE * friction.coulomb,
         torque_max=np.array(robot.torque_limits()),
         torque_constant=np.fmin(usual, robot.maker_torque_constants()),
     )

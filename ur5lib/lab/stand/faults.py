@@ -10,11 +10,9 @@ from ur5lib.lab.stand.plan import Faults
 from ur5lib.timeseries.arrays import Array, Mask
 
 FILE_BUFFER_BYTES = 4096  # bytes; a partly filled buffer is never written to the file
-LATE_PACKET_INTERVAL, FIRST_PART_BYTES, SECOND_PART_DELAY = (
-    3,
-    694,
-    0.001,
-)  # every third packet; bytes in its first part; s to the rest
+LATE_PACKET_INTERVAL = 3  # packets: every third one is late
+FIRST_PART_BYTES = 694  # of the packet after a late one, which arrive with the late one
+SECOND_PART_DELAY = 0.001  # s, until the rest of that packet
 MOVING_SPEED = 1e-3  # rad/s; above it, the arm counts as moving
 
 
@@ -30,11 +28,11 @@ class FaultyFrames:
 
 def draw_faulty_frames(faults: Faults, count: int, random: np.random.Generator) -> FaultyFrames:
     """Draw the faulty ones of `count` frames, each with at most one fault."""
-    drawn = random.random(count)
-    drawn[[0, 1, -1]] = 1.0  # a reader accepts the first frame only if the second is complete
+    numbers = random.random(count)
+    numbers[[0, 1, -1]] = 1.0  # a reader accepts the first frame only if the second is complete
     shares = faults.lost_frames, faults.cut_frames, faults.stale_stamps, faults.stale_frames
     bounds = np.cumsum([0.0, *shares])
-    return FaultyFrames(*((start <= drawn) & (drawn < end) for start, end in pairwise(bounds)))
+    return FaultyFrames(*((start <= numbers) & (numbers < end) for start, end in pairwise(bounds)))
 
 
 def apply_faults(

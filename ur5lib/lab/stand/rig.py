@@ -49,10 +49,7 @@ def state_type(joints: int) -> np.dtype[np.void]:
             ("motor_torque", *each),  # Nm
             ("friction_torque", *each),  # Nm, against the motion
             ("contact_torque", *each),  # Nm
-            (
-                "wrench",
-                *WRENCH_TYPE,
-            ),  # environment on the last link, base axes, origin of its frame
+            ("wrench", *WRENCH_TYPE),  # environment on the last link, base axes, its frame's origin
             ("force_sensor", *WRENCH_TYPE),  # tool and environment at the sensor, its axes
             ("imu", float, 6),  # specific force [m/s²] and angular rate [rad/s], IMU axes
             ("origin", float, 3),  # of the last link's frame [m]
@@ -144,6 +141,8 @@ def build_rig(
     nominal = arm_in_mujoco(robot.carrying(declared), model, plan.imu)
     usual = friction_of(robot, plan.friction)
     friction = usual.changed(plan.coulomb_factor or 1.0, plan.viscous_factor or 1.0)
+    most = MAX_INITIAL_FRICTION
+    initial = random.uniform(-most, most, len(robot.joints))
     return Rig(
         robot=loaded,
         model=model,
@@ -153,9 +152,7 @@ def build_rig(
         nominal_data=mujoco.MjData(nominal),
         declared=declared,
         friction=friction,
-        friction_state=BristleFriction(
-            friction, random.uniform(-MAX_INITIAL_FRICTION, MAX_INITIAL_FRICTION, len(robot.joints))
-        ),
+        friction_state=BristleFriction(friction, initial),
         drive=drive_of(robot, usual),
         contacts=Contacts(plant, plan.contacts),
     )
@@ -184,13 +181,13 @@ def perform(
     warmth = plan.temperature(time) - USUAL_TEMPERATURE
     states = np.empty(len(time), state_type(len(robot.joints)))
     rig.data.qpos, rig.data.time = targets.q[0], -SETTLING_STEPS * STEP
-    wanted, rows = [*zip(*targets, strict=True)], as_rows(states)
-    moved = rig
-    if robot.carrying(rig.declared) == rig.robot:  # the controller's model is the arm itself
-        moved = replace(rig, nominal=rig.plant, nominal_data=rig.data)
+    target_rows, rows = [*zip(*targets, strict=True)], as_rows(states)
+    mover = rig
+    if robot.carrying(rig.declared) == rig.robot:  # then one model does for arm and controller
+        mover = replace(rig, nominal=rig.plant, nominal_data=rig.data)
     for step in range(-SETTLING_STEPS, len(time)):
         now = max(step, 0)  # while the arm settles, the first target holds
-        moved.step(wanted[now], warmth[now], rows[now])
+        mover.step(target_rows[now], warmth[now], rows[now])
     return Experiment(rig, plan, states, targets)
 
 

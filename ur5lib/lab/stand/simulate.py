@@ -9,7 +9,14 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.lab.stand.controller_channels import frames
-from ur5lib.lab.stand.device_files import WRITERS, write_files
+from ur5lib.lab.stand.device_files import (
+    Files,
+    Sensors,
+    realtime_stream,
+    rtde_csv,
+    thesis_csv,
+    write_files,
+)
 from ur5lib.lab.stand.faults import apply_faults, draw_faulty_frames
 from ur5lib.lab.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.lab.stand.plan import SimulatedRecording
@@ -20,11 +27,16 @@ from ur5lib.robots.description import Robot
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
-# Each has its own random generator.
+# Each has its own random generator, so that a sensor more changes nothing of the others.
 RANDOM_STREAMS = ("arm", "controller", "faults", "force_sensor", "imu", "wrist")
 READINGS: dict[str, Callable[..., pd.DataFrame]] = {
     "force_sensor": force_readings,
     "imu": imu_readings,
+}
+WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]] = {
+    "thesis-csv": thesis_csv,
+    "realtime-stream": realtime_stream,
+    "rtde-csv": rtde_csv,
 }
 CYCLE_BY_FORMAT = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 
@@ -38,11 +50,8 @@ def simulate(
     summary without the suffixes .parquet and .json. The same plan gives the same bytes.
     Raises InputError when the arm cannot execute the plan.
     """
-    random = dict(
-        zip(
-            RANDOM_STREAMS, np.random.default_rng(plan.seed).spawn(len(RANDOM_STREAMS)), strict=True
-        )
-    )
+    generators = np.random.default_rng(plan.seed).spawn(len(RANDOM_STREAMS))
+    random = dict(zip(RANDOM_STREAMS, generators, strict=True))
     experiment = perform(robot, plan, random["arm"], declare=format in FORMATS_WITH_PAYLOAD)
     cycle = CYCLE_BY_FORMAT[format]
     sent = frames(experiment, cycle, random["controller"] if plan.noise else None)
