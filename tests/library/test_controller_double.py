@@ -1,4 +1,4 @@
-"""The emulated controller is real enough for ur_rtde's own clients, and for our recorder."""
+"""The double of a controller is real enough for ur_rtde's own clients, and for our recorder."""
 
 import socket
 import subprocess

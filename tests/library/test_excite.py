@@ -72,7 +72,7 @@ def test_the_program_streams_every_state(folder: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.real_time
-def test_an_emulated_controller_executes_the_program(folder: Path, ur5e: Robot) -> None:
+def test_the_double_of_a_controller_executes_the_program(folder: Path, ur5e: Robot) -> None:
     """Received by its port for programs; servoj lags by 0.1 s, and smooths a little."""
     with ControllerDouble(ur5e, ports=Ports.free()) as arm:
         ports = arm.setup.ports

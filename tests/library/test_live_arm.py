@@ -1,4 +1,4 @@
-"""The emulated arm moves as its commands say, and its controller survives any client."""
+"""The live arm moves as its commands say, and its controller survives any client."""
 
 import random
 import socket

@@ -71,14 +71,14 @@ def said(console: Console) -> str:
 # From the devices to the study
 
 
-def on_an_emulated_arm(test: Callable[..., None]) -> Callable[..., None]:
+def on_the_double_of_an_arm(test: Callable[..., None]) -> Callable[..., None]:
     """A test in real time, alone on the ports of a controller."""
     marked: Callable[..., None] = pytest.mark.usefixtures("controller_ports")(test)
     return pytest.mark.slow(pytest.mark.real_time(marked))
 
 
 def has_kept_up(folder: Path) -> bool:
-    """Whether an emulated arm was as late in the last fifth of a recording as in the one before."""
+    """Whether the double of an arm was as late in the last fifth of a recording as in the one before."""
     robot = pd.read_csv(folder / "robot.csv")
     late = (robot["host_time"] - robot["timestamp"]).to_numpy()
     *_, before, last = (part.min() for part in np.array_split(late, 5))
@@ -102,7 +102,7 @@ def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
     assert starts == pytest.approx({n: one["offset_s"] for n, one in clocks.items()}, abs=0.002)
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> None:
     pytest.importorskip("rtde_control")
     time = np.arange(0, 2, 0.02)
@@ -122,7 +122,7 @@ def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> N
     assert "- name: swing" in said(screen)
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     """By a hand that pulls again and again, from before freedrive until after it."""
     pytest.importorskip("rtde_control")
@@ -141,7 +141,7 @@ def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     assert "the motion ended early" not in said(screen)
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_nothing_moves_without_a_yes_or_a_plan(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,11 +165,11 @@ def test_nothing_moves_without_a_yes_or_a_plan(
             assert not Path("raw").exists()
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_the_page_is_followed_word_for_word(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its study, and its commands in their order, on the emulated laboratory."""
+    """Its study, and its commands in their order, on the doubles of a laboratory."""
     pytest.importorskip("rtde_control")
     monkeypatch.chdir(tmp_path)
     blocks = examples(PROJECT / "docs" / "recording.md")
@@ -214,7 +214,7 @@ def expect_moves(moved: pd.DataFrame) -> None:
     assert np.linalg.norm(beside, axis=1).max() < 0.002
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_the_arm_stops_when_a_device_dies(study: Path) -> None:
     """One that this program moves; the others are recorded on."""
     pytest.importorskip("rtde_control")

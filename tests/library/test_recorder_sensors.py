@@ -1,4 +1,4 @@
-"""The sensors' devices, beside emulated ones with known readings and faults."""
+"""The sensors' devices, beside doubles with known readings and faults."""
 
 import os
 import subprocess
@@ -37,7 +37,7 @@ Opened = AbstractContextManager[tuple[DeviceDouble, NetFT | Xsens]]
 def net_ft(
     reading: Array | None = WRENCH, bias: bool = False, **options: Any
 ) -> Iterator[tuple[DeviceDouble, NetFT | Xsens]]:
-    """An emulated box, and the device that records it.
+    """The double of a box, and the device that records it.
 
     reading: None for the host's time [s] since these tests began.
     """
@@ -59,7 +59,7 @@ def xsens(
 
 
 def device_of(double: DeviceDouble, bias: bool = False) -> NetFT | Xsens:
-    """A device that records an emulated one."""
+    """A device that records a double."""
     if isinstance(double, NetFTDouble):
         return NetFT("127.0.0.1", bias, double.port, double.http_port)
     assert isinstance(double, XsensDouble)

@@ -1,4 +1,4 @@
-"""Sessions of the recorder with emulated devices, which know when they took each sample."""
+"""Sessions of the recorder with doubles of devices, which know when they took each sample."""
 
 import multiprocessing
 import os
@@ -88,7 +88,7 @@ def read_back(devices: LabSettings, folder: Path) -> RawRecording:
 
 
 def behind(controller: ControllerDouble) -> float:
-    """Return how far an emulated arm is behind the time [s]."""
+    """Return how far a controller's double is behind the time [s]."""
     due = controller.clock.shown(time.monotonic()) - controller.setup.clock.offset_s
     return due - controller.ask("time")
 

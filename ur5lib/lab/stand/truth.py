@@ -77,20 +77,21 @@ def _torque_sensor_parameters(rig: Rig) -> dict[str, object]:
     """
     if not rig.robot.senses_torque():
         return {}
-    sensors, friction = TorqueSensors.of(rig.robot), rig.friction
+    sensor, friction = TorqueSensors.of(rig.robot), rig.friction
     behind = {
         name: FRICTION_SHARE_BEHIND_SENSOR * getattr(friction, name)
         for name in ("coulomb", "viscous", "load", "periodic")
     }
-    map_ = {"torque_constant": 1 / sensors.gain, "offset": -sensors.bias / sensors.gain}
+    calibration = {"torque_constant": 1 / sensor.gain, "offset": -sensor.bias / sensor.gain}
     return {
-        "drive": asdict(rig.drive) | map_,
+        "drive": asdict(rig.drive) | calibration,
         "friction": asdict(friction) | behind,
-        "torque_sensors": asdict(sensors),
+        "torque_sensors": asdict(sensor),
     }
 
 
 def _noise_sizes() -> dict[str, float | Array]:
+    """Return the sizes of all noise by quantity and unit."""
     return {
         "current_ripple_a": drives.CURRENT_RIPPLE,
         "current_a": drives.CURRENT_NOISE,
