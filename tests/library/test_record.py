@@ -78,7 +78,7 @@ def on_the_double_of_an_arm(test: Callable[..., None]) -> Callable[..., None]:
 
 
 def has_kept_up(folder: Path) -> bool:
-    """Whether the double of an arm was as late in the last fifth of a recording as in the one before."""
+    """Whether the double was as late in the last fifth of a recording as in the one before."""
     robot = pd.read_csv(folder / "robot.csv")
     late = (robot["host_time"] - robot["timestamp"]).to_numpy()
     *_, before, last = (part.min() for part in np.array_split(late, 5))
