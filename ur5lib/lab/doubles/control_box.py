@@ -28,7 +28,7 @@ Program = Iterator[None]  # advanced once per cycle, until it ends
 Outputs = Mapping[str, Array | float]  # under RTDE names
 ELBOW_BODY = "link_2"
 SUPPLY_VOLTAGE = 48.0  # V, of the supply
-STANDBY_POWER = 60.0  # W
+STANDBY_POWER = 60.0  # W, of an arm that does not move
 
 PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s², deceleration of a protective stop
 PROGRAM_END_DECELERATION = 4.0  # rad/s², deceleration where a program ends in motion

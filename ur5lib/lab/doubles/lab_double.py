@@ -23,6 +23,7 @@ from ur5lib.lab.stand.rig import STEP, build_rig
 from ur5lib.lab.stand.truth import write_truth
 from ur5lib.robots.description import Robot
 
+# Clocks and rates differ from device to device, as they do in a laboratory.
 FORCE_RATE, IMU_RATE = 500.0, 256.0  # Hz
 FORCE_CLOCK, IMU_CLOCK = DeviceClock(drift_ppm=40.0), DeviceClock(drift_ppm=-3000.0)
 ARM_CLOCK = DeviceClock(offset_s=4096.0, drift_ppm=25.0)

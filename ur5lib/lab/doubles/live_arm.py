@@ -138,12 +138,12 @@ class TargetGenerator:
         speed [rad/s], acceleration [rad/s²]: of the joint with the longest way.
         """
         _expect_positive(speed, acceleration)
-        self._start("movej", self._move(goal, speed, acceleration))
+        self._start("movej", self._movej_targets(goal, speed, acceleration))
 
     def stopj(self, deceleration: float) -> None:
         """Brake all joints; deceleration [rad/s²]: of the fastest one."""
         _expect_positive(deceleration)
-        self._start("stopj", self._brake(deceleration))
+        self._start("stopj", self._braking_targets(deceleration))
 
     def servoj(self, goal: Array, lookahead: float) -> None:
         """Follow the angles `goal` (6,) [rad], which may be renewed at any time.
@@ -153,14 +153,14 @@ class TargetGenerator:
         _expect_positive(lookahead)
         self._goal, self._rate = goal, 2 / lookahead
         if self._kind != "servoj":
-            self._start("servoj", self._follow())
+            self._start("servoj", self._servoj_targets())
 
     def speedj(self, speeds: Array, acceleration: float) -> None:
         """Move at joint speeds (6,) [rad/s], which may be renewed; acceleration [rad/s²]."""
         _expect_positive(acceleration)
         self._goal, self._gain = speeds, acceleration
         if self._kind != "speedj":
-            self._start("speedj", self._run())
+            self._start("speedj", self._speedj_targets())
 
     def freedrive(self, actual: Callable[[], tuple[Array, Array]]) -> None:
         """Follow the joints wherever they are pushed, as in freedrive.
@@ -172,7 +172,8 @@ class TargetGenerator:
     def _start(self, kind: str, rows: Iterator[Target]) -> None:
         self._kind, self._rows, self.moving = kind, rows, True
 
-    def _brake(self, deceleration: float) -> Iterator[Target]:
+    def _braking_targets(self, deceleration: float) -> Iterator[Target]:
+        """Yield targets that slow down all joints alike, which keeps the arm on its path."""
         q, qd = self.q, self.qd
         seconds = np.abs(qd).max() / deceleration
         for k in range(1, int(np.ceil(seconds / STEP)) + 1):
@@ -180,8 +181,8 @@ class TargetGenerator:
             remaining = 1 - passed / seconds
             yield q + qd * (1 + remaining) / 2 * passed, qd * remaining, -qd / seconds
 
-    def _move(self, goal: Array, speed: float, acceleration: float) -> Iterator[Target]:
-        yield from self._brake(acceleration)
+    def _movej_targets(self, goal: Array, speed: float, acceleration: float) -> Iterator[Target]:
+        yield from self._braking_targets(acceleration)
         if (goal == self.q).all():
             return
         seconds = duration(goal - self.q, speed, acceleration)[2]
@@ -189,14 +190,14 @@ class TargetGenerator:
         move = leg(time, self.q, goal, speed, acceleration)
         yield from zip(*move, strict=True)
 
-    def _follow(self) -> Iterator[Target]:
-        """Approach the goal like a critically damped spring, which lags by 2/rate."""
+    def _servoj_targets(self) -> Iterator[Target]:
+        """Yield targets that approach the goal like a critically damped spring, 2/rate late."""
         while True:
             qdd = self._rate * (self._rate * (self._goal - self.q) - 2 * self.qd)
             qd = self.qd + STEP * qdd
             yield self.q + STEP * qd, qd, qdd
 
-    def _run(self) -> Iterator[Target]:
+    def _speedj_targets(self) -> Iterator[Target]:
         while True:
             missing = self._goal - self.qd
             largest = np.abs(missing).max()

@@ -66,7 +66,7 @@ class XsensDouble(DeviceDouble):
         """Obey the requests that are complete."""
         data = os.read(self.line, 4096)
         self._asked += data if self.is_powered() else b""
-        while len(self._asked) >= 5:
+        while len(self._asked) >= 5:  # bytes of a message without data
             end = 5 + self._asked[3]
             request, whole = self._asked[:end], len(self._asked) >= end
             if self._asked[:2] != b"\xfa\xff":

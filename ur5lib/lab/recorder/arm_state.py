@@ -37,7 +37,7 @@ def read_state(address: str, port: int = PORT) -> ArmState:
     """Return the state of the arm at an address. Raises InputError when it does not answer."""
     client = RtdeClient(address, port)
     try:
-        client.start(STATE_OUTPUTS, 125.0)
+        client.start(STATE_OUTPUTS, 125.0)  # Hz, which every controller offers
         # the first bytes may be part of a package only
         packages = client.receive(ANSWER_TIMEOUT) or client.receive(ANSWER_TIMEOUT)
     except DeviceLost as error:
