@@ -39,11 +39,11 @@ from ur5lib.identification.samples import (
 )
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record, write_csv

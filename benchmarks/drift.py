@@ -21,7 +21,7 @@ from ur5lib.identification.samples import passed
 from ur5lib.pipeline.checkup import checkup
 from ur5lib.pipeline.current_samples import Smoother
 from ur5lib.pipeline.health import health_of as tracked
-from ur5lib.pipeline.records.arm_state import JointChange
+from ur5lib.records.arm_state import JointChange
 
 SEEDS, DATES, SECONDS = 20, 20, 20.0
 PATHS, APART = 3, 3  # days between dates

@@ -21,7 +21,7 @@ from ur5lib.commands.excite import ExciteOptions, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
 from ur5lib.excitation.outlook import KEPT
 from ur5lib.excitation.problem import PER_JOINT
-from ur5lib.pipeline.records.friction import Friction
+from ur5lib.records.friction import Friction
 from ur5lib.tables import read_json, read_record
 
 STUDY = "excitation-loop"

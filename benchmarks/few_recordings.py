@@ -24,8 +24,8 @@ from benchmarks.harness.options import arm_options, built
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal
 from ur5lib.force.detection import alarms, compare, contacts, in_contact
 from ur5lib.force.external_torque import SLOW
-from ur5lib.pipeline.records.forces import Forces, SensorWrenches
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.motion import Motion
 from ur5lib.tables import read_json
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95

@@ -39,8 +39,8 @@ from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.leaderboard.scores import known_to_all, masked, score_by_sample
 from ur5lib.leaderboard.study import Arm, label_paths, read_run
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.friction import Friction
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_csv, read_record, write_csv
 from ur5lib.timeseries.arrays import Array

@@ -33,19 +33,19 @@ from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current
 from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.imu_samples import imu_samples
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
-from ur5lib.pipeline.records.forces import Forces
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Rotors
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.truth import TrueParameters, Truth
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques, rotor_samples
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Rotors
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.records.truth import TrueParameters, Truth
 from ur5lib.report import truth_rows
 from ur5lib.report.truth_rows import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path

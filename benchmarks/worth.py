@@ -40,9 +40,9 @@ from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
 from ur5lib.leaderboard.tables import markdown
 from ur5lib.pipeline import force_input
 from ur5lib.pipeline.force_estimates import fmap_problem
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import Gaussians
@@ -103,7 +103,7 @@ PARTS = {
     "friction at rest": Part({f"{GATE}.HELD": 0.0}, {"stiction": 0.01}),
     "mixture band": Part({f"{ESTIMATE}.mixture_std": of_a_free_arm}),
     "cross-fitting": Part(
-        {"ur5lib.pipeline.records.friction.Friction.fit_for": lambda own, _: own.fit}, refits=True
+        {"ur5lib.records.friction.Friction.fit_for": lambda own, _: own.fit}, refits=True
     ),
 }
 

@@ -17,7 +17,7 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
-from ur5lib.pipeline.records.force_errors import Audit
+from ur5lib.records.force_errors import Audit
 from ur5lib.tables import read_record
 from ur5lib.workspace.new import new_workspace
 

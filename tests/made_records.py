@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.table import Table
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.records.table import Table
 from ur5lib.timeseries.arrays import Array
 
 

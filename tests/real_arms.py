@@ -30,17 +30,17 @@ from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.force_estimates import Problem, fmap_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.sensor_comparison import sensor_wrenches
 from ur5lib.pipeline.sensor_reading import by_own_clock, moved_tool
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.intake import Intake
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import Clock, SettledClock
 from ur5lib.signals.resampling import resample

@@ -8,8 +8,8 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.records.table import Table
 from ur5lib.recordings.quality import Quality
+from ur5lib.records.table import Table
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.study.model import Recording, Study
 from ur5lib.study.reading import read_study

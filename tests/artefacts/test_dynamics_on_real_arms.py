@@ -9,7 +9,7 @@ from tests.real_arms import RealStudy
 from ur5lib.commands.check import look_through
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.carried import carried
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.signals import Signals
 from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
 

@@ -9,8 +9,8 @@ import yaml
 from tests.conftest import build_once
 from ur5lib.force.detection import in_contact
 from ur5lib.identification.currents import parameters
-from ur5lib.pipeline.records.forces import Forces, SensorWrenches
-from ur5lib.pipeline.records.friction import Friction
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.friction import Friction
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95

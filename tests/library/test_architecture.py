@@ -29,15 +29,16 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "lab.recorder": BASE,
     "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
     "excitation": BASE | {"dynamics", "identification"},
-    "pipeline": BASE | ROOMS | {"smoothing", "workspace"},
-    "report": BASE | ROOMS | {"excitation", "pipeline", "workspace"},
+    "records": BASE | ROOMS | {"pipeline"},
+    "pipeline": BASE | ROOMS | {"records", "smoothing", "workspace"},
+    "report": BASE | ROOMS | {"excitation", "pipeline", "records", "workspace"},
     "study": BASE | {"lab.recorder", "lab.stand", "recordings"},
-    "finished": {"errors", "pipeline", "recordings", "robots", "study", "tables"},
+    "finished": {"errors", "pipeline", "records", "recordings", "robots", "study", "tables"},
     "commands": BASE
     | ROOMS
     | {"datasets", "excitation", "finished", "lab.doubles", "lab.recorder", "pipeline"}
-    | {"report", "study"},
-    "leaderboard": BASE | ROOMS | {"pipeline", "workspace"},
+    | {"records", "report", "study"},
+    "leaderboard": BASE | ROOMS | {"pipeline", "records", "workspace"},
     "importing": BASE | {"commands", "dynamics", "recordings", "study"},
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}

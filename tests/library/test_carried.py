@@ -8,7 +8,7 @@ import pytest
 from tests.conftest import said
 from tests.made_records import signals_of
 from ur5lib.pipeline.carried import carried, disagreements
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload
 
 DECLARED = Payload(mass=0.46, center_of_mass=(0.0, 0.0, 0.02))

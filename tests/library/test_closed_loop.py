@@ -22,7 +22,7 @@ from ur5lib.identification.closed_loop import (
     tracking_cost,
 )
 from ur5lib.pipeline.closed_loop import gain_summary, published_gains, simulated, tracking_of
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error

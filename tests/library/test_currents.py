@@ -73,7 +73,7 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
-from ur5lib.pipeline.records.friction import Friction, LeftOut
+from ur5lib.records.friction import Friction, LeftOut
 from ur5lib.robots.friction import BASE
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array

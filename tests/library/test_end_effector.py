@@ -9,8 +9,8 @@ from tests.library.test_smoothing import POINT, Motion, kinematics, random_state
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, velocity
 from ur5lib.pipeline.imu_samples import imu_samples
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Mounting, Robot
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import device_clock

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.signals import Signals
 from ur5lib.report import house_style
 from ur5lib.report.arm_figures import (
     UPRIGHT,

@@ -8,7 +8,7 @@ import pytest
 
 import ur5lib
 from ur5lib.errors import InputError
-from ur5lib.pipeline.records.friction import Friction
+from ur5lib.records.friction import Friction
 from ur5lib.tables import write_csv, write_table
 
 

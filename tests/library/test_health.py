@@ -26,9 +26,9 @@ from ur5lib.identification.samples import Record, columns_of, passed
 from ur5lib.identification.validation import Scores
 from ur5lib.pipeline.checkup import checkup, dated
 from ur5lib.pipeline.health import health_of, together
-from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointChange
-from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Finding, Quality
+from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
+from ur5lib.records.prediction import Prediction
 from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.compose import shown_table
 from ur5lib.report.formats import days

@@ -9,7 +9,7 @@ import pytest
 
 from tests.commands import Command
 from ur5lib.leaderboard.study import arm_of
-from ur5lib.pipeline.records.friction import Friction
+from ur5lib.records.friction import Friction
 from ur5lib.robots.description import Robot, robot_yaml
 from ur5lib.tables import write_json
 

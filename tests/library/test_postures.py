@@ -20,10 +20,10 @@ from ur5lib.identification.currents import Parameter, parameters
 from ur5lib.pipeline.current_samples import Smoother, prior_of
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction
 from ur5lib.pipeline.postures import checked_postures, held_torque
-from ur5lib.pipeline.records.friction import Friction
 from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.postures import read_postures
 from ur5lib.recordings.quality import Finding
+from ur5lib.records.friction import Friction
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.reading import parse_study

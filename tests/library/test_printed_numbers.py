@@ -10,9 +10,9 @@ from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.pipeline.closed_loop import published_gains, simulated, tracking_of
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.recordings.quality import StartOffset
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.report.compose import shown_table
 from ur5lib.report.explained_errors import explained_accelerations, loop_error
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared

@@ -28,8 +28,8 @@ from ur5lib.lab.recorder.capture import Status
 from ur5lib.lab.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
 from ur5lib.lab.recorder.device import Identity
 from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState
 from ur5lib.study.reading import read_study

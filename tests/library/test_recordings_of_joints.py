@@ -16,15 +16,15 @@ from ur5lib.commands.described import describe_urdf
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.pipeline.current_samples import prior_of
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import check_robot
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.stop_signs import stop_signs
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.report.charts import residual_panels, scatter_panels
 from ur5lib.report.traces import TORQUE, Series, Traces, draw_traces
 from ur5lib.robots.description import Robot

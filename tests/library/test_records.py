@@ -12,15 +12,15 @@ import pytest
 
 from tests.made_records import same
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.records.accelerations import Accelerations
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.motion import FusedMotion, Motion
-from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
-from ur5lib.pipeline.records.table import SegmentedTable, Table
-from ur5lib.pipeline.records.truth import Truth
+from ur5lib.records.accelerations import Accelerations
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.currents import Currents, LoadRegressor
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.motion import FusedMotion, Motion
+from ur5lib.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.records.table import SegmentedTable, Table
+from ur5lib.records.truth import Truth
 from ur5lib.tables import column_unit, read_table
 
 RECORDS: list[type[Table]] = [

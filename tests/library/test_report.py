@@ -15,9 +15,9 @@ from lxml.html import fromstring
 from tests.artefacts.documents import stated
 from tests.made_tables import empty, table
 from ur5lib.errors import InputError, remark
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.signals import Signals
 from ur5lib.report.compose import shown_table
 from ur5lib.report.document import (
     MOST_ROWS,

@@ -9,7 +9,7 @@ from tests.workflow.test_make import own_environment
 from ur5lib import load
 from ur5lib.finished import FinishedStudy
 from ur5lib.pipeline.estimators import Run
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.motion import Motion
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import Term
 

@@ -24,11 +24,11 @@ from ur5lib.lab.stand.simulate import Format, simulate
 from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.estimators import Run, controller
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.thesis_csv import read_thesis_csv
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table

@@ -14,9 +14,9 @@ from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import Experiment, perform
 from ur5lib.lab.stand.simulate import simulate
 from ur5lib.lab.stand.torque_sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
-from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.intake import read_and_repair
+from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.study.reading import parse_study

@@ -15,9 +15,9 @@ from ur5lib.errors import InputError
 from ur5lib.force.external_torque import STILL, TARED
 from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.force_estimates import fmap_problem
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.tare import tared
+from ur5lib.records.currents import Currents
+from ur5lib.records.motion import Motion
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
 

@@ -12,11 +12,11 @@ from tests.library.test_smoothing import kinematics, random_states
 from tests.library.test_stand_devices import FOURIER, PUSH, Recorded
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_comparison import sensor_wrenches
 from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.end_effector import ToolMotion, expected, point_acceleration, tool_motion

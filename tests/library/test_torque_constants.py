@@ -11,9 +11,9 @@ from tests.made_tables import table
 from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.pipeline.current_samples import controllers_ratio
 from ur5lib.pipeline.published_constants import current_torque, published_constants
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import ODD_TARGET, Contradictions, Finding
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.signals import Signals
 from ur5lib.report.friction_figures import printed_friction
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import Robot

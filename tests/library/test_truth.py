@@ -12,11 +12,11 @@ from ur5lib.identification.currents import Parameter
 from ur5lib.identification.rotor_inertia import Terms
 from ur5lib.lab.stand.plan import Imu
 from ur5lib.pipeline.fused_motion import no_fused_motion
-from ur5lib.pipeline.records.forces import Forces
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Rotors
-from ur5lib.pipeline.records.motion import FusedMotion, Motion
-from ur5lib.pipeline.records.truth import COLUMNS, TrueParameters, Truth
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Rotors
+from ur5lib.records.motion import FusedMotion, Motion
+from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
 from ur5lib.report.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.truth_rows import (

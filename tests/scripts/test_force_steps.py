@@ -23,14 +23,14 @@ from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.estimators import GATED
 from ur5lib.pipeline.force_estimates import is_fitted
-from ur5lib.pipeline.records.contacts import Alarm, Detected
-from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.friction import Friction, KnownConstants
-from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.residual_fit import usual_residuals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
+from ur5lib.records.contacts import Alarm, Detected
+from ur5lib.records.currents import Currents, LoadRegressor
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.friction import Friction, KnownConstants
+from ur5lib.records.prediction import Prediction
 from ur5lib.robots.description import Payload, Robot, robot_path
 from ur5lib.robots.statics import link_frames
 from ur5lib.tables import read_json, read_record, read_table, write_json

@@ -13,8 +13,8 @@ from ur5lib.lab.stand.controller_channels import frames
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import Experiment, perform
 from ur5lib.pipeline.current_samples import current_record
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.tables import read_json, write_table
 

@@ -14,12 +14,12 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
 from ur5lib.force.current_based import friction_torque
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.signals import SENSOR_COLUMNS
-from ur5lib.pipeline.records.table import Table
 from ur5lib.recordings.quality import Contradictions, Quality, StartOffset
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.friction import Friction
+from ur5lib.records.signals import SENSOR_COLUMNS
+from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, robot_path
 from ur5lib.signals.clock import BY_STAMPS, SettledClock
 from ur5lib.tables import read_json, write_json, write_table

@@ -16,7 +16,6 @@ from ur5lib.errors import InputError
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.postures import checked_postures
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import too_short, touched
 from ur5lib.recordings.innovations import CURRENT
@@ -25,6 +24,7 @@ from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import given_load, stop_signs
 from ur5lib.recordings.touch_checks import unfelt
 from ur5lib.recordings.unchecked import unchecked
+from ur5lib.records.signals import Signals
 from ur5lib.report.findings import by_finding, group_findings, worded
 from ur5lib.report.tables.files import name_copies
 from ur5lib.report.tables.making import make_table

@@ -21,9 +21,9 @@ from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_f
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Identification
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification
+from ur5lib.records.motion import Motion
 from ur5lib.report.excitation import LOAD, excitation_figure, excitation_page
 from ur5lib.report.house_style import save
 from ur5lib.report.render import write_html

@@ -11,11 +11,11 @@ import numpy as np
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import BaseParameter, Identification, Rotors
+from ur5lib.records.motion import Motion
 from ur5lib.report.findings import in_words
 from ur5lib.robots.description import Robot, load_robot, no_description, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf

@@ -9,11 +9,11 @@ import numpy as np
 from ur5lib.commands.exported import motor_torque
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import DEAD_ZONE, by_segment

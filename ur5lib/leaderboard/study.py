@@ -22,13 +22,13 @@ from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.strict import read_yaml
 from ur5lib.tables import read_record

@@ -7,9 +7,9 @@ import numpy as np
 from ur5lib.identification.condition import joint_conditions
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import Record, Smooth
-from ur5lib.pipeline.records.arm_state import Checkup
-from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Quality
+from ur5lib.records.arm_state import Checkup
+from ur5lib.records.prediction import Prediction
 
 
 def checkup(

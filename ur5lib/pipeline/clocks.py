@@ -5,8 +5,8 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.recordings.quality import Device, StartOffset
+from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.signals.clock import OwnClock, clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.resampling import resample

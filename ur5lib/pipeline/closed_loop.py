@@ -8,9 +8,9 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import closed_loop
 from ur5lib.identification.closed_loop import JointGains, Tracking
 from ur5lib.pipeline.carried import configured_payload
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.gains import GainSummary
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.gains import GainSummary
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment

@@ -22,9 +22,9 @@ from ur5lib.force.external_torque import MOVING
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.pipeline.force_input import gears
-from ur5lib.pipeline.records.contacts import Alarm, Detected, ForceClass, Matched, OnAxis
-from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.contacts import Alarm, Detected, ForceClass, Matched, OnAxis
+from ur5lib.records.currents import Currents, LoadRegressor
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import marked
 

@@ -23,9 +23,9 @@ from ur5lib.identification.validation import (
     score,
 )
 from ur5lib.pipeline.current_samples import Smoother
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import causal_lowpass

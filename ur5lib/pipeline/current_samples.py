@@ -14,9 +14,9 @@ from ur5lib.identification.prior import (
     typical_friction,
 )
 from ur5lib.identification.samples import Record
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass

@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ur5lib.pipeline.imu_samples import imu_samples
-from ur5lib.pipeline.records.accelerations import (
+from ur5lib.records.accelerations import (
     COMPONENTS,
     AccelerationErrors,
     Accelerations,
     ByRange,
     Difference,
 )
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
 from ur5lib.signals.imu_calibration import AS_DRAWN, ImuCalibration, accelerometer_bias

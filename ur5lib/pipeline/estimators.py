@@ -18,9 +18,9 @@ from ur5lib.workspace.extensions import PAGE, additions
 
 if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
     from ur5lib.force.wrench_estimate import WrenchEstimate
-    from ur5lib.pipeline.records.currents import Currents
-    from ur5lib.pipeline.records.dynamics import Kinematics
-    from ur5lib.pipeline.records.motion import Motion
+    from ur5lib.records.currents import Currents
+    from ur5lib.records.dynamics import Kinematics
+    from ur5lib.records.motion import Motion
 
 
 class Stated(NamedTuple):

@@ -10,7 +10,7 @@ from ur5lib.force.flange_contact import SAMPLES, SURE, flange_probability, lever
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import Noise, diagonal
 from ur5lib.pipeline.force_estimates import Problem
-from ur5lib.pipeline.records.contacts import Alarm
+from ur5lib.records.contacts import Alarm
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array, Labels

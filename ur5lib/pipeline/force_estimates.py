@@ -14,10 +14,10 @@ from ur5lib.force.wrench_estimate import (
     used_rows,
 )
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
 from ur5lib.recordings.quality import Contradictions
+from ur5lib.records.currents import Currents
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable
 
 from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.force_input import ForceInput, Gears
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.currents import Currents
+from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels
 
 

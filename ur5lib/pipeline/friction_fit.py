@@ -20,9 +20,9 @@ from ur5lib.identification.validation import (
     fitted_on_tested_on,
     least_squares_coefficients,
 )
-from ur5lib.pipeline.records.friction import Friction, KnownConstants, LeftOut
 from ur5lib.recordings.copies import same_runs
 from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.friction import Friction, KnownConstants, LeftOut
 from ur5lib.timeseries.arrays import Array
 
 MOST_LOST = 3  # joints whose current does not follow their torque: the others tell a force

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.motion import FusedMotion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import STATES, state_parts
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import FusedMotion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.smoothing.encoders import SmoothedMotion

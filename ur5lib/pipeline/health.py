@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from ur5lib.identification.condition import UNITS
-from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointChange
+from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.changes import FEWEST, Series, find_changes, over_spans
 from ur5lib.timeseries.trajectories import PathStates, group_by_path

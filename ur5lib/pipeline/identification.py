@@ -17,7 +17,7 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.excitation import candidate_motions, check_excitation
-from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
+from ur5lib.records.models import BaseParameter, Identification, Rotors
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import BY_HOST, BY_MOTION, SHARED, Clock
 from ur5lib.signals.end_effector import point_velocity

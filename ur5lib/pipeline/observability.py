@@ -18,10 +18,10 @@ from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.samples import STEP
 from ur5lib.identification.validation import ShareBySpeed, share_by_speed
 from ur5lib.pipeline.force_estimates import Problem
-from ur5lib.pipeline.records.arm_state import Observed
-from ur5lib.pipeline.records.contacts import SmallestPush
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.arm_state import Observed
+from ur5lib.records.contacts import SmallestPush
+from ur5lib.records.currents import Currents
+from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array
 
 FLANGE_SPEEDS = (0.0, 0.01, 0.25, 0.5, 1.0, np.inf)  # m/s; below the first step, the arm rests

@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.pipeline.carried import carried, disagreements
-from ur5lib.pipeline.records.postures import Postures
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.posture_checks import (
@@ -16,6 +14,8 @@ from ur5lib.recordings.posture_checks import (
 )
 from ur5lib.recordings.postures import posture_means, read_postures
 from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.postures import Postures
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, Six
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array

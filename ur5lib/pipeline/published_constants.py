@@ -11,8 +11,8 @@ from ur5lib.force.current_based import (
     friction_torque,
     torque_on_current,
 )
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import BLOCK

@@ -12,10 +12,10 @@ from ur5lib.force.current_based import (
     motor_torque_as_published,
     wrench_from_torque,
 )
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.forces import PublishedForces
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.forces import PublishedForces
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass, zero_phase_lowpass

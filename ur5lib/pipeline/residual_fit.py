@@ -29,9 +29,9 @@ from ur5lib.identification.currents import (
 )
 from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_input import inputs
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.currents import Currents
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
 from ur5lib.timeseries.segments import unbroken
 
 PAST_ALONE = 1.3  # factor on errors of the causal torque: other months' do not average out so soon

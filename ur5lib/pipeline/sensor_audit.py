@@ -14,12 +14,12 @@ from ur5lib.force.sensor_audit import (
     shifts_after_contacts,
 )
 from ur5lib.identification.payload import JudgedLoad
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.force_errors import Audit, AuditRow
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.pipeline.sensor_reading import in_frame_6, moved_tool, within_reach
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import Audit, AuditRow
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.end_effector import ToolMotion
 from ur5lib.timeseries.arrays import Array

@@ -16,10 +16,10 @@ from ur5lib.force.sensor import (
     sensed,
     wrench_of_environment,
 )
-from ur5lib.pipeline.records.force_errors import ByPeriod, Compared, Figures, OffsetAccount
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.table import WRENCH
+from ur5lib.records.force_errors import ByPeriod, Compared, Figures, OffsetAccount
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.signals import Signals
+from ur5lib.records.table import WRENCH
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 

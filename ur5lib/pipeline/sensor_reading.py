@@ -7,11 +7,11 @@ import pandas as pd
 
 from ur5lib.force.sensor import bias, fit_offset
 from ur5lib.pipeline.clocks import by_stamps
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_comparison import SensorReading
 from ur5lib.recordings.quality import StartOffset
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.end_effector import ToolMotion, expected, tool_motion
 from ur5lib.timeseries.arrays import Array

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ur5lib.pipeline.records.motion import Motion, MotionAccount, MotionNoise
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.motion import Motion, MotionAccount, MotionNoise
+from ur5lib.records.signals import Signals
 from ur5lib.smoothing.encoders import KnownJoints, SmoothedJoints, SmoothedMotion
 from ur5lib.smoothing.noise import EncoderNoise
 from ur5lib.timeseries.arrays import Array

@@ -6,9 +6,9 @@ from ur5lib.force.contact_wrench import LEAST_ERROR, at_rest, static_wrench, tor
 from ur5lib.pipeline.current_prediction import inner
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.estimators import Stated
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.currents import Currents
+from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Mask
 
 NEAR = 0.02  # rad, by which a joint may leave the tared posture

@@ -6,9 +6,9 @@ import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.carried import Carried, configured_payload
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass

@@ -8,9 +8,9 @@ from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.closed_loop import published_gains, simulated_states, tracking_of
 from ur5lib.pipeline.end_effector import derivative, lowpassed, through_angles
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import StartOffset
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.report.reference import AccelerationError, LoopError
 from ur5lib.robots.description import Model, Robot
 from ur5lib.signals.end_effector import felt_acceleration

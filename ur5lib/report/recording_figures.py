@@ -7,12 +7,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from ur5lib.pipeline.estimators import NEW
-from ur5lib.pipeline.records.accelerations import Accelerations
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.accelerations import Accelerations
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.signals import Signals
 from ur5lib.report.house_style import JOINTS, Drawing, house_style, nothing_to_draw
 from ur5lib.report.traces import (
     ACCELERATION,

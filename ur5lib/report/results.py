@@ -16,7 +16,7 @@ import pandas as pd
 import yaml
 
 from ur5lib.errors import InputError
-from ur5lib.pipeline.records.truth import COLUMNS as TRUTH
+from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference

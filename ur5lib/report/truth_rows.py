@@ -11,13 +11,13 @@ from scipy.stats import norm, t
 from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.lab.stand.plan import Imu
-from ur5lib.pipeline.records.accelerations import COMPONENTS, Accelerations
-from ur5lib.pipeline.records.forces import Forces
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Identification, Rotors
-from ur5lib.pipeline.records.motion import FusedMotion, Motion
-from ur5lib.pipeline.records.table import WRENCH, WRENCH_UNITS
-from ur5lib.pipeline.records.truth import TrueDrive, TrueParameters, Truth
+from ur5lib.records.accelerations import COMPONENTS, Accelerations
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.motion import FusedMotion, Motion
+from ur5lib.records.table import WRENCH, WRENCH_UNITS
+from ur5lib.records.truth import TrueDrive, TrueParameters, Truth
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration

@@ -3,13 +3,13 @@
 from typing import Any
 
 from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.force_errors import Audit
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_audit import audit
 from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import Audit
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 

@@ -3,8 +3,8 @@
 from typing import Any
 
 from ur5lib.pipeline.imu_samples import has_valid_imu, imu_samples
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import calibrate_without_each

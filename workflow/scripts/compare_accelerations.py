@@ -13,12 +13,12 @@ from ur5lib.pipeline.end_effector import (
     differences,
 )
 from ur5lib.pipeline.imu_samples import has_valid_imu
-from ur5lib.pipeline.records.accelerations import Accelerations, ImuComparison
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.motion import FusedMotion, Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured
 from ur5lib.recordings.quality import Quality
+from ur5lib.records.accelerations import Accelerations, ImuComparison
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import FusedMotion, Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for

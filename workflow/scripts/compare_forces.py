@@ -3,11 +3,6 @@
 from typing import Any
 
 from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.force_errors import Compared
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_comparison import (
     SensorReading,
     band_widths,
@@ -16,6 +11,11 @@ from ur5lib.pipeline.sensor_comparison import (
     sensor_wrenches,
 )
 from ur5lib.recordings.quality import Quality
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import Compared
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.tables import read_record, read_table, write_json

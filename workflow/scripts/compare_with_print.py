@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.report.explained_errors import explained_accelerations, loop_error
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared
 from ur5lib.report.reference import Reference, read_reference

@@ -4,7 +4,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.pipeline.records.truth import COLUMNS, TrueParameters
+from ur5lib.records.truth import COLUMNS, TrueParameters
 from ur5lib.report.truth_rows import arm_rows, recording_rows
 from ur5lib.tables import read_record, write_csv
 from ur5lib.timeseries.lowpass import Butterworth

@@ -3,8 +3,8 @@
 from typing import Any
 
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 
 

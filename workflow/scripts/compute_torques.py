@@ -3,9 +3,9 @@
 from typing import Any
 
 from ur5lib.pipeline.carried import carried
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.torques import joint_torques
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, load_robot
 from ur5lib.tables import write_json
 

@@ -9,10 +9,10 @@ from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder
 from ur5lib.pipeline.flange_contacts import judged_by_torques
 from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.observability import by_axis, pushed
-from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.currents import Currents, LoadRegressor
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.motion import Motion
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.report.explained_errors import explained_accelerations
 from ur5lib.report.house_style import save
 from ur5lib.report.recording_figures import euler_figure

@@ -6,10 +6,10 @@ import numpy as np
 
 from ur5lib.identification.currents import torque_constants
 from ur5lib.pipeline.current_samples import Smoother, current_record
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.report.friction_figures import MovingSamples, friction_figures, knowledge_bars
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import load_robot

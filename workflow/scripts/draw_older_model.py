@@ -4,8 +4,8 @@ from typing import Any
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.carried import configured_payload
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.signals import Signals
 from ur5lib.report import recording_figures as figures
 from ur5lib.report.house_style import save
 from ur5lib.report.reference import OLDER_MODEL, Published, read_reference

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.pipeline.records.forces import PublishedForces, SensorWrenches
+from ur5lib.records.forces import PublishedForces, SensorWrenches
 from ur5lib.report.house_style import save
 from ur5lib.report.recording_figures import published_force_figure as draw
 

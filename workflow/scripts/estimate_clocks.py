@@ -5,9 +5,9 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.pipeline.clocks import own_clocks
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Device, Quality
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
 from ur5lib.tables import read_record, read_table, write_json
 
 

@@ -7,13 +7,13 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.pipeline import force_estimates
 from ur5lib.pipeline.estimators import ESTIMATORS, Run
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
-from ur5lib.pipeline.records.forces import Forces
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record
 

@@ -10,9 +10,9 @@ from ur5lib.pipeline.closed_loop import (
     simulated,
     tracking_of,
 )
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.gains import GainSummary
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.gains import GainSummary
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import write_json
 

@@ -7,11 +7,11 @@ from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.identification import payload
 from ur5lib.identification.samples import smoothed_moving
 from ur5lib.pipeline.current_samples import Smoother, current_record
-from ur5lib.pipeline.records.currents import LoadRegressor
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.currents import LoadRegressor
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 

@@ -4,13 +4,13 @@ from typing import Any
 
 from ur5lib.pipeline.checkup import checkup, dated
 from ur5lib.pipeline.current_samples import Smoother, current_record
-from ur5lib.pipeline.records.arm_state import Checkup
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
+from ur5lib.records.arm_state import Checkup
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 

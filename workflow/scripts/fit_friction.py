@@ -14,12 +14,12 @@ from ur5lib.pipeline.friction_fit import (
     require_single_runs,
 )
 from ur5lib.pipeline.postures import held_torque
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.postures import Postures
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.postures import Postures
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 

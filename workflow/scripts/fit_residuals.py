@@ -3,10 +3,10 @@
 from typing import Any
 
 from ur5lib.force.residual_model import Residuals
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.residual_fit import residual_models, usual_residuals
+from ur5lib.records.currents import Currents
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
 from ur5lib.tables import read_record, write_json
 
 

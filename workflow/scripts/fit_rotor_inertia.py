@@ -3,10 +3,10 @@
 from typing import Any
 
 from ur5lib.identification import rotor_inertia
-from ur5lib.pipeline.records.models import Rotors
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.torques import rotor_samples
+from ur5lib.records.models import Rotors
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import write_json
 from ur5lib.timeseries.lowpass import Butterworth

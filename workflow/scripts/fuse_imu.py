@@ -4,10 +4,10 @@ from typing import Any
 
 from ur5lib.pipeline.fused_motion import fused_record, imu_model, no_fused_motion
 from ur5lib.pipeline.imu_samples import has_valid_imu
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.motion import Motion, MotionAccount, MotionNoise
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import known_joints, measured, motion_account
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion, MotionAccount, MotionNoise
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for

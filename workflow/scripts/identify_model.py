@@ -5,10 +5,10 @@ from typing import Any
 
 from ur5lib.errors import reason
 from ur5lib.pipeline.identification import with_identified, with_rotors
-from ur5lib.pipeline.records.models import Identification, Rotors
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.torques import torque_blocks
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies

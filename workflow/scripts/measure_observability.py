@@ -6,13 +6,13 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.force_estimates import fmap_problem
 from ur5lib.pipeline.observability import judged, observability, pushed
-from ur5lib.pipeline.records.arm_state import Observed
-from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.dynamics import Kinematics
-from ur5lib.pipeline.records.forces import Forces
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
+from ur5lib.records.arm_state import Observed
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
 from ur5lib.tables import read_record, write_rows
 
 

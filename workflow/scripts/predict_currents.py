@@ -7,14 +7,14 @@ from ur5lib.identification.payload import PayloadEstimate, judged_load
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.current_prediction import baselines, predicted_currents, scores, with_load
 from ur5lib.pipeline.current_samples import Smoother, current_record
-from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.tare import tared
 from ur5lib.recordings.quality import Contradictions
+from ur5lib.records.currents import Currents, LoadRegressor
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 

@@ -4,9 +4,9 @@ from typing import Any
 
 from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces
 from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Identification
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification
+from ur5lib.records.motion import Motion
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_rows
 

@@ -6,12 +6,12 @@ from typing import Any
 
 from ur5lib.pipeline.published_constants import current_torque, published_constants
 from ur5lib.pipeline.published_forces import published_forces
-from ur5lib.pipeline.records.dynamics import Kinematics, Torques
-from ur5lib.pipeline.records.forces import PublishedForces
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Contradictions
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import PublishedForces
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.lowpass import Butterworth

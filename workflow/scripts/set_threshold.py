@@ -9,7 +9,7 @@ import numpy as np
 
 from ur5lib.force.detection import alarm_threshold, force_threshold
 from ur5lib.pipeline.estimators import GATED, PUBLISHED
-from ur5lib.pipeline.records.forces import Forces, PublishedForces
+from ur5lib.records.forces import Forces, PublishedForces
 from ur5lib.tables import write_json
 from ur5lib.timeseries.arrays import Array
 

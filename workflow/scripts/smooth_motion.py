@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured, motion_account, motion_noise, motion_record
+from ur5lib.records.signals import Signals
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.tables import write_json
 

@@ -4,8 +4,8 @@ from typing import Any
 
 from ur5lib.identification.samples import path_of
 from ur5lib.pipeline.health import health_of
-from ur5lib.pipeline.records.arm_state import Checkup, Condition, JointChange
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.records.arm_state import Checkup, Condition, JointChange
+from ur5lib.records.motion import Motion
 from ur5lib.tables import read_record, write_rows
 
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.pipeline.records.force_errors import Compared
-from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.copies import same_runs
 from ur5lib.recordings.quality import Contradictions, Quality
+from ur5lib.records.force_errors import Compared
+from ur5lib.records.signals import Signals
 from ur5lib.report.findings import sentence, worded
 from ur5lib.report.tables import Row
 from ur5lib.signals.clock import SettledClock

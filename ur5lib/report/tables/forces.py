@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from ur5lib.pipeline.records.contacts import Detected
-from ur5lib.pipeline.records.force_errors import Audit, Compared
+from ur5lib.records.contacts import Detected
+from ur5lib.records.force_errors import Audit, Compared
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Row
 

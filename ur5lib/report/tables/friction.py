@@ -6,8 +6,8 @@ from dataclasses import asdict
 import numpy as np
 
 from ur5lib.pipeline.published_constants import PublishedConstants
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.prediction import Prediction
+from ur5lib.records.friction import Friction
+from ur5lib.records.prediction import Prediction
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Row, by_joint
 from ur5lib.robots.description import Robot

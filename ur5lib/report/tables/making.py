@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 import numpy as np
 import pandas as pd
 
-from ur5lib.pipeline.records.table import Table
+from ur5lib.records.table import Table
 from ur5lib.report.reference import Printed, Published
 from ur5lib.report.tables import Row, files, forces, friction, models, motion
 from ur5lib.robots.description import Robot, load_robot

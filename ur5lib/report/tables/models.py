@@ -6,11 +6,11 @@ import numpy as np
 
 from ur5lib.errors import Remark
 from ur5lib.force.residual_model import Residuals
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.dynamics import Torques
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Identification, Rotors
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.signals import Signals
 from ur5lib.report.findings import in_words
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Column, Row, by_joint

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ur5lib.pipeline.records.accelerations import COMPONENTS, Difference, ImuComparison
-from ur5lib.pipeline.records.closed_loop import ClosedLoop
-from ur5lib.pipeline.records.gains import GainSummary
-from ur5lib.pipeline.records.motion import MotionAccount
-from ur5lib.pipeline.records.signals import Signals
+from ur5lib.records.accelerations import COMPONENTS, Difference, ImuComparison
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.gains import GainSummary
+from ur5lib.records.motion import MotionAccount
+from ur5lib.records.signals import Signals
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Row, by_joint
 from ur5lib.signals.imu_calibration import ImuCalibration

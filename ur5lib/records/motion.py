@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, channel
+from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
 

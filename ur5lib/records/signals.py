@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.channels import CHANNELS, columns
-from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
+from ur5lib.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array, Mask
 
 SENSOR_COLUMNS = {  # of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 
 from ur5lib.lab.stand.plan import Imu
-from ur5lib.pipeline.records.table import JOINTS, SIX, Table, channel
+from ur5lib.records.table import JOINTS, SIX, Table, channel
 from ur5lib.robots.description import Payload, Vector3
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated

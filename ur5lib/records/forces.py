@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED, Answer
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.table import JOINTS, WRENCH, SegmentedTable, channel
+from ur5lib.records.motion import Motion
+from ur5lib.records.table import JOINTS, WRENCH, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
 REFERENCES = ("printed", "corrected", "compensated")

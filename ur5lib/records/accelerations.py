@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ur5lib.pipeline.records.table import SIX, SegmentedTable, channel
+from ur5lib.records.table import SIX, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
 ESTIMATES = ("encoders", "encoders+imu", "filterpy")

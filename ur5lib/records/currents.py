@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
+from ur5lib.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array, Mask
 
 

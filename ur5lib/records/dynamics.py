@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, Table, channel
+from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, Table, channel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import in_chunks
 
