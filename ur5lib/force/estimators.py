@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.lab.extensions import PAGE, additions
 from ur5lib.timeseries.arrays import Array
+from ur5lib.workspace.extensions import PAGE, additions
 
 if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
     from ur5lib.force.wrench_estimate import WrenchEstimate
