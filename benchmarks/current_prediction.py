@@ -32,7 +32,7 @@ from benchmarks.harness.prediction import (
     prediction_table,
 )
 from ur5lib.identification.samples import (
-    Record,
+    CurrentSamples,
     Smooth,
     record_paths,
     smoothed_moving,
@@ -62,7 +62,7 @@ class Own:
     [rad/s²], and the torque (N, 6) [Nm] of its payload, which differs between recordings.
     """
 
-    record: Record
+    record: CurrentSamples
     predicted: Array
     qdd: Array
     payload_torque: Array

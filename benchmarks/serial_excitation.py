@@ -32,7 +32,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.design import design, free_postures, random_path
 from ur5lib.excitation.files import stand_study
 from ur5lib.excitation.objective import Task
-from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, Noise, Problem
+from ur5lib.excitation.problem import CORRELATION_TIME, INDEPENDENT, DesignProblem, MeasurementNoise
 from ur5lib.excitation.trajectory import Path
 from ur5lib.identification.estimation import physical
 from ur5lib.robots.description import Robot
@@ -121,20 +121,20 @@ def samples(own: Taken) -> tuple[Array, Array, Array]:
     return LinkModel(own.robot, own.robot.fullest_model()).regressor(q, qd, qdd), qd, low[every]
 
 
-def fitted_to(problem: Problem, Y: Array, qd: Array, stated: Array) -> Problem:
+def fitted_to(problem: DesignProblem, Y: Array, qd: Array, stated: Array) -> DesignProblem:
     """Return the problem at its estimate, with the noise that the recording has."""
-    slow = np.sqrt(CORRELATED / INDEPENDENT)
+    slow = np.sqrt(CORRELATION_TIME / INDEPENDENT)
     for _ in range(2):
         size = np.concatenate([np.full_like(problem.noise.torque, np.inf), problem.noise.current])
         measured = np.hstack([np.zeros_like(stated), stated]) / size
         found = replace(problem, theta=fit(problem, Y, qd, measured))
         left = measured - found.measured(found.theta, Y, qd)
         noise = slow * left[:, problem.joints :].std(axis=0) * problem.noise.current
-        problem = replace(problem, noise=Noise(problem.noise.torque, noise))
+        problem = replace(problem, noise=MeasurementNoise(problem.noise.torque, noise))
     return replace(found, noise=problem.noise)
 
 
-def in_units(problem: Problem, theta: Array) -> Array:
+def in_units(problem: DesignProblem, theta: Array) -> Array:
     """Return parameters with gains, offsets and friction in their own units."""
     return np.concatenate(
         [theta[: problem.count], physical(theta[problem.of_currents].reshape(-1, 5)).ravel()]

@@ -23,7 +23,7 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import CurrentSamples
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.current_prediction import predicted_currents
@@ -138,7 +138,7 @@ class Taken:
         return joint_torques(self.robot, carried(None, self.signals), self.signals, self.motion)
 
     @cached_property
-    def record(self) -> Record:
+    def record(self) -> CurrentSamples:
         """Smoothed motion, its torque under the true model, the measured current."""
         name, model = f"seed {self.summary.plan.seed}", self.summary.model
         record = current_record(name, self.signals, self.motion, self.torques, model)

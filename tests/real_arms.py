@@ -24,7 +24,7 @@ from ur5lib.force.sensor import SensorOffset
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Record, Smooth
+from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
@@ -42,7 +42,7 @@ from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.intake import Intake
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clock import Clock, SettledClock
+from ur5lib.signals.clock import ClockRelation, SettledClock
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
@@ -67,7 +67,7 @@ class RealRecording:
     arm_file: Path
     motion_file: Path
     built: Path | None = None
-    sensor_clock: Clock | None = None
+    sensor_clock: ClockRelation | None = None
 
     @property
     def name(self) -> str:
@@ -117,7 +117,7 @@ class RealRecording:
         return Kinematics.of(self.signals.time, *frames)
 
     @cached_property
-    def record(self) -> Record:
+    def record(self) -> CurrentSamples:
         """What its currents are fitted on."""
         model = self.robot.fullest_model()
         record = current_record(self.name, self.signals, self.motion, self.torques, model)
@@ -182,7 +182,7 @@ class RealStudy:
         return RealRecording(entry, settings, arm, motion, None, self.sensor_clocks.get(name))
 
     @cached_property
-    def sensor_clocks(self) -> dict[str, Clock]:
+    def sensor_clocks(self) -> dict[str, ClockRelation]:
         """How each force sensor's clock runs: by stamps and by its host."""
         if not self.study.hosts:
             return {}

@@ -85,7 +85,7 @@ def test_of_a_long_recording_the_part_that_moves_is_enough(
     parts = [resting, resting, vars(moving), {k: v[: count // 2] for k, v in resting.items()}]
     whole = {name: np.concatenate([part[name] for part in parts]) for name in arrays}
     long = Tracking(**whole, segment=np.zeros(count * 7 // 2, np.int64), period=PERIOD)
-    monkeypatch.setattr(closed_loop, "ENOUGH", count * PERIOD)
+    monkeypatch.setattr(closed_loop, "MAX_MOTION_DURATION", count * PERIOD)
     found, expected = estimate_gains(long), estimate_gains(moving)
     for own, alone in zip(found, expected, strict=True):
         assert (own.position.best, own.velocity.best) == (alone.position.best, alone.velocity.best)

@@ -21,8 +21,8 @@ from ur5lib.errors import InputError
 from ur5lib.excitation.design import Design, Effort, design, feasible, free_postures, random_path
 from ur5lib.excitation.objective import QUESTIONS, Objective, Task
 from ur5lib.excitation.outlook import Bands, Earlier, Outlook
-from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, TORQUE_NOISE, nominal_maps
-from ur5lib.excitation.trajectory import Cell, Path
+from ur5lib.excitation.problem import CORRELATION_TIME, INDEPENDENT, TORQUE_NOISE, nominal_maps
+from ur5lib.excitation.trajectory import Path, WorkCell
 from ur5lib.identification.current_regression import expected_fit
 from ur5lib.identification.currents import parameters
 from ur5lib.pipeline.current_samples import prior_of
@@ -180,7 +180,7 @@ def test_each_question_is_answered_best_by_its_own_design() -> None:
 
 def test_a_box_around_the_arm_leaves_no_room() -> None:
     cage = Surroundings(boxes=[Box(center=(0.0, 0.0, 0.5), size=(3.0, 3.0, 3.0))])
-    cell = Cell.around(load_robot(robot_path("ur5e")), cage)
+    cell = WorkCell.around(load_robot(robot_path("ur5e")), cage)
     with pytest.raises(InputError, match=r"no room to move: in 100% .* link_\d come within 0.03 m"):
         free_postures(cell, np.random.default_rng(0))
 
@@ -201,7 +201,7 @@ def test_nominal_noise_is_as_wrong_as_errors_that_last() -> None:
     """
     count = 600  # samples of a minute
     inflated = nominal_maps(load_robot(robot_path("ur5e"))).noise.torque[0] / TORQUE_NOISE
-    similar = (CORRELATED / INDEPENDENT - 1) / (CORRELATED / INDEPENDENT + 1)
+    similar = (CORRELATION_TIME / INDEPENDENT - 1) / (CORRELATION_TIME / INDEPENDENT + 1)
     noise = coloured(np.random.default_rng(0).standard_normal((2000, count)), similar)
     assert inflated / np.sqrt(count) == pytest.approx(noise.mean(axis=1).std(), rel=0.06)
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur5lib.force.detection import (
-    STEP,
-    TOUCH,
+    THRESHOLD_STEP,
+    TOUCH_FORCE,
     alarm_threshold,
     alarms,
     compare,
@@ -187,8 +187,8 @@ def test_the_threshold_allows_as_many_alarms_as_asked() -> None:
     runs = [bumps([5.0, 20.0, 30.0]), bumps([40.0, 8.0])]
     threshold = force_threshold(runs, [PERIOD] * 2, per_minute=1)
     assert sum(len(force_alarms(run, threshold)) for run in runs) == 2
-    assert sum(len(force_alarms(run, threshold - STEP)) for run in runs) == 3
-    assert 20 < threshold <= 20 + STEP
+    assert sum(len(force_alarms(run, threshold - THRESHOLD_STEP)) for run in runs) == 3
+    assert 20 < threshold <= 20 + THRESHOLD_STEP
 
 
 def test_an_alarm_without_end_is_no_reason_for_a_low_threshold() -> None:
@@ -199,7 +199,9 @@ def test_an_alarm_without_end_is_no_reason_for_a_low_threshold() -> None:
 
 
 def test_without_any_force_the_threshold_is_that_of_the_sensor() -> None:
-    assert force_threshold([bumps([])], [PERIOD], per_minute=1) == pytest.approx(TOUCH, abs=STEP)
+    assert force_threshold([bumps([])], [PERIOD], per_minute=1) == pytest.approx(
+        TOUCH_FORCE, abs=THRESHOLD_STEP
+    )
 
 
 def test_a_push_is_found_whichever_way_it_points_and_an_unknown_one_is_not() -> None:

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from ur5lib.timeseries.trajectories import NEAR_POSITION, PathStates, group_by_path, nearest, place
+from ur5lib.timeseries.trajectories import (
+    POSITION_TOLERANCE,
+    PathStates,
+    group_by_path,
+    nearest,
+    place,
+)
 
 PERIOD = 0.02
 Motion = tuple[np.ndarray, np.ndarray]
@@ -91,7 +97,7 @@ def test_runs_are_grouped_by_trajectory(case: str) -> None:
 @pytest.mark.parametrize("share", [0.9, 1.1])
 def test_near_is_within_the_stated_distance(share: float) -> None:
     q = np.zeros((1, 6))
-    other = q + share * NEAR_POSITION * np.eye(6)[:1]
+    other = q + share * POSITION_TOLERANCE * np.eye(6)[:1]
     near, index = nearest(
         place(other, q), place(np.array([[9.0] * 6, [0.0] * 6]), np.zeros((2, 6)))
     )

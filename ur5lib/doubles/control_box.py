@@ -8,7 +8,13 @@ import numpy as np
 
 from ur5lib.doubles.live_arm import LiveArm
 from ur5lib.robots.mjcf import flange
-from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, RobotMode, RuntimeState, SafetyMode
+from ur5lib.robots.rtde_variables import (
+    INPUT_TYPES,
+    OUTPUT_TYPES,
+    RobotMode,
+    RuntimeState,
+    SafetyMode,
+)
 from ur5lib.stand.controller import (
     ForceEstimate,
     channels,
@@ -72,7 +78,9 @@ class ControlBox:
     ) -> None:
         """random: generator of the noise."""
         self.arm, self.software, self.cycle = arm, software, cycle
-        self.registers = {name: 0.0 for name in [*INPUTS, *OUTPUTS] if "_register_" in name}
+        self.registers = {
+            name: 0.0 for name in [*INPUT_TYPES, *OUTPUT_TYPES] if "_register_" in name
+        }
         self.robot_mode, self.safety_mode = RobotMode.RUNNING, SafetyMode.NORMAL
         self.paused = False
         self.loaded = ""

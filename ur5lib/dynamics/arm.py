@@ -15,9 +15,14 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies, shift_inertia
 from ur5lib.timeseries.arrays import Array
 
+# Samples per batch: some hundred intermediate rows should stay in the caches of a processor; a GPU
+# needs enough for all its cores.
+CPU_BATCH = 1 << 14
+GPU_BATCH = 1 << 20
+
 
 @dataclass(frozen=True)
-class Arm:
+class ArmTensors:
     """Parameters of the equations of motion of an arm of n joints; frame k is the
     Denavit-Hartenberg frame of link k.
 
@@ -47,7 +52,7 @@ def build_arm(
     dtype: torch.dtype = torch.float64,
     device: str = "cpu",
     fused: bool = False,
-) -> Arm:
+) -> ArmTensors:
     """Build an arm under one of its models, e.g. "A", "B" or "C"; KeyError for an unknown model.
 
     dtype: float64, or float32, whose results are within 1e-6 of the largest among them.
@@ -60,7 +65,7 @@ def build_arm(
     def tensor(values: object) -> Tensor:
         return torch.as_tensor(values, dtype=dtype, device=device)
 
-    return Arm(
+    return ArmTensors(
         urdf=urdf(robot, bodies),
         mass=tensor(bodies.mass),
         center_of_mass=tensor(bodies.center_of_mass),
@@ -104,12 +109,9 @@ def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
     return np.append(np.ravel(links), bodies.rotor_inertia)
 
 
-# Samples per batch: some hundred intermediate rows should stay in the caches of a processor; a GPU
-# needs enough for all its cores.
-CPU, GPU = 1 << 14, 1 << 20
-
-
-def evaluate(arm: Arm, kernel: Kernel, *states: Tensor, wrench: Tensor | None = None) -> Tensor:
+def evaluate(
+    arm: ArmTensors, kernel: Kernel, *states: Tensor, wrench: Tensor | None = None
+) -> Tensor:
     """Evaluate a kernel of (geometry, parameters, *states, wrench) for all samples.
 
     states: (N, n) each, of n joints; wrench: (N, 6). The kernel takes (n, N) and (6, N). Returns
@@ -149,11 +151,11 @@ def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> T
     return result
 
 
-def batch_size(arm: Arm) -> int:
+def batch_size(arm: ArmTensors) -> int:
     """Return the number of samples in a batch."""
     if arm.parameters.device.type != "cpu":
-        return GPU
-    return CPU * torch.get_num_threads() if arm.fused else CPU
+        return GPU_BATCH
+    return CPU_BATCH * torch.get_num_threads() if arm.fused else CPU_BATCH
 
 
 @cache

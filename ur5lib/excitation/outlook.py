@@ -16,32 +16,34 @@ from scipy.linalg import block_diag
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.problem import (
-    CORRELATED,
+    CORRELATION_TIME,
     LOAD_WIDTH,
     PREDICTED_ACCELERATION,
     PREDICTED_SPEED,
+    DesignProblem,
     Maps,
-    Noise,
-    Problem,
+    MeasurementNoise,
     build_problem,
     nominal_maps,
     random_states,
 )
-from ur5lib.identification.currents import OTHER_DAYS, CurrentFit, Parameter
-from ur5lib.identification.samples import STEP as INDEPENDENT
+from ur5lib.identification.currents import SEASONAL_STD, CurrentFit, Parameter
+from ur5lib.identification.samples import INDEPENDENT_STEP as INDEPENDENT
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-KEPT = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's coefficients
-ROUNDS = 4  # iterations, after which predicted standard errors are within 3 % of the study's
-FAST, SLOW = (1.5, 3.0), (0.2, 0.4)  # rad/s, rad/s²: of recordings that may come next
-LOAD = Payload(mass=2.0, center_of_mass=(0.06, 0.0, 0.05))  # kg, m
-WEIGHED = 20.0  # s, along which a load is found
-FELT = 1e-6  # m; a smaller lever is none
+KEPT_COEFFICIENTS = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's
+SCALING_ROUNDS = 4  # after which predicted standard errors are within 3 % of the study's
+# Speed and acceleration of recordings that may come next.
+FAST_MOTION = (1.5, 3.0)  # rad/s, rad/s²
+SLOW_MOTION = (0.2, 0.4)
+CANDIDATE_LOAD = Payload(mass=2.0, center_of_mass=(0.06, 0.0, 0.05))  # kg, m
+WEIGHING_DURATION = 20.0  # s, along which a load is found
+MIN_LEVER = 1e-6  # m; a smaller lever is none
 
 
-class Recorded(NamedTuple):
+class RecordedStates(NamedTuple):
     """Independent states of a recording: link model with its payload and mounting, regressor Y
     (N, n, 11 n), velocities (N, n) [rad/s].
     """
@@ -75,31 +77,33 @@ class Earlier:
     parameters: Sequence[Parameter]
     noise: Array | None
     fitted: int
-    recordings: Sequence[Recorded]
+    recordings: Sequence[RecordedStates]
 
     def maps(self, arm: Robot) -> Maps:
         """Return the maps from torques and motion to currents, with noise; else nominal ones."""
         nominal = nominal_maps(arm)
         torque = nominal.noise.torque if self.noise is None else self.noise
         if not self.fitted:
-            return Maps(nominal.coefficients, Noise(torque, nominal.noise.current))
+            return Maps(nominal.coefficients, MeasurementNoise(torque, nominal.noise.current))
         bands = np.array([joint.band_moving for joint in self.fit.joints]) / NORMAL95
         current = np.where(np.isfinite(bands), bands, nominal.noise.current)
         terms = [
             dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
             for joint in self.fit.joints
         ]  # zero for a term that the fit does not have
-        kept = [[own.get(name, 0.0) for name in KEPT] for own in terms]
-        return Maps(np.array(kept), Noise(torque, current))
+        kept = [[own.get(name, 0.0) for name in KEPT_COEFFICIENTS] for own in terms]
+        return Maps(np.array(kept), MeasurementNoise(torque, current))
 
     def observed(self) -> Array:
-        """Return the standard errors (n, 5) of KEPT, NaN for a missing term."""
+        """Return the standard errors (n, 5) of KEPT_COEFFICIENTS, NaN for a missing term."""
         errors = {(row.joint, row.name): row.std_error for row in self.parameters}
         joints = range(1, len(self.fit.joints) + 1)
-        return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in joints])
+        return np.array(
+            [[errors.get((k, name), np.nan) for name in KEPT_COEFFICIENTS] for k in joints]
+        )
 
 
-def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Problem, Array]:
+def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[DesignProblem, Array]:
     """Return the problem of an arm that a study identified, and the information (P, P) so far.
 
     arm: as identified; has_payload: whether a load is estimated. The noise of the currents is
@@ -113,13 +117,15 @@ def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Proble
     return problem, _information(problem, known.recordings)
 
 
-def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Array) -> Problem:
+def _as_observed(
+    problem: DesignProblem, recordings: Sequence[RecordedStates], observed: Array
+) -> DesignProblem:
     """Return the problem with the noise of currents scaled to the observed standard errors (n, 5).
 
     One factor for each joint: the median over its five parameters, at least 1.
     """
     noise, factor = problem.noise, np.ones(problem.joints)
-    for _ in range(ROUNDS):
+    for _ in range(SCALING_ROUNDS):
         errors = problem.standard_errors(_information(problem, recordings))
         predicted = errors[problem.of_currents].reshape(-1, 5)
         factor = np.maximum(factor * np.nanmedian(observed / predicted, axis=1), 1)
@@ -127,7 +133,7 @@ def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Arr
     return problem
 
 
-def _information(problem: Problem, recordings: Sequence[Recorded]) -> Array:
+def _information(problem: DesignProblem, recordings: Sequence[RecordedStates]) -> Array:
     """Return the information (P, P) of the prior and of recordings."""
     information = problem.prior.copy()
     for model, Y, qd in recordings:
@@ -150,8 +156,8 @@ class Bands:
 
 def feels_forces(arm: Robot) -> bool:
     """Return whether an arm's joints feel forces at the flange in all directions."""
-    linear = flange_kinematics(arm, random_states(arm, *FAST)[0])[2][:, :3]
-    return bool(np.linalg.matrix_rank(linear, tol=FELT).max() == 3)
+    linear = flange_kinematics(arm, random_states(arm, *FAST_MOTION)[0])[2][:, :3]
+    return bool(np.linalg.matrix_rank(linear, tol=MIN_LEVER).max() == 3)
 
 
 class Outlook:
@@ -170,7 +176,7 @@ class Outlook:
 
     def bands(self, information: Array, after: str = "now") -> Bands:
         """Return the bands by an information (P, P) on the parameters."""
-        apart = self._within() ** 2 + (OTHER_DAYS * self._friction) ** 2
+        apart = self._within() ** 2 + (SEASONAL_STD * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
         current = doubt + apart[..., None] * np.eye(self.problem.joints)
@@ -195,9 +201,9 @@ class Outlook:
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
         """Yield what recordings of some length would tell, (P, P)."""
         for name, load, motion in (
-            ("all joints", None, FAST),
-            ("all joints slowly", None, SLOW),
-            ("all joints with 2 kg", LOAD, FAST),
+            ("all joints", None, FAST_MOTION),
+            ("all joints slowly", None, SLOW_MOTION),
+            ("all joints with 2 kg", CANDIDATE_LOAD, FAST_MOTION),
         ):
             model = LinkModel(self._arm.carrying(load), self._arm.fullest_model())
             q, qd, qdd = random_states(self._arm, *motion)
@@ -211,14 +217,14 @@ class Outlook:
         return np.where(np.isfinite(known), known, self.problem.noise.current)
 
     def _mass(self, information: Array, apart: Array) -> float:
-        """Return the variance [kg²] of a load's mass along WEIGHED seconds of the states.
+        """Return the variance [kg²] of a load's mass along WEIGHING_DURATION seconds of the states.
 
-        apart: variance (N, n) [A²] of currents, independent every CORRELATED.
+        apart: variance (N, n) [A²] of currents, independent every CORRELATION_TIME.
         """
         count = len(information)
         load = np.diag(LOAD_WIDTH**-2.0)
         relative = self.problem.noise.current / np.sqrt(apart)  # (N, n)
         J = (self._with_load * relative[..., None]).reshape(-1, count + 10)
-        seconds = WEIGHED / CORRELATED / len(relative)
+        seconds = WEIGHING_DURATION / CORRELATION_TIME / len(relative)
         whole = block_diag(information, load) + J.T @ J * seconds
         return float(np.linalg.inv(whole)[count, count])

@@ -10,7 +10,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import (
-    LEAST,
+    MIN_STATE_PROBABILITY,
     Observations,
     chain,
     diagonal,
@@ -63,7 +63,7 @@ def _filtered(seen: Observations, fresh: Mask) -> Array:
             # p ∝ p⁻ N(τ - b⁻; 0, S + P⁻), in contact S + S_hidden + P⁻ + Jᵀ P_F J
             during = touched[t] + jacobian[t].T @ bank @ jacobian[t]
             evidence = worth * log_density(innovation, np.concatenate([free[:, t], during]) + P)
-            weight = np.maximum(weight * np.exp(evidence - evidence.max()), LEAST)
+            weight = np.maximum(weight * np.exp(evidence - evidence.max()), MIN_STATE_PROBABILITY)
             weight /= weight.sum()
             # correction: V = P⁻ + cov v, b = b⁻ + P⁻ V⁻¹ (τ - b⁻), P = P⁻ - P⁻ V⁻¹ P⁻
             own = measurement_noise(

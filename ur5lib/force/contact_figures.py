@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.force.detection import CONTACT, contacts, in_contact, is_free, overlap
+from ur5lib.force.detection import CONTACT_FORCE, contacts, in_contact, is_free, overlap
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
     correlation,
@@ -18,10 +18,11 @@ from ur5lib.timeseries.metrics import (
     zero_interval_score,
 )
 
-STATED = (0.5, 0.8, 0.95)  # nominal coverages of bands
-DRAWS, FEWEST = 1000, 3  # resamples of a recording's contacts, and the least number of contacts
-TAILS = [0.025, 0.975]
-TINY = 1e-12  # N, N s: replaces a zero divisor
+NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # of bands
+CONTACT_RESAMPLES = 1000  # of a recording's contacts
+MIN_CONTACTS = 3  # for an interval by resampling
+INTERVAL_ENDS = [0.025, 0.975]  # quantiles at the ends of a 95 % interval
+MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor
 
 
 def periods(force: Array, period: float) -> dict[str, Mask]:
@@ -67,7 +68,7 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
     }
     if std is not None:
         figures["interval_score95"] = interval_score(estimate, std, reference)
-        for stated in STATED:
+        for stated in NOMINAL_COVERAGES:
             figures[f"coverage{100 * stated:.0f}"] = coverage(estimate, std, reference, stated)
     return figures
 
@@ -85,27 +86,27 @@ def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[s
     if means is None:
         return {}
     error, zero = means[:, :columns], means[:, columns:]
-    low, high = np.quantile(error, TAILS, axis=0)
-    skill_low = np.quantile(1 - error / np.maximum(zero, TINY), TAILS[0], axis=0)
+    low, high = np.quantile(error, INTERVAL_ENDS, axis=0)
+    skill_low = np.quantile(1 - error / np.maximum(zero, MIN_DIVISOR), INTERVAL_ENDS[0], axis=0)
     return {"mae_low": low, "mae_high": high, "skill_low": skill_low}
 
 
 def resampled_means(values: Array, force: Array) -> Array | None:
-    """Return means (DRAWS, K) of values (N, K) in contact, over resamples of whole contacts.
+    """Return means (CONTACT_RESAMPLES, K) of values (N, K) over resamples of whole contacts.
 
     Rows of NaN are unknown; force: (N,) [N], of the sensor. Neighbouring samples have similar
     errors, which is why whole contacts are drawn, the same ones for all columns and in every call
     with the same contacts. None with fewer than three of them.
     """
     known = np.isfinite(values).all(axis=1) & in_contact(force)
-    spans = [span for span in contacts(force, CONTACT) if known[slice(*span)].any()]
-    if len(spans) < FEWEST:
+    spans = [span for span in contacts(force, CONTACT_FORCE) if known[slice(*span)].any()]
+    if len(spans) < MIN_CONTACTS:
         return None
     filled = np.where(known[:, None], values, 0.0)
     sums = np.array([filled[a:b].sum(axis=0) for a, b in spans])  # (contacts, K)
     counts = np.array([known[a:b].sum() for a, b in spans])
     # mean = Σ sums / Σ counts of the contacts drawn
-    drawn = np.random.default_rng(0).integers(len(spans), size=(DRAWS, len(spans)))
+    drawn = np.random.default_rng(0).integers(len(spans), size=(CONTACT_RESAMPLES, len(spans)))
     return np.asarray(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None])
 
 
@@ -136,8 +137,10 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[C
 
     estimate, reference: forces (N, 3) [N]; time: (N,) [s].
     """
-    felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT)
-    for number, span in enumerate(contacts(np.linalg.norm(reference, axis=1), CONTACT), start=1):
+    felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
+    for number, span in enumerate(
+        contacts(np.linalg.norm(reference, axis=1), CONTACT_FORCE), start=1
+    ):
         first, last = span
         e, f = estimate[first:last], reference[first:last]
         place = number, time[first], time[last - 1]
@@ -156,7 +159,9 @@ def _misses(estimate: Array, reference: Array, step: float) -> tuple[float, floa
     """
     top = reference[np.argmax(np.linalg.norm(reference, axis=1))]
     peak, impulse = np.linalg.norm(top), np.linalg.norm(step * reference.sum(axis=0))
-    along = estimate @ (top / max(peak, TINY))
-    pushed = step * estimate.sum(axis=0) @ (step * reference.sum(axis=0) / max(impulse, TINY))
+    along = estimate @ (top / max(peak, MIN_DIVISOR))
+    pushed = (
+        step * estimate.sum(axis=0) @ (step * reference.sum(axis=0) / max(impulse, MIN_DIVISOR))
+    )
     errors = along.max() - peak, pushed - impulse
     return float(peak), float(errors[0]), float(impulse), float(errors[1])

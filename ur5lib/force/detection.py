@@ -10,9 +10,17 @@ from ur5lib.timeseries.segments import runs
 
 Span = tuple[int, int]  # first sample, and the one after the last
 
-HYSTERESIS = 2.0  # in log-odds: an alarm ends this far below the threshold
-PUSH, PAUSE = 1.0, 2.0  # s, of trial pushes
-STEEPNESS = 1.5  # log of the logistic slope: from 25 to 75 % found within a factor of 1.6
+ALARM_HYSTERESIS = 2.0  # in log-odds: an alarm ends this far below the threshold
+THRESHOLD_STEP = 0.5  # N, between the thresholds of forces that are tried
+PUSH_DURATION = 1.0  # s, of trial pushes
+PAUSE_DURATION = 2.0  # s, between them
+LOG_STEEPNESS = 1.5  # of the logistic curve: from 25 to 75 % found within a factor of 1.6
+# At the sensor, a contact reaches the first force and lasts above the second.
+TOUCH_FORCE = 3.0  # N
+RELEASE_FORCE = 2.0  # N
+CONTACT_FORCE = 5.0  # N, above which a sample is in contact
+FREE_FORCE = 1.0  # N, below which a sample is free, if it is far from any touch
+CONTACT_CLEARANCE = 0.5  # s, of a free sample from any touch
 
 
 def spans(signal: Array, on: float, off: float) -> list[Span]:
@@ -23,7 +31,7 @@ def spans(signal: Array, on: float, off: float) -> list[Span]:
 
 def alarms(log_odds: Array, threshold: float) -> list[Span]:
     """Return the alarms of log-odds of contact (N,)."""
-    return spans(log_odds, threshold, threshold - HYSTERESIS)
+    return spans(log_odds, threshold, threshold - ALARM_HYSTERESIS)
 
 
 def raised_live(log_odds: Array, threshold: float) -> list[Span]:
@@ -126,7 +134,7 @@ def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
 
 def pushes(count: int, period: float) -> tuple[Array, list[Span]]:
     """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans."""
-    length, every = round(PUSH / period), round((PUSH + PAUSE) / period)
+    length, every = round(PUSH_DURATION / period), round((PUSH_DURATION + PAUSE_DURATION) / period)
     profile = np.zeros(count)
     shape = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
     starts = range(every - length, count - length, every)
@@ -146,7 +154,7 @@ def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> tuple[flo
     from scipy.optimize import minimize  # as slow to import as pandas; most recordings need none
 
     x = np.log(force)
-    best = minimize(_cost, np.array([np.median(x[found]), STEEPNESS]), args=(x, found))
+    best = minimize(_cost, np.array([np.median(x[found]), LOG_STEEPNESS]), args=(x, found))
     middle, steepness = best.x
     reach = np.log(wanted / (1 - wanted)) * np.exp(-steepness)
     slope = np.array([1.0, -reach])
@@ -159,22 +167,17 @@ def _cost(parameters: Array, x: Array, found: Mask) -> float:
     middle, steepness = parameters
     logit = np.exp(steepness) * (x - middle)
     likelihood = np.logaddexp(0, np.where(found, -logit, logit)).sum()
-    return float(likelihood + 0.5 * (steepness - STEEPNESS) ** 2)
+    return float(likelihood + 0.5 * (steepness - LOG_STEEPNESS) ** 2)
 
 
-TOUCH, RELEASE = 3.0, 2.0  # N: a contact reaches the first and lasts above the second
-CONTACT = 5.0  # N, above which a sample is in contact
-FREE, CLEAR = 1.0, 0.5  # N, s: a free sample is below this force and this far from any touch
-
-
-def contacts(force: Array, least: float = TOUCH) -> list[Span]:
+def contacts(force: Array, least: float = TOUCH_FORCE) -> list[Span]:
     """Return contacts that reach a force. force: (N,) [N], of the sensor, NaN where unknown."""
-    return spans(np.nan_to_num(force), least, RELEASE)
+    return spans(np.nan_to_num(force), least, RELEASE_FORCE)
 
 
 def in_contact(force: Array) -> Mask:
     """Return the samples (N,) in contact; force: (N,) [N], of the sensor, NaN where unknown."""
-    return np.asarray(force > CONTACT)
+    return np.asarray(force > CONTACT_FORCE)
 
 
 @dataclass(frozen=True)
@@ -198,7 +201,7 @@ def felt(force: Array, time: Array) -> Felt | None:
         return None
     peak = int(np.nanargmax(force))
     share = float(in_contact(force).mean())
-    return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT)))
+    return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT_FORCE)))
 
 
 def is_free(force: Array, period: float) -> Mask:
@@ -206,12 +209,9 @@ def is_free(force: Array, period: float) -> Mask:
 
     force: (N,) [N], of the sensor, NaN where unknown; period: [s].
     """
-    reach = 2 * round(CLEAR / period) + 1
-    touched = maximum_filter1d((force >= TOUCH).astype(np.int8), reach, mode="nearest")
-    return np.asarray((force < FREE) & (touched == 0))
-
-
-STEP = 0.5  # N, between the thresholds tried
+    reach = 2 * round(CONTACT_CLEARANCE / period) + 1
+    touched = maximum_filter1d((force >= TOUCH_FORCE).astype(np.int8), reach, mode="nearest")
+    return np.asarray((force < FREE_FORCE) & (touched == 0))
 
 
 def force_alarms(force: Array, threshold: float) -> list[Span]:
@@ -220,7 +220,7 @@ def force_alarms(force: Array, threshold: float) -> list[Span]:
 
     force: (N,) [N], not negative, NaN where unknown; threshold: [N].
     """
-    return spans(np.nan_to_num(force), threshold, threshold * RELEASE / TOUCH)
+    return spans(np.nan_to_num(force), threshold, threshold * RELEASE_FORCE / TOUCH_FORCE)
 
 
 def force_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
@@ -232,8 +232,8 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
     """
     allowed = _allowed(contact_free, periods, per_minute)
     largest = max(float(np.nan_to_num(force).max()) for force in contact_free)
-    lowest = max(TOUCH, np.ceil(largest / STEP) * STEP + STEP)
-    for threshold in np.arange(lowest, TOUCH - STEP / 2, -STEP):
+    lowest = max(TOUCH_FORCE, np.ceil(largest / THRESHOLD_STEP) * THRESHOLD_STEP + THRESHOLD_STEP)
+    for threshold in np.arange(lowest, TOUCH_FORCE - THRESHOLD_STEP / 2, -THRESHOLD_STEP):
         if sum(len(force_alarms(force, threshold)) for force in contact_free) > allowed:
             break
         lowest = threshold
@@ -247,6 +247,6 @@ def pushes_above(force: Array, sensed: Array, least: float, period: float) -> tu
     force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least: [N];
     period: [s].
     """
-    pushes = spans(np.nan_to_num(np.abs(sensed)), least, RELEASE)
+    pushes = spans(np.nan_to_num(np.abs(sensed)), least, RELEASE_FORCE)
     found = compare(force_alarms(np.abs(force), least), pushes, period)
     return found.contacts, found.found

@@ -5,10 +5,11 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.force.external_torque import REVERSING, States
+from ur5lib.force.external_torque import JointState, States
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-MEAN = 0.5  # of what dry friction may take of a contact at rest: anything from nothing to all
+# Mean share that dry friction takes of a contact at rest: anything from nothing to all.
+MEAN_STICTION = 0.5
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Gears:
 
         states: of the joints (N, 6). Unknown friction counts as none.
         """
-        moves = states <= REVERSING
+        moves = states <= JointState.REVERSING
         loss, friction = (
             np.where(moves, np.nan_to_num(own), 0.0) for own in (self.loss, self.friction)
         )
@@ -68,7 +69,7 @@ def held(torque: Array, breakaway: Array, share: float) -> Array:
     Friction opposes the contact and takes anything between nothing and a share of the breakaway
     torque (6,) [Nm]: half of that on average, and of a smaller torque a part in proportion.
     """
-    return MEAN * share * breakaway * np.tanh(torque / breakaway)
+    return MEAN_STICTION * share * breakaway * np.tanh(torque / breakaway)
 
 
 @dataclass(frozen=True)

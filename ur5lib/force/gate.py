@@ -13,13 +13,21 @@ import numpy as np
 
 from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import STILL, States, finite_rows
+from ur5lib.force.external_torque import JointState, States, finite_rows
 from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.kalman import Gaussians
 
-LEAST = 1e-300  # of a state's probability, so that no evidence makes all of them vanish
+MIN_STATE_PROBABILITY = 1e-300  # so that no evidence makes those of all states vanish
+# Factor on the background's covariance in each round: small at first, so that possible contacts do
+# not become part of the background.
+BACKGROUND_COVARIANCE_FACTORS = (0.0, 0.5, 1.0, 1.0, 1.0, 1.0)
+# Probability of contact above which a sample is no measurement of the background, and its weight.
+EXCLUSION_PROBABILITY = 0.5
+CONTACT_SAMPLE_WEIGHT = 1e-4
+MIN_REST_STD = 0.3  # of a joint at rest, in breakaway torques
+FAST_LOAD_ERROR_SHARE = 0.3  # of a load's error, which changes within half a push
 
 
 def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
@@ -34,7 +42,7 @@ def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
     both = np.stack([likelihood, likelihood[::-1]], axis=1)
     steps, starts = np.stack([transitions.T, transitions]), np.stack([start, np.ones_like(start)])
     forward, backward = _predicted(both, steps, starts).swapaxes(0, 1)
-    weight = np.maximum(forward * likelihood * backward[::-1], LEAST)
+    weight = np.maximum(forward * likelihood * backward[::-1], MIN_STATE_PROBABILITY)
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
 
@@ -48,7 +56,7 @@ def _predicted(likelihood: Array, steps: Array, start: Array) -> Array:
         predicted[t] = start
         # α_t+1(j) = Σ_i a_ij p(x_t | i) α_t(i); backwards, β_t-1(i) = Σ_j a_ij p(x_t | j) β_t(j)
         following = np.matvec(steps, seen * start) / np.vecdot(seen, start)[..., None]
-        start = np.maximum(following, LEAST)
+        start = np.maximum(following, MIN_STATE_PROBABILITY)
     return predicted
 
 
@@ -58,17 +66,8 @@ def log_odds(probability: Array) -> Array:
     return np.log(known) - np.log1p(-known)
 
 
-# Factor on the background's covariance in each round: small at first, so that possible contacts do
-# not become part of the background.
-ROUNDS = (0.0, 0.5, 1.0, 1.0, 1.0, 1.0)
-LEFT_OUT = 0.5  # probability of contact above which a sample is no measurement of the background
-HELD = 0.3  # of the breakaway torque: least standard deviation of a joint at rest
-CERTAIN = 1e-4  # weight of a sample in contact as a measurement of the background
-QUICK = 0.3  # share of a load's error that changes within half a push
-
-
 @dataclass(frozen=True)
-class Noise:
+class TorqueVariances:
     """Variances (N, n) [Nm²] of the external torque other than that of a contact.
 
     quick: of the fast error; spread: of the background and the fast error together; hidden: of the
@@ -82,13 +81,15 @@ class Noise:
     still: Mask
 
     @classmethod
-    def of(cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array) -> "Noise":
+    def of(
+        cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array
+    ) -> "TorqueVariances":
         """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
-        still = states >= STILL
-        held = np.where(still, HELD * model.breakaway, 0.0) ** 2
+        still = states >= JointState.STILL
+        held = np.where(still, MIN_REST_STD * model.breakaway, 0.0) ** 2
         taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
         return cls(
-            quick=model.variance(model.change, states) + QUICK * doubt**2,
+            quick=model.variance(model.change, states) + FAST_LOAD_ERROR_SHARE * doubt**2,
             spread=model.variance(model.spread, states) + held + doubt**2,
             hidden=taken**2,
             still=still,
@@ -113,7 +114,7 @@ class Observations:
     posed: Mask
     states: States
     period: float
-    noise: Noise
+    noise: TorqueVariances
     model: ResidualModel
     prior: ContactPrior
     gears: Gears
@@ -131,7 +132,7 @@ class Observations:
             posed=posed,
             states=run.states,
             period=run.period,
-            noise=Noise.of(run.states, model, prior, run.load_std()),
+            noise=TorqueVariances.of(run.states, model, prior, run.load_std()),
             model=model,
             prior=prior,
             gears=gears.where_moving(run.states),
@@ -166,7 +167,11 @@ def find_contacts(seen: Observations) -> tuple[Array, Gaussians]:
     free = seen.free_covariances()
     transitions, start = chain(len(free), len(prior.bank()), period, prior)
     slow = held = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
-    for left, share in zip(reversed(range(len(ROUNDS))), ROUNDS, strict=True):
+    for left, share in zip(
+        reversed(range(len(BACKGROUND_COVARIANCE_FACTORS))),
+        BACKGROUND_COVARIANCE_FACTORS,
+        strict=True,
+    ):
         # log p(τ | state), and 0 where τ is unknown
         without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
         # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
@@ -203,7 +208,11 @@ def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Arr
     share = weight[:, : len(free)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)
     mean = sum(own[:, None, None] * c for own, c in zip(share.T, free, strict=True))
-    free_weight = np.where(contact > LEFT_OUT, CERTAIN, np.maximum(1 - contact, CERTAIN))
+    free_weight = np.where(
+        contact > EXCLUSION_PROBABILITY,
+        CONTACT_SAMPLE_WEIGHT,
+        np.maximum(1 - contact, CONTACT_SAMPLE_WEIGHT),
+    )
     return np.asarray(mean / free_weight[:, None, None])
 
 

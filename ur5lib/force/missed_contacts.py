@@ -13,8 +13,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
-MISSED_TO = 2.0  # κ: deviations up to which most contacts are missed
-HALVINGS = 30  # of an interval that contains a quantile
+MISSED_DEVIATIONS = 2.0  # κ: deviations up to which most contacts are missed
+BISECTION_STEPS = 30  # of an interval that contains a quantile
 
 
 def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tuple[Array, Array]:
@@ -52,7 +52,7 @@ def mixture_std(probability: Array, missed: Array, free: Array) -> Array:
     """
     contact, rest = np.sqrt(missed), np.broadcast_to(np.sqrt(free), missed.shape)
     low, high = NORMAL95 * np.minimum(contact, rest), NORMAL95 * np.maximum(contact, rest)
-    for _ in range(HALVINGS):
+    for _ in range(BISECTION_STEPS):
         middle = (low + high) / 2
         # P(|x| > middle) of both
         outside = probability * erfc(middle / contact / np.sqrt(2))

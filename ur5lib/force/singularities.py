@@ -8,7 +8,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 Limits = list[tuple[float, float]]
 
-KINDS = ("shoulder", "elbow", "wrist")
+SINGULARITY_KINDS = ("shoulder", "elbow", "wrist")
 
 
 def manipulability(jacobian: Array) -> Array:
@@ -48,4 +48,6 @@ def singular_shares(robot: Robot, q: Array, singular: Mask) -> dict[str, float]:
     """
     stretched = sum(abs(link.a) for link in robot.denavit_hartenberg)
     kind = np.argmin(singular_distances(robot, q) / [stretched, 1, 1], axis=1)
-    return {name: float((singular & (kind == i)).mean()) for i, name in enumerate(KINDS)}
+    return {
+        name: float((singular & (kind == i)).mean()) for i, name in enumerate(SINGULARITY_KINDS)
+    }

@@ -6,12 +6,13 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.force.detection import PAUSE, PUSH, Span, alarms, overlap, pushes
-from ur5lib.force.external_torque import STILL, States
+from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, Span, alarms, overlap, pushes
+from ur5lib.force.external_torque import JointState, States
 from ur5lib.force.force_input import Gears
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-LEAST, MOST = 5.0, 100.0  # N, of trial pushes
+MIN_TRIAL_FORCE = 5.0  # N, of trial pushes
+MAX_TRIAL_FORCE = 100.0  # N
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,11 @@ def felt_push(
     In motion, gears lose a part of it; at rest, dry friction bears a share of what it can, drawn
     for each push and joint. time: (N,) [s]; most: (6,) [Nm], that friction bears.
     """
-    push = (time // (PUSH + PAUSE)).astype(np.int64)
+    push = (time // (PUSH_DURATION + PAUSE_DURATION)).astype(np.int64)
     bears = random.uniform(size=(push.max(initial=0) + 1, len(most)))[push] * most
     resting = torque - np.clip(torque, -bears, bears)
     moving = torque if gears is None else gears.where_moving(states).felt(torque)
-    return np.where(states == STILL, resting, moving)
+    return np.where(states == JointState.STILL, resting, moving)
 
 
 def try_each_place(
@@ -85,7 +86,7 @@ def try_each_place(
         for place, mean in zip(places, means, strict=True)
         if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
     ]
-    peaks = random.permutation(np.geomspace(LEAST, MOST, len(free)))
+    peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, MAX_TRIAL_FORCE, len(free)))
     axes = random.permutation((random.integers(3) + np.arange(len(free))) % 3)
     force = np.zeros((len(profile), 3))
     for (place, _), peak, axis in zip(free, peaks, axes, strict=True):

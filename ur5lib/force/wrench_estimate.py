@@ -13,29 +13,30 @@ from scipy.ndimage import binary_dilation
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import (
-    Wrench,
+    ContactWrench,
     contact_wrench,
     least_squares_wrench,
     static_wrench,
 )
 from ur5lib.force.detection import Span, spans
 from ur5lib.force.external_torque import is_still
-from ur5lib.force.force_input import MEAN, ForceInput, held
+from ur5lib.force.force_input import MEAN_STICTION, ForceInput, held
 from ur5lib.force.gate import Observations, diagonal, find_contacts, log_odds
 from ur5lib.force.missed_contacts import (
-    MISSED_TO,
+    MISSED_DEVIATIONS,
     missed_contacts,
     mixture_std,
     probability_while_shut,
 )
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.sampling import STEP, interpolated
+from ur5lib.timeseries.sampling import THINNED_STEP, interpolated
 from ur5lib.timeseries.segments import marked, unbroken
 
-OPENS, CLOSES = 0.5, 0.1  # probability that a contact reaches, and above which it lasts
-MARGIN = 0.15  # s, by which a contact is extended at both ends
-INSIDE = 0.999  # least probability inside a contact
+OPENING_PROBABILITY = 0.5  # that a contact reaches
+CLOSING_PROBABILITY = 0.1  # above which it lasts
+CONTACT_MARGIN = 0.15  # s, by which a contact is extended at both ends
+MIN_PROBABILITY_INSIDE = 0.999  # of a contact
 
 
 class StretchEstimate(NamedTuple):
@@ -104,7 +105,7 @@ def estimate_wrench(
     run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
     none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown.
     """
-    # every stretch on its own, thinned to STEP
+    # every stretch on its own, thinned to THINNED_STEP
     every, found, start = thinning(run.period), [], 0
     for rows in unbroken(run.segment):
         thin = slice(rows.start, rows.stop, every)
@@ -121,7 +122,7 @@ def estimate_wrench(
 
 def thinning(period: float) -> int:
     """Return the number of samples from one that is used to the next; period: [s]."""
-    return max(1, round(STEP / period))
+    return max(1, round(THINNED_STEP / period))
 
 
 def _estimate(seen: Observations) -> StretchEstimate:
@@ -132,18 +133,18 @@ def _estimate(seen: Observations) -> StretchEstimate:
     probability, background = find_contacts(seen)
     contacts = contact_spans(probability, period)
     inside = marked(contacts, len(torque))
-    likely = np.where(inside, np.maximum(probability, INSIDE), probability)  # (n,)
+    likely = np.where(inside, np.maximum(probability, MIN_PROBABILITY_INSIDE), probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
     carried, share = seen.gears.contact_torque(torque - background.mean)
     carried += noise.still * held(carried, model.breakaway, prior.stiction)
-    hidden = np.where(noise.still, 1 - MEAN**2, 1.0) * noise.hidden
+    hidden = np.where(noise.still, 1 - MEAN_STICTION**2, 1.0) * noise.hidden
     slow = np.linalg.diagonal(background.covariance)
     covariance = diagonal(share**2 * (noise.quick + slow + hidden))  # S
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
     if model.sensed:  # at the links: no gear takes part of a contact
         prior = replace(prior, load_friction=0.0)
     lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
-    chosen, plain = (Wrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
+    chosen, plain = (ContactWrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
     for span in contacts:
         part = slice(*span)
         own = carried[part], seen.jacobian[part], covariance[part]
@@ -167,9 +168,12 @@ def _estimate(seen: Observations) -> StretchEstimate:
 
 
 def contact_spans(probability: Array, period: float) -> list[Span]:
-    """Return the contacts of a probability (N,), extended by MARGIN at both ends; period: [s]."""
-    found = marked(spans(probability, OPENS, CLOSES), len(probability))
-    reach = np.ones(2 * round(MARGIN / period) + 1, bool)
+    """Return the contacts of a probability (N,), each longer by CONTACT_MARGIN at both ends.
+
+    period: [s].
+    """
+    found = marked(spans(probability, OPENING_PROBABILITY, CLOSING_PROBABILITY), len(probability))
+    reach = np.ones(2 * round(CONTACT_MARGIN / period) + 1, bool)
     return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
 
 
@@ -194,7 +198,7 @@ def _std_while_shut(seen: Observations, likely: Array, inside: Mask) -> Array:
     missed contact. likely: probability of contact by the gate (n,); inside: the contacts (n,).
     """
     model, prior = seen.model, seen.prior
-    hidden = (model.doubt * MISSED_TO) ** 2 * seen.noise.hiding()
+    hidden = (model.doubt * MISSED_DEVIATIONS) ** 2 * seen.noise.hiding()
     share, variance = missed_contacts(seen.jacobian, hidden, prior)
     probability = probability_while_shut(share, inside, seen.period, prior)
     free = np.diagonal(prior.when_free())

@@ -18,44 +18,51 @@ from ur5lib.identification.currents import (
     torque_constants,
     unseen_difference,
 )
-from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
+from ur5lib.identification.estimation import (
+    CoefficientEstimate,
+    beside_fuller,
+    estimate_together,
+    physical,
+)
 from ur5lib.identification.joint_regression import (
-    FEWEST,
-    HELD,
+    HELD_FRICTION_SHARE,
+    MIN_SAMPLES,
     held_current,
     left_out_residuals,
 )
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.regression import DRAWS, spread
+from ur5lib.identification.regression import REPLICATE_COUNT, spread
 from ur5lib.identification.samples import (
-    FEW,
-    Record,
-    Samples,
+    MIN_UNITS,
+    CurrentSamples,
+    JointSamples,
     Smooth,
     apart_from,
     joint_samples,
     record_days,
     record_paths,
 )
-from ur5lib.robots.friction import BASE, CONSIDERED, FITTED
+from ur5lib.robots.friction import BASE_TERMS, CONSIDERED_TERMS, FITTED_TERMS
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 # A torque constant is doubted, or contradicts the known one, where it is off by more than both:
 # prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6 standard
 # deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
-DOUBTED, DOUBTED_RATIO = 3.0, 1.5
-DEVIATIONS, RATIO = 5.0, 1.75
-FOLDS = 10  # of cross-fitting, at most
-
+DOUBTFUL_DEVIATIONS = 3.0
+DOUBTFUL_RATIO = 1.5
+CONTRADICTING_DEVIATIONS = 5.0
+CONTRADICTING_RATIO = 1.75
+MAX_FOLDS = 10  # of cross-fitting
 # Usual errors of a current along a path that no fit has seen, in motion and at rest, relative to
 # Coulomb friction; at rest at least, since dry friction holds a joint anywhere within it.
-UNSEEN_MOVING, UNSEEN_RESTING = 0.25, 1.25
-LEAST_RESTING = 1 / np.sqrt(3)
+UNSEEN_MOVING_ERROR = 0.25
+UNSEEN_RESTING_ERROR = 1.25
+MIN_RESTING_ERROR = 1 / np.sqrt(3)
 
 
 def fit_currents(
-    records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int = 0
+    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int = 0
 ) -> CurrentFit:
     """Fit all joints to contact-free recordings.
 
@@ -99,30 +106,30 @@ def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
     return CurrentFit(tuple(map(_without_motion, estimates, doubts)), units)
 
 
-def _of_prior(prior: Prior, seed: int) -> tuple[list[Estimate], list[Array]]:
+def _of_prior(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate], list[Array]]:
     """Return a prior as an estimate of each joint, and its covariance (P, P)."""
-    whole = prior.over(BASE)
+    whole = prior.over(BASE_TERMS)
     covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
-    drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, DRAWS)
+    drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, REPLICATE_COUNT)
     size = len(whole.mean) // len(prior.torque_max)
     shares = np.stack([np.ones(size), *np.zeros((3, size))])  # all is from the prior
     parts = [slice(start, start + size) for start in range(0, len(whole.mean), size)]
     estimates = [
-        Estimate(whole.mean[own], shares, drawn[:, own], spread(physical(drawn[:, own])))
+        CoefficientEstimate(whole.mean[own], shares, drawn[:, own], spread(physical(drawn[:, own])))
         for own in parts
     ]
     return estimates, [covariance[own, own] for own in parts]
 
 
-def _without_motion(estimate: Estimate, doubt: Array) -> JointFit:
+def _without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
     """Return the fit of a joint whose friction is as expected; doubt: (P, P), covariance."""
     coulomb = float(estimate.coefficients[2])
     return JointFit(
-        terms=BASE,
+        terms=BASE_TERMS,
         estimate=estimate,
-        held=HELD * coulomb,
-        band_moving=NORMAL95 * UNSEEN_MOVING * coulomb,
-        band_rest=NORMAL95 * UNSEEN_RESTING * coulomb,
+        held=HELD_FRICTION_SHARE * coulomb,
+        band_moving=NORMAL95 * UNSEEN_MOVING_ERROR * coulomb,
+        band_rest=NORMAL95 * UNSEEN_RESTING_ERROR * coulomb,
         unseen=np.zeros(len(estimate.coefficients)),
         remarks=(),
         doubt=doubt,
@@ -136,15 +143,17 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
     cannot be far below its known value; one that is less certain than the known k counts as far.
     """
     inverse, known, std = _beside_known(fit, prior)
-    far = 1 / inverse - 1 / known > DEVIATIONS * std / known**2
+    far = 1 / inverse - 1 / known > CONTRADICTING_DEVIATIONS * std / known**2
     vague = constants_doubt(fit) / np.abs(inverse) > std / known**2
-    return (inverse <= 0) | ((far | vague) & (inverse < known / RATIO))
+    return (inverse <= 0) | ((far | vague) & (inverse < known / CONTRADICTING_RATIO))
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
     """Return which torque constants (6,) are far smaller than known: a unit or arm is wrong."""
     inverse, known, std = _beside_known(fit, prior)
-    return (inverse - known > DEVIATIONS * std) & (inverse > RATIO * known)
+    return (inverse - known > CONTRADICTING_DEVIATIONS * std) & (
+        inverse > CONTRADICTING_RATIO * known
+    )
 
 
 def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
@@ -152,10 +161,12 @@ def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
     return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
 
-def _fit_with(records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int) -> CurrentFit:
+def _fit_with(
+    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int
+) -> CurrentFit:
     """Return the fit under a prior as it is."""
-    fuller = joint_samples(records, smooth, (*FITTED, *CONSIDERED))
-    samples = [own.without(CONSIDERED) for own in fuller]
+    fuller = joint_samples(records, smooth, (*FITTED_TERMS, *CONSIDERED_TERMS))
+    samples = [own.without(CONSIDERED_TERMS) for own in fuller]
     estimates, units = estimate_together(samples, prior, seed)
     estimates = [*map(beside_fuller, estimates, estimate_together(fuller, prior, seed)[0])]
     alone = [prior.of_joint(joint) for joint in range(len(samples))]
@@ -164,20 +175,20 @@ def _fit_with(records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int
 
 
 def fit_without_each_path(
-    records: Sequence[Record], smooth: Smooth, prior: Prior
+    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior
 ) -> list[tuple[list[str], CurrentFit]]:
     """Cross-fit: return fits without some paths and days, each with the recordings that it judges.
 
     A prediction that judges a recording comes from a fit without its path, and without its day if
-    other days have enough paths. There are at most FOLDS fits: of many paths, several are left out
-    together; with a single path, there is none.
+    other days have enough paths. There are at most MAX_FOLDS fits: of many paths, several are left
+    out together; with a single path, there is none.
     """
     path, day = record_paths(records), record_days(records)
     if path.max(initial=0) == 0:
         return []
     judged: dict[tuple[int, ...], list[str]] = {}  # by the recordings to fit
-    for fold in range(min(FOLDS, path.max() + 1)):
-        out = path % FOLDS == fold
+    for fold in range(min(MAX_FOLDS, path.max() + 1)):
+        out = path % MAX_FOLDS == fold
         kept = tuple(np.flatnonzero(apart_from(out, path, day)).tolist())
         names = [records[place].name for place in np.flatnonzero(out).tolist()]
         judged.setdefault(kept, []).extend(names)
@@ -187,21 +198,21 @@ def fit_without_each_path(
     ]
 
 
-def _joint_fit(samples: Samples, prior: Prior, estimate: Estimate) -> JointFit:
+def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimate) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
     residual, path, moving = left_out_residuals(samples, prior), samples.path, samples.moving
     coulomb = max(0.0, float(coefficients[2]))
-    in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING * coulomb)
-    at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING * coulomb)
-    is_left_out = moving.sum() >= FEWEST and len(np.unique(path)) > 1
+    in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING_ERROR * coulomb)
+    at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING_ERROR * coulomb)
+    is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     return JointFit(
-        FITTED,
+        FITTED_TERMS,
         estimate,
         held_current(samples, coefficients),
         NORMAL95 * in_motion,
-        NORMAL95 * max(at_rest, LEAST_RESTING * coulomb),
+        NORMAL95 * max(at_rest, MIN_RESTING_ERROR * coulomb),
         unseen_difference(estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)),
         _remarks(samples, estimate, prior),
         None if is_left_out else np.cov(estimate.replicates.T),
@@ -215,20 +226,22 @@ def unseen_error(residual: Array, path: Labels, usual: float) -> float:
     few paths says little of another, of which a usual error u [A] is known. Too few residuals say
     nothing.
     """
-    if len(residual) < FEWEST:
+    if len(residual) < MIN_SAMPLES:
         return usual
     return float(np.sqrt(np.mean(residual**2) + usual**2 / len(np.unique(path))))
 
 
-def _remarks(samples: Samples, estimate: Estimate, prior: Prior) -> tuple[Remark, ...]:
+def _remarks(
+    samples: JointSamples, estimate: CoefficientEstimate, prior: Prior
+) -> tuple[Remark, ...]:
     """Return the doubts about the fit of a joint."""
     moved = len(np.unique(samples.path[samples.moving]))
     remarks = []
-    if moved < FEW:
+    if moved < MIN_UNITS:
         code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
         remarks.append(remark(code, paths=moved))
     inverse, known = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
     away = abs(inverse - known) / float(prior.std()[0])
-    if away > DOUBTED and not known / DOUBTED_RATIO < inverse < known * DOUBTED_RATIO:
+    if away > DOUBTFUL_DEVIATIONS and not known / DOUBTFUL_RATIO < inverse < known * DOUBTFUL_RATIO:
         remarks.append(remark("unlikely constant", deviations=away))
     return tuple(remarks)

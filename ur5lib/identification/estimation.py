@@ -11,7 +11,7 @@ import numpy as np
 from ur5lib.identification.joint_regression import regress_samples
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import (
-    DRAWS,
+    REPLICATE_COUNT,
     Normal,
     Regression,
     block_sums,
@@ -21,15 +21,15 @@ from ur5lib.identification.regression import (
     regress,
     standard_error,
 )
-from ur5lib.identification.samples import Samples
-from ur5lib.robots.friction import BASE, coefficient_names
+from ur5lib.identification.samples import JointSamples
+from ur5lib.robots.friction import BASE_TERMS, coefficient_names
 from ur5lib.timeseries.arrays import Array, Labels
 
-VAGUE = 1e-6  # of a precision, which leaves a value to the data
+VAGUE_PRECISION_SHARE = 1e-6  # of a precision, which leaves a value to the data
 
 
 @dataclass(frozen=True)
-class Estimate:
+class CoefficientEstimate:
     """The coefficients of one joint.
 
     coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
@@ -49,13 +49,13 @@ class Estimate:
 
 
 def estimate_together(
-    samples: Sequence[Samples], prior: Prior, seed: int = 0
-) -> tuple[list[Estimate], int]:
+    samples: Sequence[JointSamples], prior: Prior, seed: int = 0
+) -> tuple[list[CoefficientEstimate], int]:
     """Estimate all joints; return the estimates and the number of units of the bootstrap.
 
     Units are paths, or stretches if paths are few; without motion, stretches of postures.
     """
-    terms = samples[0].terms if samples else BASE
+    terms = samples[0].terms if samples else BASE_TERMS
     parts = [part for part in (_in_motion(samples, prior), _at_rest(terms, prior)) if part]
     sums = [np.concatenate(joint) for joint in zip(*(part.sums for part in parts), strict=True)]
     record, day = (_labels([getattr(part, name) for part in parts]) for name in ("record", "day"))
@@ -68,7 +68,9 @@ def estimate_together(
     # replicates: the prior's mean is drawn, too
     known = replace(prior, pinned=()).over(terms)
     root = np.linalg.cholesky(np.linalg.inv(known.precision))
-    means = known.mean + generator.standard_normal((DRAWS, len(known.mean))) @ root.T  # (B, P)
+    means = (
+        known.mean + generator.standard_normal((REPLICATE_COUNT, len(known.mean))) @ root.T
+    )  # (B, P)
     drawn_prior = Normal(means, whole.precision)
     by_unit, by_block = (  # (B, P) each
         _solve(sums, np.hstack([draw(part.unit, generator) for part in parts]), drawn_prior)[0]
@@ -81,7 +83,7 @@ def estimate_together(
         error = standard_error(*drawn, units)
         told = prior_share[own], covariance[own, own], equations, record, day
         shares = shares_of_knowledge(*told)
-        estimates.append(Estimate(solution[0, own], shares, by_unit[:, own], error))
+        estimates.append(CoefficientEstimate(solution[0, own], shares, by_unit[:, own], error))
     return estimates, units
 
 
@@ -107,7 +109,9 @@ def shares_of_knowledge(
     return np.stack([prior_share, (told * ~same).sum(axis=0), of_day - run, run])
 
 
-def beside_fuller(estimate: Estimate, fuller: Estimate) -> Estimate:
+def beside_fuller(
+    estimate: CoefficientEstimate, fuller: CoefficientEstimate
+) -> CoefficientEstimate:
     """Return an estimate with standard errors that contain the effect of further terms.
 
     fuller: the estimate with these terms after the others. The result's standard errors are those
@@ -128,7 +132,7 @@ def physical(coefficients: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class NormalEquations:
     """What samples tell of the joints' coefficients, block by block.
 
     sums: `block_sums` of each joint; unit: of each block, -1 for one without samples; record, day:
@@ -145,7 +149,7 @@ class Evidence:
         return len(np.unique(self.unit[self.unit >= 0]))
 
 
-def _in_motion(samples: Sequence[Samples], prior: Prior) -> Evidence | None:
+def _in_motion(samples: Sequence[JointSamples], prior: Prior) -> NormalEquations | None:
     """Return what samples in motion tell; None without any joint's."""
     if not samples:
         return None
@@ -156,10 +160,10 @@ def _in_motion(samples: Sequence[Samples], prior: Prior) -> Evidence | None:
     for own in samples:
         unit[own.block] = own.unit
         record[own.block], day[own.block] = own.record, own.day
-    return Evidence(sums, unit, record, day)
+    return NormalEquations(sums, unit, record, day)
 
 
-def _at_rest(terms: Sequence[str], prior: Prior) -> Evidence | None:
+def _at_rest(terms: Sequence[str], prior: Prior) -> NormalEquations | None:
     """Return what postures at rest tell of torque constants, each a block; None without any.
 
     A recording of them counts as a day of its own.
@@ -173,13 +177,15 @@ def _at_rest(terms: Sequence[str], prior: Prior) -> Evidence | None:
         alone, design = prior.of_joint(joint), postures.torque[:, joint, None]
         current, noise = postures.current[:, joint], alone.noise_at_rest()
         # regardless of the prior, or what contradicts it would count as noise
-        vague = Normal(alone.inverse_constant.mean, VAGUE * alone.inverse_constant.precision)
+        vague = Normal(
+            alone.inverse_constant.mean, VAGUE_PRECISION_SHARE * alone.inverse_constant.precision
+        )
         fit = regress(design, current, block, vague, float(noise[0]))
         of_constant = _newton_step(fit, design, current, block, len(block))
         whole = np.zeros((len(block), size, size + 1))
         whole[:, 0, [0, -1]] = of_constant[:, 0]
         sums.append(whole)
-    return Evidence(sums, postures.stretches(), postures.record, postures.record)
+    return NormalEquations(sums, postures.stretches(), postures.record, postures.record)
 
 
 def _labels(parts: Sequence[Labels]) -> Labels:
@@ -188,7 +194,7 @@ def _labels(parts: Sequence[Labels]) -> Labels:
     return np.concatenate([first + own for first, own in zip(firsts, parts, strict=True)])
 
 
-def _normal_equations(samples: Samples, prior: Prior, count: int) -> Array:
+def _normal_equations(samples: JointSamples, prior: Prior, count: int) -> Array:
     """Return `block_sums` of the samples of a joint in motion."""
     fit, moving = regress_samples(samples, prior), samples.where(samples.moving)
     return _newton_step(fit, moving.columns, moving.current, moving.block, count)

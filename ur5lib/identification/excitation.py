@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.base_parameters import (
-    LARGEST_SHARE,
+    MAX_PRIOR_VARIANCE_SHARE,
     BaseParameters,
     Stack,
     prior_share,
@@ -21,7 +21,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 Motion = tuple[Array, Array, Array]
 
-GROUPS = {  # of parameters, by the words their names begin with
+PARAMETER_GROUPS = {  # of parameters, by the words their names begin with
     "gravity": "m ",
     "inertia": "I_",
     "rotors": "rotor inertia",
@@ -97,7 +97,7 @@ def _rows(regressor: Array) -> Array:
 def _determined(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
     """Return which base parameters (B,) rows (n, N, P + 1) determine."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
-    return prior_share(base.groups, spread, width) <= LARGEST_SHARE
+    return prior_share(base.groups, spread, width) <= MAX_PRIOR_VARIANCE_SHARE
 
 
 def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array) -> int:
@@ -105,7 +105,7 @@ def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array)
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     before, after = base.groups * width, base.groups @ spread
     ratio = eigh(after @ after.T, before @ before.T, eigvals_only=True)
-    return int(np.sum(ratio <= LARGEST_SHARE))
+    return int(np.sum(ratio <= MAX_PRIOR_VARIANCE_SHARE))
 
 
 def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str, float]:
@@ -113,7 +113,7 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
     columns = (weighted * width).reshape(-1, len(width))
     members = {
         group: [column for column in base.columns if base.parameters[column].startswith(beginning)]
-        for group, beginning in GROUPS.items()
+        for group, beginning in PARAMETER_GROUPS.items()
     }
     members["all"] = list(base.columns)
     return {

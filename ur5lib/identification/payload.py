@@ -12,18 +12,25 @@ from scipy.special import stdtrit
 
 from ur5lib.identification.currents import CurrentFit, motions, predicted, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
-from ur5lib.identification.samples import STEP, Record, Smooth, blocks, columns_of, smoothed_moving
-from ur5lib.robots.friction import GEARS, JointMotion
+from ur5lib.identification.samples import (
+    INDEPENDENT_STEP,
+    CurrentSamples,
+    Smooth,
+    blocks,
+    columns_of,
+    smoothed_moving,
+)
+from ur5lib.robots.friction import GEAR_EFFICIENCY_STD, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
 
-ROUNDS = 5
-DRAWS = 50
-JOINTS = 0.3  # relative error of a joint's torque under a load: before its scale was estimated
-LEFT = 0.1  # and after
-PARTS = 3  # of a run, each of which must show the load
-DEPENDENT = 1e-9  # of the longest: what is shorter is rounding
-WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
+FRICTION_ROUNDS = 5  # of estimating load and friction in turn
+PAYLOAD_DRAWS = 50  # of the bootstrap
+UNSCALED_TORQUE_ERROR = 0.3  # relative, of a joint's torque under a load: before its scale is known
+SCALED_TORQUE_ERROR = 0.1  # and after
+RUN_PARTS = 3  # each of which must show the load
+AXIS_TOLERANCE = 1e-9  # of the longest principal axis: what is shorter is rounding
+PAYLOAD_PRIOR_STD = 100.0  # kg, kg m
 Maps = Sequence[Array]  # coefficients (P,) of each joint, as fitted or drawn
 
 
@@ -47,7 +54,7 @@ class PayloadEstimate:
 
 
 @dataclass(frozen=True)
-class Load:
+class LoadEstimate:
     """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts."""
 
     mass: float
@@ -57,7 +64,7 @@ class Load:
 
 
 @dataclass(frozen=True)
-class JudgedLoad(Load):
+class JudgedLoad(LoadEstimate):
     """An undeclared load beside the payload that is known, of a mass `configured` [kg].
 
     carried: both masses together [kg]; taken: whether the load is included in the prediction;
@@ -82,13 +89,15 @@ def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
     return np.asarray(factor * np.sqrt(np.maximum(beyond, 0.0)))
 
 
-def judge(payload: PayloadEstimate, spread: float) -> Load:
+def judge(payload: PayloadEstimate, spread: float) -> LoadEstimate:
     """Return the load with its total error; spread: of the mass from run to run [kg]."""
     mass = float(payload.parameters[0])
-    error = float(np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEARS * mass) ** 2))
+    error = float(
+        np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEAR_EFFICIENCY_STD * mass) ** 2)
+    )
     half = error * NORMAL95
     lasting = bool((payload.parts > mass / 2).all())
-    return Load(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
+    return LoadEstimate(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
 
 
 def judged_load(
@@ -128,18 +137,18 @@ def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
     """Return the relative error (6,) of each joint's torque under a load.
 
     external_torque: (N, 6) [Nm], without the load's torque; load: the load's torque, low-passed
-    alike; count: number of independent values among the samples. The torque constants
-    of joints that carry little are not well known. Least squares with a prior of 0 ± JOINTS.
+    alike; count: number of independent values among the samples. The torque constants of joints
+    that carry little are not well known. Least squares with a prior of 0 ± UNSCALED_TORQUE_ERROR.
     """
     known = np.isfinite(external_torque + load).all(axis=1)
     external_torque, load = external_torque[known], load[known]
     noise = external_torque.var(axis=0) if known.any() else np.ones(load.shape[1])
-    held = noise / JOINTS**2 * len(load) / max(1, count)
+    held = noise / UNSCALED_TORQUE_ERROR**2 * len(load) / max(1, count)
     return np.asarray((external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + held + 1e-12))
 
 
 def estimate_payload(
-    fit: CurrentFit, record: Record, regressor: Array, smooth: Smooth, seed: int = 0
+    fit: CurrentFit, record: CurrentSamples, regressor: Array, smooth: Smooth, seed: int = 0
 ) -> PayloadEstimate:
     """Estimate the payload that `record.torque` does not contain.
 
@@ -147,7 +156,7 @@ def estimate_payload(
     mass comes first. Only joints in motion count: at rest, friction hides a load.
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
-    every = max(1, round(STEP / record.period))
+    every = max(1, round(INDEPENDENT_STEP / record.period))
     scale = torque_constants(fit) * [joint.band_moving or np.nan for joint in fit.joints]
     parts = [smooth(column, record)[::every] for column in np.moveaxis(regressor, 2, 0)]
     explained = np.stack(parts, axis=2)
@@ -168,7 +177,7 @@ def estimate_payload(
     fitted = [joint.estimate.coefficients for joint in fit.joints]
     # alternate payload and friction
     solution = nothing
-    for _ in range(ROUNDS):
+    for _ in range(FRICTION_ROUNDS):
         loaded = _under(unloaded, record.torque + regressor @ solution)
         left = smooth(record.current - predicted(fit, loaded), record)[::every]
         solution = solve(fitted, left, solution, once, nothing)
@@ -177,13 +186,13 @@ def estimate_payload(
     sources = _low_passed(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
-    for _ in range(DRAWS):
+    for _ in range(PAYLOAD_DRAWS):
         draw = generator.integers(len(fit.joints[0].estimate.replicates))  # alike for all joints
         drawn = [joint.estimate.replicates[draw] for joint in fit.joints]
         count = generator.multinomial(len(once), once / len(once))
-        known = generator.normal(nothing, WIDE)
+        known = generator.normal(nothing, PAYLOAD_PRIOR_STD)
         draws.append(solve(drawn, _unexplained(fit, drawn, sources), solution, count, known))
-    left, chosen = _unexplained(fit, fitted, sources), np.array_split(np.unique(block), PARTS)
+    left, chosen = _unexplained(fit, fitted, sources), np.array_split(np.unique(block), RUN_PARTS)
     counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in chosen]
     parts = [solve(fitted, left, solution, count, nothing)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
@@ -196,13 +205,13 @@ def _under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion
 
 
 def _low_passed(
-    fit: CurrentFit, joints: Iterable[JointMotion], record: Record, smooth: Smooth
+    fit: CurrentFit, joints: Iterable[JointMotion], record: CurrentSamples, smooth: Smooth
 ) -> list[Array]:
     """Return columns, held and current (n, P + 2) of each joint, low-passed and thinned.
 
     They are NaN, and break the low-pass, where those of any joint are.
     """
-    every, moved = max(1, round(STEP / record.period)), [*joints]
+    every, moved = max(1, round(INDEPENDENT_STEP / record.period)), [*joints]
     known = np.isfinite(record.current - predicted(fit, moved)).all(axis=1)
     sources = []
     for motion, model, current in zip(moved, fit.joints, record.current.T, strict=True):
@@ -229,11 +238,11 @@ def _axes(columns: Array) -> tuple[Array, Array]:
     size = columns.shape[1]
     triangle = np.linalg.qr(np.concatenate([columns, np.zeros((size, size))]), mode="r")
     _, length, axes = np.linalg.svd(triangle)
-    return axes, columns @ np.where(length > DEPENDENT * length[0], axes.T, 0.0)
+    return axes, columns @ np.where(length > AXIS_TOLERANCE * length[0], axes.T, 0.0)
 
 
 def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
     """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean."""
     repeated = np.repeat(np.arange(len(block)), count[block])
-    wide = Normal(known, np.eye(columns.shape[1]) / WIDE**2)
+    wide = Normal(known, np.eye(columns.shape[1]) / PAYLOAD_PRIOR_STD**2)
     return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients

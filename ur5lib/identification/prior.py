@@ -9,21 +9,26 @@ import numpy as np
 from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.regression import Normal
-from ur5lib.robots.friction import FITTED, coefficient_names, term_of
+from ur5lib.robots.friction import FITTED_TERMS, coefficient_names, term_of
 from ur5lib.timeseries.arrays import Array
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
 # current: the middle of 0.001 to 0.02 in single recordings of a UR5 and a UR10e. With 0.01, a
 # constant that is known 2.5 times too small was no longer contradicted by 24 s of motion.
-NOISE = 0.005
+CURRENT_NOISE_SHARE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
-FRICTION_AT_REST = 0.05 / np.sqrt(3)
-PINNED = 1e-3  # of its standard deviation: what is left of it where a constant is pinned
+REST_FRICTION_STD = 0.05 / np.sqrt(3)
+PINNED_STD_SHARE = 1e-3  # of its standard deviation: what is left where a constant is pinned
 # Friction of a joint before any recording, mean and standard deviation, near those of the larger of
 # 20 joints of a UR3, a UR5, a UR10 and a UR10e: relative to the motor's largest torque, load
 # friction to the transmitted.
-COULOMB, VISCOUS, LOAD = (0.045, 0.011), (0.06, 0.014), (0.06, 0.04)
-BIAS = 0.007  # standard deviation of the offset, likewise
+COULOMB_PRIOR = (0.045, 0.011)
+VISCOUS_PRIOR = (0.06, 0.014)
+LOAD_PRIOR = (0.06, 0.04)
+OFFSET_STD_SHARE = 0.007  # of the largest torque
+OFFSET_NAME = "offset"
+STANDSTILL_SPEED = 1e-3  # rad/s
+MIN_RATIO_TORQUE = 0.1  # Nm, of which a ratio to the current is taken
 
 
 @dataclass(frozen=True)
@@ -40,10 +45,10 @@ def typical_friction(torque_max: Array) -> dict[str, Typical]:
     """
     sized, one = torque_max, np.ones_like(torque_max)
     return {
-        "coulomb": Typical(*(share * sized for share in COULOMB)),
-        "viscous": Typical(*(share * sized for share in VISCOUS)),
-        "load": Typical(*(share * one for share in LOAD)),
-        "offset": Typical(0.0 * sized, BIAS * sized),
+        "coulomb": Typical(*(share * sized for share in COULOMB_PRIOR)),
+        "viscous": Typical(*(share * sized for share in VISCOUS_PRIOR)),
+        "load": Typical(*(share * one for share in LOAD_PRIOR)),
+        "offset": Typical(0.0 * sized, OFFSET_STD_SHARE * sized),
     }
 
 
@@ -65,17 +70,17 @@ class Prior:
     def std(self) -> Array:
         """Return the standard deviation (n,) of each joint's 1/k [A/Nm]."""
         std = np.sqrt(np.diag(np.linalg.inv(self.inverse_constant.precision)))
-        std[[*self.pinned]] *= PINNED
+        std[[*self.pinned]] *= PINNED_STD_SHARE
         return std
 
     def noise(self) -> Array:
         """Return the usual variance (n,) [A²] of an independent sample of the current."""
-        variance: Array = (NOISE * self.torque_max * self.inverse_constant.mean) ** 2
+        variance: Array = (CURRENT_NOISE_SHARE * self.torque_max * self.inverse_constant.mean) ** 2
         return variance
 
     def noise_at_rest(self) -> Array:
         """Return the usual variance (n,) [A²] of the current that holds a posture."""
-        variance: Array = (FRICTION_AT_REST * self.torque_max * self.inverse_constant.mean) ** 2
+        variance: Array = (REST_FRICTION_STD * self.torque_max * self.inverse_constant.mean) ** 2
         return variance
 
     def of_joint(self, joint: int) -> "Prior":
@@ -87,7 +92,7 @@ class Prior:
         }
         return Prior(inverse, self.torque_max[own], typical=typical)
 
-    def over(self, terms: Sequence[str] = FITTED) -> Normal:
+    def over(self, terms: Sequence[str] = FITTED_TERMS) -> Normal:
         """Return the prior of all joints' coefficients.
 
         They are, joint by joint, 1/k [A/Nm], an offset [A], and those of the terms. One without a
@@ -95,7 +100,7 @@ class Prior:
         largest torque.
         """
         inverse = self.inverse_constant.mean
-        names = ["", OFFSET, *coefficient_names(terms)]  # "" of 1/k
+        names = ["", OFFSET_NAME, *coefficient_names(terms)]  # "" of 1/k
         widths = np.array([_expected(terms, most) for most in self.torque_max])  # (n, P)
         starts = len(names) * np.arange(len(inverse))
         mean, std = np.zeros(widths.size), (inverse[:, None] * widths).ravel()
@@ -106,7 +111,7 @@ class Prior:
         for name, known in self.typical.items():
             # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
             places = starts + names.index(name)
-            value = known.mean * (-1 if name == OFFSET else 1)  # k i = τ + τ_friction - b
+            value = known.mean * (-1 if name == OFFSET_NAME else 1)  # k i = τ + τ_friction - b
             difference = np.zeros((len(starts), len(mean)))
             rows = np.arange(len(starts))
             difference[rows, places], difference[rows, starts] = 1.0, -value
@@ -126,17 +131,10 @@ class Prior:
         return precision
 
 
-OFFSET = "offset"
-
-
 def _expected(terms: Sequence[str], torque_max: float) -> list[float]:
     """Return how large 1/k, the offset and friction's coefficients are, times k [Nm, ...]."""
     own = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
     return [1.0, torque_max, *chain.from_iterable(own)]
-
-
-STILL = 1e-3  # rad/s
-LOADED = 0.1  # Nm; least torque for a ratio
 
 
 def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
@@ -145,10 +143,10 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
     moment, current: (N, 6) `target_moment` [Nm] and `target_current` [A]; qd: (N, 6) [rad/s].
     At rest, the controller's current contains no friction, so the ratio is constant.
     """
-    rest = (np.abs(qd) < STILL).all(axis=1) & np.isfinite(moment * current).all(axis=1)
+    rest = (np.abs(qd) < STANDSTILL_SPEED).all(axis=1) & np.isfinite(moment * current).all(axis=1)
     constants = np.full(moment.shape[1], np.nan)
     for joint in range(len(constants)):
-        loaded = rest & (np.abs(moment[:, joint]) > LOADED) & (current[:, joint] != 0)
+        loaded = rest & (np.abs(moment[:, joint]) > MIN_RATIO_TORQUE) & (current[:, joint] != 0)
         if loaded.sum() > rest.sum() / 2:
             constants[joint] = np.median(moment[loaded, joint] / current[loaded, joint])
     return constants

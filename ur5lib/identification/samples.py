@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ur5lib.robots.friction import (
-    FITTED,
-    USUAL,
+    FITTED_TERMS,
+    USUAL_TEMPERATURE,
     JointMotion,
     coefficient_names,
     friction_columns,
@@ -21,17 +21,17 @@ from ur5lib.robots.friction import (
     resting,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.segments import BLOCK, DEAD_ZONE, starts
+from ur5lib.timeseries.segments import BLOCK_DURATION, DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
-STEP = 0.1  # s between samples
-FEW = 5  # paths, or stretches; with fewer, smaller parts are resampled
-STRETCH = 5  # blocks
-LEAST_PATHS = 3  # as many as README asks for
+INDEPENDENT_STEP = 0.1  # s, between samples that count as independent
+MIN_UNITS = 5  # paths, or stretches; with fewer, smaller parts are resampled
+BLOCKS_PER_STRETCH = 5
+MIN_PATHS = 3  # as many as README asks for
 
 
 @dataclass(frozen=True)
-class Record:
+class CurrentSamples:
     """A contact-free recording on a uniform grid.
 
     period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
@@ -62,16 +62,16 @@ class Record:
         """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
         direction = friction_direction(q, self.segment)
-        warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL
+        warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         return JointMotion(q, qd, torque, direction, warmth)
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.
-Smooth = Callable[[Array, Record], Array]
+Smooth = Callable[[Array, CurrentSamples], Array]
 
 
 @dataclass(frozen=True)
-class Samples:
+class JointSamples:
     """Samples of one joint from all recordings.
 
     columns: (n, P), of the torque, an offset, and the terms; held: (n,), direction of
@@ -98,26 +98,28 @@ class Samples:
         new = self.moving | (np.diff(self.record, prepend=0) != 0)
         return np.cumsum(new)
 
-    def without(self, last: Sequence[str]) -> "Samples":
+    def without(self, last: Sequence[str]) -> "JointSamples":
         """Return the samples without the last terms."""
         terms = self.terms[: -len(last)]
         return replace(
             self, terms=terms, columns=self.columns[:, : 2 + len(coefficient_names(terms))]
         )
 
-    def where(self, rows: Mask) -> "Samples":
+    def where(self, rows: Mask) -> "JointSamples":
         """Return the samples in a mask."""
         names = ("columns", "held", "current", "moving", "block", "record", "path", "day", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
 def joint_samples(
-    records: Sequence[Record], smooth: Smooth, terms: Sequence[str] = FITTED
-) -> list[Samples]:
+    records: Sequence[CurrentSamples], smooth: Smooth, terms: Sequence[str] = FITTED_TERMS
+) -> list[JointSamples]:
     """Return samples of joints 1 to 6, with the columns of these terms of friction."""
     labels = [blocks(record) for record in records]
     # from recording to recording, labels go on at a whole stretch, so that none contains two
-    firsts = np.cumsum([0, *(-(-(own[-1] + 1) // STRETCH) * STRETCH for own in labels[:-1])])
+    firsts = np.cumsum(
+        [0, *(-(-(own[-1] + 1) // BLOCKS_PER_STRETCH) * BLOCKS_PER_STRETCH for own in labels[:-1])]
+    )
     each = [
         _record_samples(record, smooth, tuple(terms), first + own)
         for record, own, first in zip(records, labels, firsts, strict=True)
@@ -132,19 +134,19 @@ def joint_samples(
         )
         path = paths[record]
         # the largest parts of which there are enough
-        parts = (path, block // STRETCH)
-        unit = next((part for part in parts if len(np.unique(part)) >= FEW), block)
+        parts = (path, block // BLOCKS_PER_STRETCH)
+        unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), block)
         rest = held, current, moving, block, record, path, days[record], unit
-        joints.append(Samples(tuple(terms), columns, *rest))
+        joints.append(JointSamples(tuple(terms), columns, *rest))
     return joints
 
 
-def record_paths(records: Sequence[Record]) -> Labels:
+def record_paths(records: Sequence[CurrentSamples]) -> Labels:
     """Return labels (R,) of recordings by their trajectory."""
     return group_by_path([passed(record) for record in records])
 
 
-def record_days(records: Sequence[Record]) -> Labels:
+def record_days(records: Sequence[CurrentSamples]) -> Labels:
     """Return labels (R,) of recordings by their day."""
     return np.unique([record.day for record in records], return_inverse=True)[1].astype(np.int64)
 
@@ -152,21 +154,21 @@ def record_days(records: Sequence[Record]) -> Labels:
 def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
     """Return what shares neither path nor day with the samples or recordings of a mask (n,).
 
-    out: (n,), whole paths; path, day: (n,) labels. If less than LEAST_PATHS would remain, what
+    out: (n,), whole paths; path, day: (n,) labels. If less than MIN_PATHS would remain, what
     shares no path.
     """
     other = ~out & ~np.isin(day, day[out])
-    return other if len(np.unique(path[other])) >= LEAST_PATHS else ~out
+    return other if len(np.unique(path[other])) >= MIN_PATHS else ~out
 
 
-def passed(record: Record) -> PathStates:
+def passed(record: CurrentSamples) -> PathStates:
     """Return the states on the path of a recording."""
     return path_of(record.q, record.qd, record.period)
 
 
 def path_of(q: Array, qd: Array, period: float) -> PathStates:
     """Return the states on the path of a motion (N, n) [rad, rad/s]; period: [s]."""
-    return PathStates.from_motion(q, qd, max(1, round(STEP / period)))
+    return PathStates.from_motion(q, qd, max(1, round(INDEPENDENT_STEP / period)))
 
 
 def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]:
@@ -178,7 +180,7 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]
     return columns, motion.direction * resting(motion.qd)
 
 
-def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
+def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
     """Return where each joint moves, (N, 6), throughout the reach of the low-pass."""
     moving = (np.abs(record.qd) > DEAD_ZONE).astype(float)
     moving[~np.isfinite(record.qd)] = np.nan
@@ -186,13 +188,13 @@ def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
 
 
 def _record_samples(
-    record: Record,
+    record: CurrentSamples,
     smooth: Smooth,
     terms: tuple[str, ...],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Mask, Labels]]:
     """Return columns, held, current, moving and block of each joint, low-passed and thinned."""
-    every = max(1, round(STEP / record.period))
+    every = max(1, round(INDEPENDENT_STEP / record.period))
     moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::every].copy())
     joints = []
     for joint in range(record.q.shape[1]):
@@ -205,7 +207,7 @@ def _record_samples(
 
 
 def _smoothed(
-    record: Record, smooth: Smooth, terms: Sequence[str], joint: int, every: int
+    record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, every: int
 ) -> Array:
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""
     motion = record.joint(joint)
@@ -213,7 +215,7 @@ def _smoothed(
     return smooth(np.column_stack(sources), record)[::every].copy()
 
 
-def blocks(record: Record) -> Labels:
-    """Return labels (N,) of blocks of BLOCK seconds within segments."""
-    running = np.arange(len(record.segment)) // max(1, round(BLOCK / record.period))
+def blocks(record: CurrentSamples) -> Labels:
+    """Return labels (N,) of blocks of BLOCK_DURATION seconds within segments."""
+    running = np.arange(len(record.segment)) // max(1, round(BLOCK_DURATION / record.period))
     return np.cumsum(starts(record.segment) | starts(running)) - 1

@@ -6,11 +6,14 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from ur5lib.identification.joint_regression import FEWEST, regress_samples
+from ur5lib.identification.joint_regression import MIN_SAMPLES, regress_samples
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Record, Smooth, joint_samples
+from ur5lib.identification.samples import CurrentSamples, Smooth, joint_samples
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
+
+SPEED_BINS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
+MIN_SHARE_IN_BAND = 0.9  # of the samples of a bin, in the 95 % band
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ def coefficients_of_constants(
     return torques / torque_constant[:, None]
 
 
-def least_squares_coefficients(records: Sequence[Record]) -> Array:
+def least_squares_coefficients(records: Sequence[CurrentSamples]) -> Array:
     """Fit coefficients (6, 4) by plain least squares to all samples, as a baseline."""
     columns = np.concatenate([_baseline_columns(record.torque, record.qd) for record in records])
     current = np.concatenate([record.current for record in records])
@@ -48,7 +51,7 @@ def least_squares_coefficients(records: Sequence[Record]) -> Array:
     return np.stack([np.linalg.lstsq(*joint)[0] for joint in joints])
 
 
-def baseline_current(record: Record, coefficients: Array) -> Array:
+def baseline_current(record: CurrentSamples, coefficients: Array) -> Array:
     """Return the current (N, 6) [A] with the friction of Equation 6.4: Coulomb and viscous.
 
     coefficients: (6, 4) of torque [A/Nm], offset [A], direction [A] and velocity [A s/rad].
@@ -60,7 +63,7 @@ def baseline_current(record: Record, coefficients: Array) -> Array:
     )
 
 
-def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
+def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
     """Score a predicted current (N, 6) [A]; half_band: (N, 6) [A], of the low-passed current."""
     error = record.current - predicted
     slow = smooth(error, record)
@@ -75,7 +78,9 @@ def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) ->
     )
 
 
-def explained(records: Sequence[Record], predicted: Sequence[Array], smooth: Smooth) -> Array:
+def explained(
+    records: Sequence[CurrentSamples], predicted: Sequence[Array], smooth: Smooth
+) -> Array:
     """Return the share (6,) of the low-passed currents' variance that predictions explain.
 
     1 - Σ (i - î)² / Σ (i - ī)² over the samples of all recordings, ī their mean: negative where a
@@ -88,7 +93,7 @@ def explained(records: Sequence[Record], predicted: Sequence[Array], smooth: Smo
     return 1 - _mean(error**2) / np.nanvar(known, axis=0)
 
 
-def fitted_on_tested_on(records: Sequence[Record], smooth: Smooth, prior: Prior) -> Array:
+def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
     """Return the RMSE [A] in motion, (R, R, 6), of a fit to one recording, tested on another.
 
     NaN if a joint does not move in both.
@@ -119,15 +124,11 @@ def _mean(values: Array) -> Array:
     return mean
 
 
-SPEEDS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
-WANTED = 0.9  # share of samples within the 95 % band
-
-
 @dataclass(frozen=True)
 class ShareBySpeed:
-    """Share of a joint's errors within their band, and samples, (B,), between speeds `SPEEDS`.
+    """Share of a joint's errors within their band, and samples, (B,), between speeds `SPEED_BINS`.
 
-    NaN in bins with less than FEWEST samples.
+    NaN in bins with less than MIN_SAMPLES samples.
     """
 
     share: Array
@@ -135,7 +136,7 @@ class ShareBySpeed:
 
     def rows(self) -> Iterator[tuple[float, float, float, float]]:
         """Yield the ends of each bin, its share and its samples."""
-        for (low, high), *known in zip(pairwise(SPEEDS), self.share, self.samples, strict=True):
+        for (low, high), *known in zip(pairwise(SPEED_BINS), self.share, self.samples, strict=True):
             yield low, high, *known
 
     def suffices(self) -> tuple[float, float]:
@@ -147,20 +148,20 @@ class ShareBySpeed:
         known = np.flatnonzero(np.isfinite(self.share))
         runs = [
             [int(place) for place in run]
-            for enough, run in groupby(known, lambda place: self.share[place] >= WANTED)
+            for enough, run in groupby(known, lambda place: self.share[place] >= MIN_SHARE_IN_BAND)
             if enough
         ]
         if not runs:
             return np.nan, np.nan
         best = max(runs, key=lambda run: self.samples[run].sum())
-        high = np.inf if best[-1] == known[-1] else float(SPEEDS[best[-1] + 1])
-        return float(SPEEDS[best[0]]), high
+        high = np.inf if best[-1] == known[-1] else float(SPEED_BINS[best[-1] + 1])
+        return float(SPEED_BINS[best[0]]), high
 
 
 def share_by_speed(speed: Array, inside: Mask) -> ShareBySpeed:
     """Return the share of samples within their band by speed; speed, inside: (N,) [rad/s]."""
-    place, count = np.digitize(speed, SPEEDS) - 1, len(SPEEDS) - 1
+    place, count = np.digitize(speed, SPEED_BINS) - 1, len(SPEED_BINS) - 1
     samples = np.bincount(place, minlength=count)
     held = np.bincount(place, weights=inside, minlength=count)
-    share = np.where(samples >= FEWEST, held / np.maximum(samples, 1), np.nan)
+    share = np.where(samples >= MIN_SAMPLES, held / np.maximum(samples, 1), np.nan)
     return ShareBySpeed(share, samples.astype(np.float64))

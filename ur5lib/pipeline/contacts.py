@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.force.detection import (
-    TOUCH,
+    TOUCH_FORCE,
     Span,
     alarms,
     compare,
@@ -18,7 +18,7 @@ from ur5lib.force.detection import (
     raised_live,
     receiver_curve,
 )
-from ur5lib.force.external_torque import MOVING
+from ur5lib.force.external_torque import JointState
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.pipeline.force_input import gears
@@ -28,7 +28,7 @@ from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrench
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import marked
 
-CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
+CLASSES = [TOUCH_FORCE, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
 
 Named = Callable[[Span, Alarm], Alarm]
@@ -132,7 +132,7 @@ def load_finder(
     torque = external - background
     if (known_gears := gears(currents)) is not None:
         torque, _ = known_gears.contact_torque(torque)
-    spread = model.doubt * model.spread[MOVING]
+    spread = model.doubt * model.spread[JointState.MOVING]
 
     def named(span: Span, alarm: Alarm) -> Alarm:
         part = slice(*span)
@@ -165,7 +165,7 @@ def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
     """Return the area under the receiver's curve by sample, None without a sensor."""
     if (force := sensed_force(sensor)) is None:
         return None
-    wrong, right = receiver_curve(own.evidence, force >= TOUCH)
+    wrong, right = receiver_curve(own.evidence, force >= TOUCH_FORCE)
     return float(np.trapezoid(right, wrong))
 
 

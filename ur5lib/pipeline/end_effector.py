@@ -20,7 +20,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
-from ur5lib.signals.imu_calibration import AS_DRAWN, ImuCalibration, accelerometer_bias
+from ur5lib.signals.imu_calibration import NOMINAL_CALIBRATION, ImuCalibration, accelerometer_bias
 from ur5lib.smoothing.plain_filter import FilteredMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import (
@@ -92,7 +92,10 @@ def as_published(known: BesideImu, by_stamps: Array) -> tuple[Array, dict[str, A
     by_stamps: the IMU's reading (N, 6), placed by its start stamp.
     """
     robot, signals, kinematics, *_ = known
-    up, turning = AS_DRAWN.up(np.array(robot.gravity)), derivative(signals, by_stamps[:, 3:])
+    up, turning = (
+        NOMINAL_CALIBRATION.up(np.array(robot.gravity)),
+        derivative(signals, by_stamps[:, 3:]),
+    )
     felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
     smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
     angles = {

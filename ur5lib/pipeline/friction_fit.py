@@ -14,7 +14,7 @@ from ur5lib.identification.current_regression import (
 )
 from ur5lib.identification.currents import CurrentFit, parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Record, Smooth, record_paths
+from ur5lib.identification.samples import CurrentSamples, Smooth, record_paths
 from ur5lib.identification.validation import (
     explained,
     fitted_on_tested_on,
@@ -33,7 +33,7 @@ class ContradictionError(RefusalError):
 
 
 def fitted_friction(
-    records: Sequence[Record], prior: Prior, smooth: Smooth, model: str = ""
+    records: Sequence[CurrentSamples], prior: Prior, smooth: Smooth, model: str = ""
 ) -> Friction:
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
@@ -85,7 +85,9 @@ def known_constants(prior: Prior) -> KnownConstants:
 
 
 def explained_by_others(
-    records: Sequence[Record], left_out: Sequence[tuple[list[str], CurrentFit]], smooth: Smooth
+    records: Sequence[CurrentSamples],
+    left_out: Sequence[tuple[list[str], CurrentFit]],
+    smooth: Smooth,
 ) -> Array | None:
     """Return the share (6,) of the currents' variance that fits to other paths explain.
 

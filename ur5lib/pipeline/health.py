@@ -7,10 +7,10 @@ from functools import partial
 
 import numpy as np
 
-from ur5lib.identification.condition import UNITS
+from ur5lib.identification.condition import QUANTITY_UNITS
 from ur5lib.pipeline.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.changes import FEWEST, Series, find_changes, over_spans
+from ur5lib.timeseries.changes import MIN_DATES, DatedSeries, find_changes, over_spans
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
@@ -18,11 +18,11 @@ WARMER = 1.0  # K, range of temperatures between dates, above which they are a c
 
 
 def health_of(checkups: Sequence[Checkup], paths: Iterable[PathStates]) -> Health:
-    """Return each quantity by date and its changes; nothing with fewer than FEWEST dates.
+    """Return each quantity by date and its changes; nothing with fewer than MIN_DATES dates.
 
     paths: along which the arm moved, one for each checkup.
     """
-    if len({one.date for one in checkups}) < FEWEST:
+    if len({one.date for one in checkups}) < MIN_DATES:
         return Health()
     rows = [*_by_date(checkups, group_by_path(paths))]
     return Health(rows, [*_changes(rows)])
@@ -47,7 +47,7 @@ def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Cond
     for joint in range(len(checkups[0].joints)):
         warmth = float(np.mean([one.temperature[joint] for one in checkups]))
         here = partial(Condition, date=day, joint=joint + 1, temperature_c=warmth, group=group)
-        for quantity in UNITS:
+        for quantity in QUANTITY_UNITS:
             found = np.array([one.joints[joint][quantity] for one in checkups])
             found = found[np.isfinite(found).all(axis=1)]
             if len(found):
@@ -72,7 +72,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
     for row in rows:
         if row.joint is not None:
             groups[row.joint, row.quantity].append(row)
-    tested = {key: own for key, own in groups.items() if len(own) >= FEWEST}
+    tested = {key: own for key, own in groups.items() if len(own) >= MIN_DATES}
     for (joint, quantity), own in tested.items():
         for change in find_changes(over_spans(_series(own)), FALSE_ALARMS / len(tested)):
             dates = {"first": _day(change.first), "last": _day(change.last)}
@@ -81,7 +81,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
             yield JointChange(**found, joint=joint, quantity=quantity)
 
 
-def _series(rows: Sequence[Condition]) -> Series:
+def _series(rows: Sequence[Condition]) -> DatedSeries:
     """Return a quantity on all dates, temperatures as its covariate where all are known."""
     day = np.array([date.fromisoformat(row.date).toordinal() for row in rows], dtype=float)
     value, error = (
@@ -90,7 +90,7 @@ def _series(rows: Sequence[Condition]) -> Series:
     warmth = np.array([row.temperature_c for row in rows], dtype=float)
     tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > WARMER)
     group = np.array([row.group for row in rows])
-    return Series(day, value, error, warmth if tells else None, group)
+    return DatedSeries(day, value, error, warmth if tells else None, group)
 
 
 def _day(ordinal: float) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import (
-    Estimate,
+    InertialEstimate,
     Stack,
     base_parameters,
     identified_model,
@@ -69,7 +69,7 @@ def with_identified(
 def identification(
     models: Sequence[LinkModel],
     data: Stack,
-    estimate: Estimate,
+    estimate: InertialEstimate,
     parameters: Array,
     blocks: list[Block],
 ) -> Identification:

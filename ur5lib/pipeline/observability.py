@@ -15,7 +15,7 @@ from ur5lib.force.detection import alarms, smallest_force
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.trial_contacts import Trials, felt_push, try_each_place
 from ur5lib.identification.currents import CurrentFit, torque_constants
-from ur5lib.identification.samples import STEP
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.identification.validation import ShareBySpeed, share_by_speed
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.pipeline.records.arm_state import Observed
@@ -70,7 +70,7 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
 
     fit: has not seen the recording's path. The external torque is k times the error of the current.
     """
-    every = max(1, round(STEP / motion.period))
+    every = max(1, round(INDEPENDENT_STEP / motion.period))
     torque = currents.external_torque
     assert torque is not None
     torque, qd = torque[::every], motion.motor_qd[::every]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ur5lib.force.contact_wrench import LEAST_ERROR, at_rest, static_wrench, torque_std
+from ur5lib.force.contact_wrench import MIN_CONSTANT_ERROR, at_rest, static_wrench, torque_std
 from ur5lib.pipeline.current_prediction import inner
 from ur5lib.pipeline.current_samples import Smoother, controllers_ratio, current_record, prior_of
 from ur5lib.pipeline.estimators import Stated
@@ -38,5 +38,5 @@ def static_forces(
     motor = smooth(record.current, record) / inverse
     torque = inner(smooth(record.torque, record) - motor, record, cutoff)
     torque[~at_rest(record.qd)] = np.nan
-    std = torque_std(motor, np.maximum(error, LEAST_ERROR), prior.torque_max)
+    std = torque_std(motor, np.maximum(error, MIN_CONSTANT_ERROR), prior.torque_max)
     return Stated(*static_wrench(torque, std, jacobian))

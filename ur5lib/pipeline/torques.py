@@ -12,8 +12,8 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
-from ur5lib.timeseries.sampling import STEP, differentiate
-from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
+from ur5lib.timeseries.sampling import THINNED_STEP, differentiate
+from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment, unbroken
 
 
 def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion) -> Torques:
@@ -102,7 +102,7 @@ def torque_blocks(
     columns = bare.regressor(*states).reshape(len(signals.time), -1)
     rows = np.hstack([columns, signals.target_moment - load])
     rows = comparable(rows, signals, exact, design)
-    every = max(1, round(STEP / signals.period))
-    for part in unbroken(signals.segment, (signals.time // BLOCK).astype(np.int64)):
+    every = max(1, round(THINNED_STEP / signals.period))
+    for part in unbroken(signals.segment, (signals.time // BLOCK_DURATION).astype(np.int64)):
         chosen = rows[part][::every]
         yield chosen[:, :-6].reshape(-1, 6, 66), chosen[:, -6:]

@@ -13,10 +13,13 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_v
 from ur5lib.errors import InputError
 from ur5lib.strict import Strict, read_yaml
 
-FOLDER = Path(__file__).parent
-JOINT_SIZES = FOLDER / "joint_sizes.yaml"
+DESCRIPTION_FOLDER = Path(__file__).parent
+JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
-INVALID = "is not a valid description of an arm (docs/robots.md)"
+INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
+SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
+GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
+USUAL_ACCELERATION = 15.0  # rad/s²
 
 Vector3 = tuple[float, float, float]
 T = TypeVar("T")
@@ -26,13 +29,9 @@ Six = tuple[float, float, float, float, float, float]  # a pose, a wrench, an in
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
-SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
-ON_EARTH = (9.0, 10.5)  # m/s²
-USUAL_ACCELERATION = 15.0  # rad/s²
-
 
 def _on_earth(gravity: Vector3) -> Vector3:
-    if not ON_EARTH[0] <= math.hypot(*gravity) <= ON_EARTH[1]:
+    if not GRAVITY_RANGE[0] <= math.hypot(*gravity) <= GRAVITY_RANGE[1]:
         raise ValueError("three numbers [m/s²] with a magnitude of 9 to 10.5")
     return gravity
 
@@ -197,7 +196,7 @@ class CurrentToTorque(Strict):
     preliminary_torque_constant: PerJoint
 
 
-class Friction(Strict):
+class DeadZoneFriction(Strict):
     """Equations 6.2 and 6.4: Coulomb [Nm], viscous [Nm s/rad], dead zone [rad/s]."""
 
     coulomb: PerJoint
@@ -234,7 +233,7 @@ class Robot(Strict):
     mounting: Mounting = Mounting()
     wrist_sensor: bool = False
     current_to_torque: CurrentToTorque | None = None
-    friction: Friction | None = None
+    friction: DeadZoneFriction | None = None
     closed_loop_gains: dict[str, Gains] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -369,7 +368,7 @@ def _is_by_joint(kind: Any) -> bool:
 
 def robot_names() -> list[str]:
     """Return the names of the arms described here, and in the folder `robots` of the project."""
-    described = [path for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES]
+    described = [path for path in DESCRIPTION_FOLDER.glob("*.yaml") if path != JOINT_SIZES_FILE]
     return sorted({path.stem for path in [*described, *PROJECT_FOLDER.glob("*.yaml")]})
 
 
@@ -390,7 +389,7 @@ def _letters(name: str) -> str:
 def robot_path(name: str) -> Path:
     """Return the YAML file that describes an arm: that of the project, else the one here."""
     project = PROJECT_FOLDER / f"{name}.yaml"
-    return project if project.is_file() else FOLDER / f"{name}.yaml"
+    return project if project.is_file() else DESCRIPTION_FOLDER / f"{name}.yaml"
 
 
 def load_robot(path: str | Path) -> Robot:
@@ -401,7 +400,7 @@ def load_robot(path: str | Path) -> Robot:
     try:
         return robot_of(read_description(path))
     except ValidationError as error:
-        raise InputError(f"{path} {INVALID}: {error}") from error
+        raise InputError(f"{path} {INVALID_DESCRIPTION}: {error}") from error
 
 
 def read_description(path: str | Path) -> Any:
@@ -412,7 +411,7 @@ def read_description(path: str | Path) -> Any:
     try:
         return with_motors(read_yaml(Path(path)))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputError(f"{path} {INVALID}: {error}") from error
+        raise InputError(f"{path} {INVALID_DESCRIPTION}: {error}") from error
 
 
 def robot_of(description: Any) -> Robot:
@@ -440,4 +439,4 @@ def with_motors(description: Any) -> Any:
 @cache
 def joint_sizes() -> dict[str, dict[str, float]]:
     """Return the motors of the manufacturer's joints, as plain data, by their size."""
-    return dict(read_yaml(JOINT_SIZES))
+    return dict(read_yaml(JOINT_SIZES_FILE))

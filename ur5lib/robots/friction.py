@@ -14,11 +14,12 @@ from ur5lib.lab.extensions import additions, failed
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
 
-# Presliding distance [rad]: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
-# shorter ones are below the encoder's resolution.
-PRESLIDING = 1e-4
-GEARS = 0.03  # relative variation of the gears' efficiency between runs and poses
-USUAL = 30.0  # °C, of a joint in motion: at which friction has the coefficients of its other terms
+GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
+# Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
+# ones are below the encoder's resolution.
+PRESLIDING_DISTANCE = 1e-4  # rad
+# Of a joint in motion, at which friction has the coefficients of its other terms.
+USUAL_TEMPERATURE = 30.0  # °C
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class JointMotion:
     """Motion of one joint, (N,) each.
 
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
-    1, see `friction_direction`; warmth: [K], above USUAL, 0 where it was not recorded.
+    1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded.
     """
 
     q: Array
@@ -36,7 +37,38 @@ class JointMotion:
     warmth: Array | float = 0.0
 
 
-def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING) -> Array:
+@dataclass(frozen=True)
+class Term:
+    """A term of friction.
+
+    columns: one (N,) for each coefficient, of a joint's motion; expected: prior standard deviation
+    of a coefficient, from the motor's largest torque [Nm]; parts: names of several coefficients.
+    """
+
+    columns: Callable[[JointMotion], list[Array]]
+    expected: Callable[[float], float] = float
+    parts: tuple[str, ...] = ()
+
+
+BASE_TERMS = ("coulomb", "viscous", "load")
+# Terms that are not fitted, but make the others less sure: over a part of a turn, a periodic term
+# looks like an offset, and together with gravity like a torque constant.
+CONSIDERED_TERMS = ("periodic",)
+TERMS = {
+    "coulomb": Term(lambda motion: [motion.direction]),  # Equation 3.13
+    "viscous": Term(lambda motion: [motion.qd]),  # Equation 3.14
+    # Coulomb friction in proportion to the transmitted torque; gears lose some per cent of it
+    "load": Term(lambda motion: [np.abs(motion.torque) * motion.direction], lambda _: 0.1),
+    # once per turn, as of a harmonic drive's flexspline: a tenth of Coulomb friction
+    "periodic": Term(
+        lambda motion: [np.sin(motion.q), np.cos(motion.q)],
+        expected=lambda torque_max: 0.005 * torque_max,
+        parts=("sin", "cos"),
+    ),
+}
+
+
+def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_DISTANCE) -> Array:
     """Return the direction z (N,) of a joint's dry friction, -1 to 1, which reverses gradually.
 
     dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample;
@@ -57,37 +89,6 @@ def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING) 
 def resting(qd: Array) -> Array:
     """Return 1 at rest, 0 in motion, (N,), with a smooth step in the dead zone of Equation 6.4."""
     return 1 - np.abs(np.tanh(qd / DEAD_ZONE))
-
-
-@dataclass(frozen=True)
-class Term:
-    """A term of friction.
-
-    columns: one (N,) for each coefficient, of a joint's motion; expected: prior standard deviation
-    of a coefficient, from the motor's largest torque [Nm]; parts: names of several coefficients.
-    """
-
-    columns: Callable[[JointMotion], list[Array]]
-    expected: Callable[[float], float] = float
-    parts: tuple[str, ...] = ()
-
-
-TERMS = {
-    "coulomb": Term(lambda motion: [motion.direction]),  # Equation 3.13
-    "viscous": Term(lambda motion: [motion.qd]),  # Equation 3.14
-    # Coulomb friction in proportion to the transmitted torque; gears lose some per cent of it
-    "load": Term(lambda motion: [np.abs(motion.torque) * motion.direction], lambda _: 0.1),
-}
-BASE = tuple(TERMS)
-# Once per turn, as of a harmonic drive's flexspline: a tenth of Coulomb friction. It is not fitted,
-# but makes other terms less sure: over a part of a turn, it looks like an offset, and together with
-# gravity like a torque constant.
-CONSIDERED = ("periodic",)
-TERMS["periodic"] = Term(
-    lambda motion: [np.sin(motion.q), np.cos(motion.q)],
-    expected=lambda torque_max: 0.005 * torque_max,
-    parts=("sin", "cos"),
-)
 
 
 def added(shipped: Collection[str]) -> dict[str, Term]:
@@ -113,9 +114,9 @@ def added(shipped: Collection[str]) -> dict[str, Term]:
     return found
 
 
-OWN = added(TERMS)
-TERMS |= OWN
-FITTED = (*BASE, *OWN)
+LAB_TERMS = added(TERMS)
+TERMS |= LAB_TERMS
+FITTED_TERMS = (*BASE_TERMS, *LAB_TERMS)
 
 
 def term_of(name: str) -> Term:

@@ -14,16 +14,17 @@ from pytorch_kinematics.urdf_parser_py.urdf import URDF
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import INVALID, Pose, Robot
+from ur5lib.robots.description import INVALID_DESCRIPTION, Pose, Robot
 from ur5lib.robots.individual import link_matrix, pose_of
 from ur5lib.robots.inertia import joined, tensor
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-FEWEST, MOST = 2, 8  # joints
-TURNING = ("revolute", "continuous")
-GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the axes of the base link
-RIGHT = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
+MIN_JOINTS = 2
+MAX_JOINTS = 8
+REVOLUTE_TYPES = ("revolute", "continuous")
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the axes of the base link
+RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
 
 
 def robot_from_urdf(
@@ -55,7 +56,7 @@ def robot_from_urdf(
     links = [_as_one(tree, *pair) for pair in zip(bodies, frames, strict=True)]
     description = {
         "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
-        "gravity": (start[:3, :3].T @ GRAVITY + 0.0).tolist(),
+        "gravity": (start[:3, :3].T @ STANDARD_GRAVITY + 0.0).tolist(),
         "calibration": [pose_of(tail) for tail in tails],
         "joints": [joint.name for joint in joints],
         "motors": {joint.name: _motor(joint) for joint in joints},
@@ -76,7 +77,7 @@ def robot_from_urdf(
     try:
         robot = Robot.model_validate(description)
     except ValidationError as error:
-        raise InputError(f"the arm of {path} {INVALID}: {error}") from error
+        raise InputError(f"the arm of {path} {INVALID_DESCRIPTION}: {error}") from error
     return robot, [*_remarks(tree, base, tip, joints, bodies, start)]
 
 
@@ -127,9 +128,9 @@ def _path(tree: Any, base: str, tip: str) -> list[Any] | None:
 
 def _tip(tree: Any, base: str, path: Path) -> str:
     """Return the link that the last revolute joint turns, of the only chain that is longest."""
-    turned = {j.child: _path(tree, base, j.child) for j in tree.joints if j.type in TURNING}
+    turned = {j.child: _path(tree, base, j.child) for j in tree.joints if j.type in REVOLUTE_TYPES}
     counts = {
-        link: sum(joint.type in TURNING for joint in joints)
+        link: sum(joint.type in REVOLUTE_TYPES for joint in joints)
         for link, joints in turned.items()
         if joints and not any(j.type == "prismatic" or j.mimic is not None for j in joints)
     }
@@ -147,15 +148,16 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
         raise InputError(f"{path}: {tip} does not hang on {base}; name --base and --tip")
     moving = [joint for joint in joints if joint.type != "fixed"]
     for joint in moving:
-        if joint.type not in TURNING or joint.mimic is not None:
+        if joint.type not in REVOLUTE_TYPES or joint.mimic is not None:
             kind = "follows another" if joint.mimic is not None else f"is {joint.type}"
             raise InputError(
                 f"{path}: {joint.name} {kind}; only chains of revolute joints are described"
             )
-    if not FEWEST <= len(moving) <= MOST:
+    if not MIN_JOINTS <= len(moving) <= MAX_JOINTS:
         raise InputError(
-            f"{path}: {len(moving)} joints move {tip} against {base}; arms of {FEWEST} to {MOST} "
-            "revolute joints are described; name the arm's ends by --base and --tip"
+            f"{path}: {len(moving)} joints move {tip} against {base}; arms of {MIN_JOINTS} "
+            f"to {MAX_JOINTS} revolute joints are described; name the arm's ends by --base "
+            "and --tip"
         )
     return moving
 
@@ -208,7 +210,7 @@ def _pose_matrix(origin: Any) -> Array:
 def _clean(rotation: Array) -> Array:
     """Return a rotation with exact right angles, which files give with few digits."""
     whole = np.round(rotation)
-    return np.where(np.abs(rotation - whole) < RIGHT, whole, rotation) + 0.0
+    return np.where(np.abs(rotation - whole) < RIGHT_ANGLE_TOLERANCE, whole, rotation) + 0.0
 
 
 def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Array, Array]:

@@ -23,10 +23,12 @@ from ur5lib.robots.inertia import link_tail
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-DELTAS = ("delta_theta", "delta_d", "delta_a", "delta_alpha")
+DELTA_ENTRIES = ("delta_theta", "delta_d", "delta_a", "delta_alpha")
 ROS_LINKS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
-FAR, TURNED = 0.05, 0.05  # m, rad; a calibration farther from the nominal frames is another arm's
-UPRIGHT = 1e-6  # m, rad, tolerance of the first axis to that of the base
+# A calibration farther from the nominal frames is another arm's.
+MAX_FRAME_DISTANCE = 0.05  # m
+MAX_FRAME_TURN = 0.05  # rad
+FIRST_AXIS_TOLERANCE = 1e-6  # m, rad, to the axis of the base
 
 
 def calibrated(robot: Robot, path: str | Path) -> Robot:
@@ -77,9 +79,9 @@ def _from_controller(
     """Return frames 0 to 6 at q = 0 from deltas of θ, d, a, α; none without deltas."""
     lines = [line.split("#")[0].split("=") for line in text.splitlines() if "=" in line]
     entries = {parts[0].strip(): parts[1].strip().strip("[]") for parts in lines}
-    if not set(DELTAS) & set(entries):
+    if not set(DELTA_ENTRIES) & set(entries):
         return []
-    deltas = [_six(entries.get(name, ""), name, path) for name in DELTAS]
+    deltas = [_six(entries.get(name, ""), name, path) for name in DELTA_ENTRIES]
     steps = []
     for link, theta, d, a, alpha in zip(links, *deltas, strict=True):
         turn = link_matrix(Pose(position=(0, 0, 0), rpy=(0, 0, theta)))
@@ -113,7 +115,7 @@ def _from_ros(text: str, path: str | Path) -> list[Array]:
         ) from error
     frames = chain(steps)[1:]
     first = frames[0][:3, 2], frames[0][:2, 3]
-    if np.abs(np.concatenate([first[0] - [0, 0, 1], first[1]])).max() > UPRIGHT:
+    if np.abs(np.concatenate([first[0] - [0, 0, 1], first[1]])).max() > FIRST_AXIS_TOLERANCE:
         raise InputError(
             f"{path}: the first axis is not the base's z axis; give the file as the ROS driver "
             "writes it, and describe how the arm is mounted by `mounting` in the study"
@@ -145,7 +147,7 @@ def _expect_near(
     for k, (frame, near) in enumerate(zip(frames, nominal, strict=True)):
         away = float(np.linalg.norm(frame[:3, 3] - near[:3, 3]))
         cosine = (np.trace(frame[:3, :3].T @ near[:3, :3]) - 1) / 2
-        if away > FAR or math.acos(min(1.0, cosine)) > TURNED:
+        if away > MAX_FRAME_DISTANCE or math.acos(min(1.0, cosine)) > MAX_FRAME_TURN:
             raise InputError(
                 f"{path} puts frame {k} {1000 * away:.3g} mm from where {name} has it; name the "
                 "arm that the calibration belongs to"

@@ -15,6 +15,10 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
+MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
+NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
+POSE_TOLERANCE = 1e-6  # m, rad; largest error of a solution
+
 
 def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
     """Return rotations (N, n + 1, 3, 3) and origins (N, n + 1, 3) [m] of frames 0 to n.
@@ -65,11 +69,6 @@ def _turned_about_z(rotation: Array, angle: Array) -> Array:
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     x, y, z = np.moveaxis(rotation, 2, 0)
     return np.stack([c * x + s * y, c * y - s * x, z], axis=2)
-
-
-SINGULAR_VALUE = 0.03  # smallest allowed of J_g, with rows in m and rad
-NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
-EXACT = 1e-6  # m, rad; largest error of a solution
 
 
 def geometric_jacobian(robot: Robot, q: Array) -> Array:
@@ -141,7 +140,9 @@ def _refined(robot: Robot, q: Array, rotation: Array, position: Array) -> Array:
         # Δq = J⁺ Δx
         error = _pose_error(robot, q, rotation, position)
         q = q + np.matvec(np.linalg.pinv(geometric_jacobian(robot, q), rcond=1e-3), error)
-    reached = np.abs(_pose_error(robot, q, rotation, position)).max(axis=1, initial=0) < EXACT
+    reached = (
+        np.abs(_pose_error(robot, q, rotation, position)).max(axis=1, initial=0) < POSE_TOLERANCE
+    )
     result[rows[reached]] = q[reached]
     return result
 

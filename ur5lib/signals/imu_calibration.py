@@ -10,10 +10,12 @@ from scipy.spatial.transform import Rotation
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import differentiate
-from ur5lib.timeseries.segments import BLOCK, by_segment
+from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment
 
-OWN = 4  # parameters of a recording: the accelerometer's bias and a remaining clock error
-PLACE = slice(8, 11)  # of the IMU, after mounting, tilt and gyroscope's bias
+RECORDING_PARAMETERS = (
+    4  # parameters of a recording: the accelerometer's bias and a remaining clock error
+)
+PLACE_COLUMNS = slice(8, 11)  # of the IMU, after mounting, tilt and gyroscope's bias
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,10 @@ class ImuCalibration:
         return np.linalg.norm(gravity) * (level_axes(gravity) @ self.tilt) - upright * gravity
 
 
+_UNCHANGED: list[Any] = [*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3, 3, 3, 3)), 1.0]
+NOMINAL_CALIBRATION = ImuCalibration(*_UNCHANGED)  # as in the arm's drawing
+
+
 def level_axes(gravity: Array) -> Array:
     """Return two unit vectors (3, 2) across gravity (3,), base frame; x and y if it is along -z."""
     up = -gravity / np.linalg.norm(gravity)
@@ -88,10 +94,6 @@ def level_axes(gravity: Array) -> Array:
     first = across - (across @ up) * up
     first /= np.linalg.norm(first)
     return np.column_stack([first, np.cross(up, first)])
-
-
-_NOTHING: list[Any] = [*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3, 3, 3, 3)), 1.0]
-AS_DRAWN = ImuCalibration(*_NOTHING)
 
 
 def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCalibration]:
@@ -118,7 +120,9 @@ def calibration_for(recording: str, known: Mapping[str, ImuCalibration]) -> ImuC
     known: result of `calibrate_without_each`.
     """
     candidates = [known[key] for key in (recording, "all") if key in known]
-    return next((found for found in candidates if recording not in found.from_), AS_DRAWN)
+    return next(
+        (found for found in candidates if recording not in found.from_), NOMINAL_CALIBRATION
+    )
 
 
 def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
@@ -140,7 +144,7 @@ def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
     """Fit the calibration with the place estimated, and with it as described if that is better."""
     value, std = _jackknife(sums)
     described = sums[0].place
-    place = [value[PLACE] + described, std[PLACE], described]
+    place = [value[PLACE_COLUMNS] + described, std[PLACE_COLUMNS], described]
     if held_out >= 1:
         value, std = _jackknife([part.as_described() for part in sums])
     parts = (slice(0, 3), slice(3, 5), slice(5, 8))
@@ -184,8 +188,8 @@ class _Sums:
     """The normal equations of a recording: sums over each of its B blocks, by force and rate.
 
     products: Zᵀ Z (B, 2, P + 1, P + 1) of the columns X of shared parameters, the misfit y, and the
-    columns of the recording's own OWN parameters, Z = [X_shared y X_own], P = 15; count: N, the
-    samples behind them; place: (3,) [m], as described.
+    columns of the recording's own RECORDING_PARAMETERS, Z = [X_shared y X_own], P = 15;
+    count: N, the samples behind them; place: (3,) [m], as described.
     """
 
     products: Array
@@ -195,7 +199,7 @@ class _Sums:
     @classmethod
     def of(cls, record: ImuRecord) -> Self:
         """Return the sums of a recording."""
-        block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
+        block = ((record.time - record.time[0]) // BLOCK_DURATION).astype(np.int64)
         starts = np.flatnonzero(np.diff(block, prepend=-1))
         Z = _columns(record).reshape(len(block), 2, 3, -1)
         products = np.add.reduceat(np.einsum("nkip,nkiq->nkpq", Z, Z), starts, axis=0)
@@ -203,7 +207,7 @@ class _Sums:
 
     def as_described(self) -> Self:
         """Return the sums without the columns of the IMU's place, P = 12."""
-        products = np.delete(np.delete(self.products, PLACE, axis=2), PLACE, axis=3)
+        products = np.delete(np.delete(self.products, PLACE_COLUMNS, axis=2), PLACE_COLUMNS, axis=3)
         return replace(self, products=products)
 
     def weighted(self, scale: Array) -> Array:
@@ -215,7 +219,9 @@ class _Sums:
         whole = self.weighted(scale).sum(axis=0)
         z = np.append(-shared, 1.0)
         # the recording's own parameters that fit best, given the shared ones
-        own = np.linalg.pinv(whole[-OWN:, -OWN:], hermitian=True) @ (whole[-OWN:, :-OWN] @ z)
+        own = np.linalg.pinv(
+            whole[-RECORDING_PARAMETERS:, -RECORDING_PARAMETERS:], hermitian=True
+        ) @ (whole[-RECORDING_PARAMETERS:, :-RECORDING_PARAMETERS] @ z)
         z = np.append(z, -own)
         # |y - X p|² = zᵀ Zᵀ Z z, never zero
         return np.maximum(self.products.sum(axis=0) @ z @ z, 1e-24)
@@ -232,7 +238,7 @@ def _columns(record: ImuRecord) -> Array:
     columns[:, :3, :3] = _cross_matrix(record.specific_force)
     lean = np.linalg.norm(record.gravity) * level_axes(record.gravity)
     columns[:, :3, 3:5] = record.rotation.swapaxes(1, 2) @ lean
-    columns[:, :3, PLACE] = record.by_place
+    columns[:, :3, PLACE_COLUMNS] = record.by_place
     columns[:, :3, 12:15] = np.eye(3)
     # ω × θ + b_g
     columns[:, 3:, :3] = _cross_matrix(record.angular_rate)
@@ -258,9 +264,11 @@ def _without_own(products: Array) -> Array:
 
     The recording's own parameters are eliminated (Schur complement).
     """
-    own = np.linalg.pinv(products[..., -OWN:, -OWN:], hermitian=True)
-    cross = products[..., :-OWN, -OWN:]
-    return products[..., :-OWN, :-OWN] - cross @ own @ cross.mT
+    own = np.linalg.pinv(
+        products[..., -RECORDING_PARAMETERS:, -RECORDING_PARAMETERS:], hermitian=True
+    )
+    cross = products[..., :-RECORDING_PARAMETERS, -RECORDING_PARAMETERS:]
+    return products[..., :-RECORDING_PARAMETERS, :-RECORDING_PARAMETERS] - cross @ own @ cross.mT
 
 
 def _scale(sums: Sequence[_Sums]) -> Array:

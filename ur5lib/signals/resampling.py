@@ -5,15 +5,16 @@ import pandas as pd
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
-from ur5lib.signals.clock import Clock
+from ur5lib.signals.clock import ClockRelation
 from ur5lib.signals.device_clock import even_samples, interpolate
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
 
-PASSED, STOPPED = 0.8, 60.0  # share of the robot's Nyquist frequency; dB from there on
+PASSBAND_SHARE = 0.8  # of the robot's Nyquist frequency
+STOPBAND_ATTENUATION = 60.0  # dB, from the Nyquist frequency on
 
 
-def resample(device: pd.DataFrame, clock: Clock, time: Array) -> pd.DataFrame:
+def resample(device: pd.DataFrame, clock: ClockRelation, time: Array) -> pd.DataFrame:
     """Resample a device's channels at the robot's times without aliasing.
 
     device: `time` [s] on its own clock, increasing, and channels; time: (N,) [s].
@@ -43,10 +44,10 @@ def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
     straight lines remain unchanged, up to the ends.
     """
     own_rate = 1 / (grid[1] - grid[0])
-    count, beta = signal.kaiserord(STOPPED, (1 - PASSED) * rate / own_rate)
+    count, beta = signal.kaiserord(STOPBAND_ATTENUATION, (1 - PASSBAND_SHARE) * rate / own_rate)
     half = count // 2
     window = signal.firwin(
-        2 * half + 1, (1 + PASSED) / 4 * rate, window=("kaiser", beta), fs=own_rate
+        2 * half + 1, (1 + PASSBAND_SHARE) / 4 * rate, window=("kaiser", beta), fs=own_rate
     )[:, None]
 
     def smooth(stretch: Array) -> Array:

@@ -5,9 +5,9 @@ from scipy.special import ndtri
 
 from ur5lib.timeseries.arrays import Array
 
-COVERED = 0.95  # share of values that a band contains
+BAND_COVERAGE = 0.95  # share of values that a band contains
 NORMAL95 = 1.96  # standard deviations to either side of the mean that contain 95 %
-MAD = 1.4826  # standard deviation of a normal value over its median absolute deviation
+STD_PER_MAD = 1.4826  # of a normal value, by its median absolute deviation
 
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:

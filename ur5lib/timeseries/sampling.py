@@ -4,7 +4,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
+THINNED_STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
 
 
 def differentiate(values: Array, period: float) -> Array:

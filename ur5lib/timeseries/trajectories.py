@@ -10,9 +10,11 @@ from scipy.spatial import cKDTree
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
-SLOW = 0.03  # rad/s, below which a joint rests or Coulomb friction changes its sign
-SAME = 0.9  # least share of common states of two runs along one path
+# Root sums of squares over all joints, up to which two states count as equal.
+POSITION_TOLERANCE = 0.02  # rad
+VELOCITY_TOLERANCE = 0.1  # rad/s
+REST_SPEED = 0.03  # rad/s, below which a joint rests or Coulomb friction changes its sign
+MIN_COMMON_SHARE = 0.9  # of the states of two runs along one path
 
 
 def place(q: Array, qd: Array) -> Array:
@@ -20,7 +22,7 @@ def place(q: Array, qd: Array) -> Array:
 
     q, qd: (N, 6) [rad, rad/s].
     """
-    return np.concatenate([q / NEAR_POSITION, qd / NEAR_VELOCITY], axis=1)
+    return np.concatenate([q / POSITION_TOLERANCE, qd / VELOCITY_TOLERANCE], axis=1)
 
 
 def nearest(places: Array, others: Array) -> tuple[Mask, NDArray[np.intp]]:
@@ -45,7 +47,7 @@ class PathStates:
     def from_motion(cls, q: Array, qd: Array, every: int = 1) -> "PathStates":
         """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
         finite = np.isfinite(q + qd).all(axis=1)
-        moving = finite & (np.abs(qd) > SLOW).any(axis=1)
+        moving = finite & (np.abs(qd) > REST_SPEED).any(axis=1)
         rows = moving if moving.any() else finite
         return cls(place(q[rows], qd[rows]), bool(moving.any()), every)
 
@@ -66,7 +68,9 @@ class PathStates:
         low, high = other.extent
         states = self.places[:: self.every]
         inside = ((states >= low - 1) & (states <= high + 1)).all(axis=1)
-        return bool(inside.mean() >= SAME) and self.within(other) >= SAME  # quick, then exact
+        return (
+            bool(inside.mean() >= MIN_COMMON_SHARE) and self.within(other) >= MIN_COMMON_SHARE
+        )  # quick, then exact
 
     def within(self, other: "PathStates") -> float:
         """Return the share of this run's states that the other contains."""

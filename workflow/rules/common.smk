@@ -13,7 +13,7 @@ from ur5lib.lab.extensions import KINDS, source_files
 from ur5lib.lab.places import CITATION, PACKAGE, SCRIPTS, SNAKEFILE
 from ur5lib.report.document import MOST_SHOWN, Picture, contents
 from ur5lib.report.reference import read_reference
-from ur5lib.robots.description import JOINT_SIZES, robot_path
+from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.steps.batches import Batches, Step
 from ur5lib.steps.workers import FAILED, run_batch, run_step
 from ur5lib.strict import PLACEHOLDER, read_yaml

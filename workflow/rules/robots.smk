@@ -13,7 +13,7 @@ rule describe_arm:
         **traces("describe_arm", "{robot}"),
     params:
         code=lambda wildcards: code(
-            "describe_arm", JOINT_SIZES, *shipped(robot_path(ARMS[wildcards.robot].arm))
+            "describe_arm", JOINT_SIZES_FILE, *shipped(robot_path(ARMS[wildcards.robot].arm))
         ),
         arm=lambda wildcards: ARMS[wildcards.robot].arm,
         robot="{robot}",

@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from ur5lib.force.trial_contacts import MOST
-from ur5lib.identification.validation import WANTED
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
+from ur5lib.identification.validation import MIN_SHARE_IN_BAND
 from ur5lib.report.arm_state_figures import observability_figure
 from ur5lib.report.house_style import save
 from ur5lib.tables import read_csv
 
 
 def draw_observability(input: Any, output: Any, params: Any) -> None:
-    figure = observability_figure(read_csv(input.observability), WANTED, MOST)
+    figure = observability_figure(read_csv(input.observability), MIN_SHARE_IN_BAND, MAX_TRIAL_FORCE)
     save(figure, output.observability)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces
+from ur5lib.excitation.outlook import Bands, Earlier, Outlook, RecordedStates, feels_forces
 from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification
@@ -25,7 +25,7 @@ def rank_recordings(input: Any, output: Any, params: Any) -> None:
                 motion, carried = Motion.read(motion_file), read_record(Carried, load)
                 robot = arm.carrying(carried.payload).mounted(gravity)
                 states = motion.q, motion.qd, motion.qdd
-                recordings.append(Recorded.along(robot, motion.time, *states))
+                recordings.append(RecordedStates.along(robot, motion.time, *states))
         known = Earlier(
             friction.fit,
             friction.parameters,

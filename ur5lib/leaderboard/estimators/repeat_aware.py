@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.force.external_torque import RESTING, finite_rows, is_still
-from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.force.external_torque import JointState, finite_rows, is_still
+from ur5lib.force.residual_model import ResidualModel, TorqueStretch, few_paths, fit_residual_model
 from ur5lib.leaderboard.estimator import Estimator, Learned
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.force import CUTOFF, breakaway_of, learned_noise, most_probable
@@ -48,7 +48,7 @@ def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel
     if len(runs) < 2:
         return noise
     stretches = [
-        Stretch(torque[rows], run.states[rows], run.period)
+        TorqueStretch(torque[rows], run.states[rows], run.period)
         for run in runs
         for torque in [repeated(run)]
         for rows in unbroken(run.segment)
@@ -56,7 +56,7 @@ def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel
     own = fit_residual_model(stretches, CUTOFF, noise.breakaway).wider(few_paths(len(runs)))
 
     def joined(moving: Array, resting: Array) -> Array:
-        return np.concatenate([moving[:RESTING], resting[RESTING:]])
+        return np.concatenate([moving[: JointState.RESTING], resting[JointState.RESTING :]])
 
     return replace(
         noise,
