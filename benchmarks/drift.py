@@ -17,7 +17,7 @@ import torch
 
 from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, MOTION, Taken, fitted_map, taken
-from ur5lib.identification.samples import passed
+from ur5lib.identification.samples import recorded_path
 from ur5lib.pipeline.checkup import checkup
 from ur5lib.pipeline.current_samples import Smoother
 from ur5lib.pipeline.health import health_of as tracked
@@ -83,7 +83,7 @@ def health_of(recordings: list[Taken], days: list[date]) -> list[JointChange]:
         checkup(own.record, smooth, fit, day, own.intake.quality)
         for own, day in zip(recordings, days, strict=True)
     ]
-    return tracked(checkups, [passed(own.record) for own in recordings]).changes
+    return tracked(checkups, [recorded_path(own.record) for own in recordings]).changes
 
 
 def beside_truth(change: JointChange, jumped: date) -> dict[str, Any]:

@@ -164,11 +164,9 @@ def looped(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
     """Return the states (N, 42) by plain loops: sample after sample, then back."""
     start, q, qd = first_two(robot, kinematics, own), own.q, own.qd
     ekf = ExtendedKalmanFilter(ALL_STATES, 18)
-    ekf.x, ekf.P, ekf.R = (
-        np.zeros(ALL_STATES),
-        np.zeros((ALL_STATES, ALL_STATES)),
-        np.diag(start.R[0]),
-    )
+    ekf.x = np.zeros(ALL_STATES)
+    ekf.P = np.zeros((ALL_STATES, ALL_STATES))
+    ekf.R = np.diag(start.R[0])
     steps = []
     for k in range(len(q)):
         model = linearised(robot, kinematics, q[k : k + 1], qd[k : k + 1])

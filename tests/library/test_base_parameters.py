@@ -23,12 +23,12 @@ from ur5lib.identification.base_parameters import (
     prior_width,
     stack,
     torque_error,
-    total,
+    total_factors,
 )
 from ur5lib.identification.consistency import (
     DEFINITENESS_MARGIN,
     LINK_LENGTH,
-    consistent,
+    consistent_parameters,
     pseudo_inertias,
     smallest_eigenvalues,
 )
@@ -144,7 +144,7 @@ def test_blocks_add_up_without_growing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert data.samples.sum() == 499
     assert data.samples.max() < 3 * data.samples.min()
     known = np.delete(np.concatenate([rows, torque[..., None]], axis=2), 123, axis=0)
-    factor = total(data)
+    factor = total_factors(data)
     np.testing.assert_allclose(
         factor.mT @ factor, np.einsum("njp,njq->jpq", known, known), atol=1e-9
     )
@@ -268,7 +268,7 @@ def test_what_is_a_body_stays_as_it_is(ur5: Robot) -> None:
     noise = np.random.default_rng(0).normal(0, 1e-4, rows.shape[:2])
     found = fit(rows, rows @ parameters(ur5, "C+rotors") + noise, parameters(ur5, "C+rotors"))
     assert smallest_eigenvalues(found.parameters).min() > DEFINITENESS_MARGIN
-    np.testing.assert_allclose(consistent(found), found.parameters, atol=1e-7)
+    np.testing.assert_allclose(consistent_parameters(found), found.parameters, atol=1e-7)
 
 
 def test_what_is_none_becomes_the_nearest(ur5: Robot) -> None:
@@ -277,7 +277,7 @@ def test_what_is_none_becomes_the_nearest(ur5: Robot) -> None:
     truth[[59, 65]] = -0.05, -0.2
     torque = rows @ truth + np.random.default_rng(0).normal(0, 0.01, rows.shape[:2])
     found = fit(rows, torque, parameters(ur5, "C"))
-    nearest = consistent(found)
+    nearest = consistent_parameters(found)
     assert smallest_eigenvalues(found.parameters).min() < 0
     assert smallest_eigenvalues(nearest).min() > 0.5 * DEFINITENESS_MARGIN
     before, after = (torque_error([(rows, torque)], p) for p in (found.parameters, nearest))
@@ -303,7 +303,7 @@ def test_torques_of_no_bodies_are_refused() -> None:
         noise=np.ones(6),
     )
     with pytest.raises(RefusalError, match="no bodies"):
-        consistent(estimate)
+        consistent_parameters(estimate)
 
 
 # One model more
@@ -327,7 +327,7 @@ def test_parameters_and_models_are_the_same_thing(ur5: Robot) -> None:
 def test_an_identified_model_survives_yaml_and_urdf(
     ur5: Robot, noisy: InertialEstimate, tmp_path: Path
 ) -> None:
-    found = consistent(noisy)
+    found = consistent_parameters(noisy)
     model = identified_model(ur5, found, "from target_moment")
     text = robot_yaml(ur5.with_model("identified", model))
     (tmp_path / "ur5.yaml").write_text(text)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.library.made_up_torques import MODEL, PERIOD, PRIOR, Free, between, free_run
 from ur5lib.force.causal_gate import causal_log_odds
-from ur5lib.force.detection import raised_live
+from ur5lib.force.detection import live_alarms
 from ur5lib.force.external_torque import JointState, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.wrench_estimate import used_rows
@@ -70,8 +70,8 @@ def test_every_stretch_is_judged_alone(ur5: Robot) -> None:
 @pytest.mark.parametrize("moving", [True, False])
 def test_a_push_is_found_soon_and_none_is_made_up(ur5: Robot, moving: bool) -> None:
     run = free_run(ur5, 11, 20.0, moving)
-    assert raised_live(odds(run), 0.0) == []
-    ((first, _),) = raised_live(odds(pushed(run, 12.0, 13.5, 60.0)), 0.0)
+    assert live_alarms(odds(run), 0.0) == []
+    ((first, _),) = live_alarms(odds(pushed(run, 12.0, 13.5, 60.0)), 0.0)
     assert 0 < run.time[first] - 12.0 < 0.6
 
 

@@ -45,7 +45,7 @@ def slow(seed: int, correlation: float) -> DatedSeries:
 
 def independent(monkeypatch: pytest.MonkeyPatch) -> None:
     """Dates are known to be independent."""
-    for name in ("CORRELATIONS", "WIDER"):
+    for name in ("SEARCH_CORRELATIONS", "SIZE_CORRELATIONS"):
         monkeypatch.setattr(f"ur5lib.timeseries.changes.{name}", np.zeros(1))
 
 

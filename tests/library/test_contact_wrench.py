@@ -101,10 +101,8 @@ def test_an_estimate_widens_its_band_in_contact_by_the_doubt_of_constants(ur5: R
     """And changes nothing else: the wrench, and the band where no contact is found."""
     free = free_run(ur5, 0, seconds=12.0, moving=False)
     force = 60.0 * between(free.time, 4, 7)[:, None] * [0.0, 0.6, 0.8]
-    pushed, doubtful = (
-        free.pushed(free.wrench(force)),
-        replace(MODEL, constants_doubt=np.full(6, 0.3)),
-    )
+    pushed = free.pushed(free.wrench(force))
+    doubtful = replace(MODEL, constants_doubt=np.full(6, 0.3))
     plain, wider = pushed.estimate(), pushed.estimate(model=doubtful)
     np.testing.assert_array_equal(wider.wrench, plain.wrench)
     touched = (plain.wrench != 0).any(axis=1)

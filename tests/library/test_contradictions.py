@@ -33,7 +33,7 @@ from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import (
     baseline_current,
-    explained,
+    explained_share,
     least_squares_coefficients,
 )
 from ur5lib.pipeline.friction_fit import (
@@ -148,8 +148,8 @@ def test_a_force_needs_three_joints_or_all(
 def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
     record = make_record(1, seconds=12.0)
     mean = np.broadcast_to(smooth(record.current, record).mean(axis=0), record.current.shape)
-    assert explained([record], [mean], smooth) == pytest.approx(np.zeros(6), abs=1e-9)
-    assert explained([record], [record.current], smooth) == pytest.approx(np.ones(6))
+    assert explained_share([record], [mean], smooth) == pytest.approx(np.zeros(6), abs=1e-9)
+    assert explained_share([record], [record.current], smooth) == pytest.approx(np.ones(6))
 
 
 def results(signs: int, stopped: str | None) -> Results:

@@ -43,9 +43,9 @@ from ur5lib.identification.currents import (
 )
 from ur5lib.identification.estimation import (
     CoefficientEstimate,
-    beside_fuller,
     estimate_together,
     physical,
+    with_fuller_errors,
 )
 from ur5lib.identification.joint_regression import left_out_residuals
 from ur5lib.identification.prior import Typical
@@ -191,7 +191,7 @@ def test_standard_errors_hold_what_a_further_term_changes() -> None:
     fuller = CoefficientEstimate(
         np.array([0.1, 0.5, 0.3]), nothing, nothing, np.array([3.0, 4.0, 9.0])
     )
-    wider = beside_fuller(own, fuller)
+    wider = with_fuller_errors(own, fuller)
     np.testing.assert_allclose(wider.std_error, [3.0, 5.0])
     np.testing.assert_array_equal(wider.coefficients, own.coefficients)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.excitation import (
-    STEP,
+    STATE_STEP,
     fit,
     keeps_limits,
     one_joint_after_the_other,
@@ -18,7 +18,14 @@ from benchmarks.excitation import (
 )
 from ur5lib.commands.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
-from ur5lib.excitation.design import Design, Effort, design, feasible, free_postures, random_path
+from ur5lib.excitation.design import (
+    Design,
+    Effort,
+    design,
+    feasible_path,
+    free_postures,
+    random_path,
+)
 from ur5lib.excitation.objective import QUESTIONS, Objective, Task
 from ur5lib.excitation.outlook import Bands, Earlier, Outlook
 from ur5lib.excitation.problem import CORRELATION_TIME, INDEPENDENT, TORQUE_NOISE, nominal_maps
@@ -145,7 +152,7 @@ def test_predicted_standard_errors_are_those_observed() -> None:
         )
 
     fitted = np.array([fitted_once() for _ in range(SEEDS)])
-    information = problem.prior + problem.information(Y, qd, 2 * STEP)
+    information = problem.prior + problem.information(Y, qd, 2 * STATE_STEP)
     predicted = problem.standard_errors(information)
     determined = predicted < 0.1 * problem.standard_errors(problem.prior)
     # half of the central 68 %: single draws leave the range in which the problem is linear
@@ -190,7 +197,7 @@ def test_a_posture_that_breaks_a_limit_is_told() -> None:
     with pytest.raises(
         InputError, match=r"no motion about the posture keeps the limits .*singular"
     ):
-        feasible(task().cell, folded)
+        feasible_path(task().cell, folded)
 
 
 def test_nominal_noise_is_as_wrong_as_errors_that_last() -> None:

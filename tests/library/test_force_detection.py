@@ -13,14 +13,14 @@ from ur5lib.force.detection import (
     compare,
     force_alarms,
     force_threshold,
+    live_alarms,
     match,
     overlap,
-    pushes,
     pushes_above,
-    raised_live,
     receiver_curve,
     smallest_force,
     spans,
+    trial_pushes,
 )
 
 RANDOM = np.random.default_rng(0)
@@ -45,8 +45,8 @@ def test_each_recording_counts_for_as_long_as_it_lasts() -> None:
 def test_a_live_alarm_starts_where_the_threshold_is_reached() -> None:
     odds = np.array([-5, -1, 1, 3, -1, -5.0])
     assert alarms(odds, 0.0) == [(1, 5)]
-    assert raised_live(odds, 0.0) == [(2, 5)]
-    assert raised_live(odds, 2.0) == [(3, 4)]
+    assert live_alarms(odds, 0.0) == [(2, 5)]
+    assert live_alarms(odds, 2.0) == [(3, 4)]
 
 
 def test_contacts_found_missed_and_made_up() -> None:
@@ -128,7 +128,7 @@ def test_as_many_alarms_as_are_allowed_need_no_threshold() -> None:
 
 
 def test_a_push_lasts_a_second_after_a_pause_of_two() -> None:
-    profile, places = pushes(900, 0.01)
+    profile, places = trial_pushes(900, 0.01)
     assert places == [(200, 300), (500, 600)]
     np.testing.assert_allclose(profile[200:300], np.sin(np.pi * np.arange(100) / 100) ** 2)
     assert profile.sum() == pytest.approx(100)

@@ -147,11 +147,9 @@ def test_a_joint_that_stops_draws_its_friction_anew() -> None:
     """Within a second, though the torque drifts slowly otherwise and stops are rare."""
     torque = drift(6000, np.ones(6), 20.0, seed=5)
     states = np.full(torque.shape, JointState.MOVING)
-    states[3000:3300], states[3300:3500], states[3500:4500] = (
-        JointState.SETTLING,
-        JointState.RESTING,
-        JointState.STILL,
-    )
+    states[3000:3300] = JointState.SETTLING
+    states[3300:3500] = JointState.RESTING
+    states[3500:4500] = JointState.STILL
     rate = fitted(TorqueStretch(torque, states, PERIOD)).rate
     assert (rate[[JointState.SETTLING, JointState.RESTING]] >= 1.0).all()
     assert (rate[[JointState.MOVING, JointState.STILL]] < 0.3).all()

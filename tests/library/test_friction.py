@@ -9,7 +9,7 @@ from ur5lib.robots.friction import (
     JointMotion,
     friction_columns,
     friction_direction,
-    resting,
+    rest_factor,
 )
 
 RANDOM = np.random.default_rng(0)
@@ -64,7 +64,7 @@ def test_terms_have_their_values() -> None:
 
 def test_the_dead_zone_is_a_fiftieth_of_a_radian_per_second() -> None:
     """At its edge friction is stiction for a quarter: 1 - tanh(1)."""
-    np.testing.assert_allclose(resting(np.array([0.02, -0.02])), 1 - np.tanh(1))
+    np.testing.assert_allclose(rest_factor(np.array([0.02, -0.02])), 1 - np.tanh(1))
 
 
 def test_motion_without_a_distance_changes_nothing() -> None:

@@ -22,7 +22,7 @@ from ur5lib.identification.condition import QUANTITY_UNITS, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.payload import JudgedLoad
-from ur5lib.identification.samples import CurrentSamples, columns_of, passed
+from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_path
 from ur5lib.identification.validation import Scores
 from ur5lib.pipeline.checkup import checkup, dated
 from ur5lib.pipeline.health import health_of, together
@@ -156,7 +156,7 @@ def summary(fit: CurrentFit) -> Health:
     return health_of([*_checkups(fit)], PATHS)
 
 
-PATHS = [passed(worn(20 + k % 3, {}, {})) for k in range(12)]
+PATHS = [recorded_path(worn(20 + k % 3, {}, {})) for k in range(12)]
 
 
 def _checkups(fit: CurrentFit) -> Iterator[Checkup]:

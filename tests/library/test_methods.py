@@ -142,7 +142,7 @@ def statements() -> Iterator[str]:
     # loads, sensor, detection, figures
     yield f"A contact of at least {grasp.MIN_GRASP_DURATION:g} s counts as a load"
     yield f"a weight explains {percent(grasp.MIN_SHARE_EXPLAINED_BY_LOAD)} of its squared torque"
-    yield f"within {COUNTED[int(sensor.OUTSIDE)]} standard deviations"
+    yield f"within {COUNTED[int(sensor.CONTACT_DEVIATIONS)]} standard deviations"
     yield f"below −{-sensor.OPPOSITE_CORRELATION:g} along an axis"
     yield f"carries {percent(sensor.MIN_AXIS_POWER_SHARE)} of the squared force"
     yield f"where they fall by {detection.ALARM_HYSTERESIS:g} more"

@@ -18,7 +18,7 @@ from ur5lib.force.trial_contacts import (
     felt_push,
     try_each_place,
 )
-from ur5lib.identification.validation import FEWEST, SPEED_BINS, ShareBySpeed, share_by_speed
+from ur5lib.identification.validation import MIN_SAMPLES, SPEED_BINS, ShareBySpeed, share_by_speed
 from ur5lib.pipeline.observability import Judged, observability
 from ur5lib.pipeline.records.arm_state import Observed
 from ur5lib.report.arm_state_figures import observability_figure
@@ -86,7 +86,7 @@ def test_shares_of_each_range_of_speeds() -> None:
     found = share_by_speed(speed, inside)
     assert found.samples.sum() == 200
     np.testing.assert_allclose(found.share[np.isfinite(found.share)], [0.75, 0.75])
-    few = share_by_speed(np.full(FEWEST - 1, 0.3), np.ones(FEWEST - 1, bool))
+    few = share_by_speed(np.full(MIN_SAMPLES - 1, 0.3), np.ones(MIN_SAMPLES - 1, bool))
     assert np.isnan(few.suffices()).all()
 
 

@@ -23,7 +23,7 @@ from ur5lib.identification.base_parameters import (
     prior_width,
     stack,
 )
-from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.consistency import consistent_parameters, smallest_eigenvalues
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import predict
 from ur5lib.identification.payload import estimate_payload
@@ -144,7 +144,7 @@ def test_links_are_identified() -> None:
     inside = error < 1.96 * estimate.standard_errors(base.groups)
     assert known.mean() > 0.9
     assert inside[known].mean() > 0.85
-    parameters = consistent(estimate)
+    parameters = consistent_parameters(estimate)
     assert len(smallest_eigenvalues(parameters)) == JOINTS
     assert smallest_eigenvalues(parameters).min() > 0
     identified = robot.with_model("identified", identified_model(robot, parameters, ""))

@@ -8,7 +8,7 @@ from ur5lib.timeseries.trajectories import (
     PathStates,
     group_by_path,
     nearest,
-    place,
+    scaled_states,
 )
 
 PERIOD = 0.02
@@ -99,7 +99,7 @@ def test_near_is_within_the_stated_distance(share: float) -> None:
     q = np.zeros((1, 6))
     other = q + share * POSITION_TOLERANCE * np.eye(6)[:1]
     near, index = nearest(
-        place(other, q), place(np.array([[9.0] * 6, [0.0] * 6]), np.zeros((2, 6)))
+        scaled_states(other, q), scaled_states(np.array([[9.0] * 6, [0.0] * 6]), np.zeros((2, 6)))
     )
     assert near.tolist() == [share < 1]
     assert not near[0] or index.tolist() == [1]

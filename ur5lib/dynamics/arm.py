@@ -120,21 +120,21 @@ def evaluate(
     precision.
     """
     joints, dtype = len(arm.geometry.joints), arm.parameters.dtype
-    given = [*states] if wrench is None else [*states, wrench]
-    widths = [joints] * len(states) + [6] * (len(given) - len(states))
+    tensors = [*states] if wrench is None else [*states, wrench]
+    widths = [joints] * len(states) + [6] * (len(tensors) - len(states))
     if any(
         (rows.shape, rows.dtype) != ((len(states[0]), width), dtype)
-        for rows, width in zip(given, widths, strict=True)
+        for rows, width in zip(tensors, widths, strict=True)
     ):
-        found = ", ".join(f"{tuple(rows.shape)} {rows.dtype}" for rows in given)
-        raise ValueError(f"states must be (N, {joints}) of the same N, {dtype}, not {found}")
+        shapes = ", ".join(f"{tuple(rows.shape)} {rows.dtype}" for rows in tensors)
+        raise ValueError(f"states must be (N, {joints}) of the same N, {dtype}, not {shapes}")
     program = (_fused if arm.fused else straight_line)(kernel, arm.geometry)
 
     def samples_first(*batch: Tensor) -> Tensor:
         rows = program(arm.parameters, *(state.T.contiguous() for state in batch))
         return rows.movedim(-1, 0)
 
-    return in_batches(samples_first, batch_size(arm), *given)
+    return in_batches(samples_first, batch_size(arm), *tensors)
 
 
 def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> Tensor:

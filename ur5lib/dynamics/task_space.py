@@ -44,14 +44,14 @@ def drift(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
     return torch.cat([linear, _solve(B, angular - apply(B_rate, rates))], dim=1)
 
 
-def joint_acceleration(arm: ArmTensors, q: Tensor, qd: Tensor, wanted: Tensor) -> Tensor:
-    """Return a_q = J_a⁻¹ (a_X - J̇_a q̇) (N, 6) [rad/s²] (2.77); wanted: a_X (N, 6)."""
-    return _solve(analytical_jacobian(arm, q), wanted - drift(arm, q, qd))
+def joint_acceleration(arm: ArmTensors, q: Tensor, qd: Tensor, commanded: Tensor) -> Tensor:
+    """Return a_q = J_a⁻¹ (a_X - J̇_a q̇) (N, 6) [rad/s²] (2.77); commanded: a_X (N, 6)."""
+    return _solve(analytical_jacobian(arm, q), commanded - drift(arm, q, qd))
 
 
-def task_space_torque(arm: ArmTensors, q: Tensor, qd: Tensor, wanted: Tensor) -> Tensor:
-    """Return the torque (N, 6) [Nm] by which Ẍ = a_X (2.78): D a_q + C q̇ + g; wanted: a_X."""
-    return inverse_dynamics(arm, q, qd, joint_acceleration(arm, q, qd, wanted))
+def task_space_torque(arm: ArmTensors, q: Tensor, qd: Tensor, commanded: Tensor) -> Tensor:
+    """Return the torque (N, 6) [Nm] by which Ẍ = a_X (2.78): D a_q + C q̇ + g; commanded: a_X."""
+    return inverse_dynamics(arm, q, qd, joint_acceleration(arm, q, qd, commanded))
 
 
 def wanted_acceleration(

@@ -44,7 +44,7 @@ class Effort:
 USUAL_EFFORT = Effort()
 
 
-def feasible(cell: WorkCell, path: Path, rate: float = CHECK_RATE) -> tuple[Path, Margins]:
+def feasible_path(cell: WorkCell, path: Path, rate: float = CHECK_RATE) -> tuple[Path, Margins]:
     """Return a path, shrunk about its posture until it keeps all limits, and its margins.
 
     rate: [Hz], at which states are checked. Raises InputError if even the posture itself breaks a
@@ -91,7 +91,9 @@ def random_path(task: Task, random: np.random.Generator, postures: Array) -> Pat
     posture = postures[random.integers(len(postures))]
     path = Path(posture, drawn, task.seconds)
     speed = np.abs(path.sampled(COARSE_CHECK_RATE)[1].qd).max(axis=0)
-    return feasible(task.cell, path.shrunk(task.cell.limits.velocity / speed), COARSE_CHECK_RATE)[0]
+    return feasible_path(
+        task.cell, path.shrunk(task.cell.limits.velocity / speed), COARSE_CHECK_RATE
+    )[0]
 
 
 def free_postures(cell: WorkCell, random: np.random.Generator) -> Array:
@@ -161,14 +163,14 @@ def design(
     starts = [random_path(task, random, postures) for _ in range(effort.starts)]
     weight = effort.rounds[0][0]
     tries = [objective.variables(path) for path in starts]
-    improved = [_improved(objective, x, weight, effort.first, stepped) for x in tries]
+    improved = [_improved_point(objective, x, weight, effort.first, stepped) for x in tries]
     best = min(improved, key=lambda x: objective(x, weight)[0])
     for weight, iterations in effort.rounds:
-        best = _improved(objective, best, weight, iterations, stepped)
-    return Design(task, *feasible(task.cell, objective.path(best)))
+        best = _improved_point(objective, best, weight, iterations, stepped)
+    return Design(task, *feasible_path(task.cell, objective.path(best)))
 
 
-def _improved(
+def _improved_point(
     objective: Objective, start: Array, weight: float, iterations: int, stepped: Stepped
 ) -> Array:
     """Return the best point of L-BFGS-B from a start; steps that it does not need count as done.

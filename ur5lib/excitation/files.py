@@ -22,28 +22,28 @@ STUDY_NAME = "excitation"
 
 
 def write_files(
-    folder: File, asked: Mapping[str, object], payload: Payload | None, found: Design
+    folder: File, request: Mapping[str, object], payload: Payload | None, design: Design
 ) -> None:
     """Write all files of a trajectory that `ur5 excite` designed; see docs/excitation.md.
 
-    asked: robot, question and seed. Raises InputError where they cannot be written.
+    request: robot, question and seed. Raises InputError where they cannot be written.
     """
-    time, states = found.path.sampled(SERVO_RATE)
+    time, states = design.path.sampled(SERVO_RATE)
     texts = {
         "trajectory.csv": _csv(np.column_stack([time, states.q])),
-        "way_points.csv": _csv(way_points(found.task.cell, found.path)),
-        "stand.yaml": stand_study(str(asked["robot"]), payload, found.path),
-        "excitation.json": json_text({**asked, **summary(found)}),
+        "way_points.csv": _csv(way_points(design.task.cell, design.path)),
+        "stand.yaml": stand_study(str(request["robot"]), payload, design.path),
+        "excitation.json": json_text({**request, **summary(design)}),
     }
-    if found.task.cell.robot.is_ur():
+    if design.task.cell.robot.is_ur():
         texts["trajectory.script"] = script(states.q)
     for name, text in texts.items():  # all of them are made before the first is written
         write_text(text, folder / name)
 
 
-def summary(found: Design) -> dict[str, object]:
+def summary(design: Design) -> dict[str, object]:
     """Return a trajectory, its margins and its worth, as `Worth` explains it."""
-    problem, worth = found.task.problem, found.worth
+    problem, worth = design.task.problem, design.worth
     columns = {
         "parameter": problem.names(),
         "unit": problem.units(),
@@ -52,8 +52,8 @@ def summary(found: Design) -> dict[str, object]:
         "std_error_after": worth.after,
     }
     return {
-        "path": found.path,
-        "margins": found.margins,
+        "path": design.path,
+        "margins": design.margins,
         "noise": problem.noise,
         "log_det": worth.log_det,
         "log_det_gain": worth.gain,

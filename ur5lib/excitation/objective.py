@@ -34,13 +34,13 @@ USED_LIMIT_SHARE = 0.97  # of each limit, which the optimisation may use
 MIN_KEPT_ERROR_SHARE = 0.9  # of a standard error, which a recording then hardly lowers
 
 
-def d_optimality(wanted: Mask) -> Criterion:
+def d_optimality(estimated: Mask) -> Criterion:
     """Return the criterion log det of the information on some parameters, with the others unknown.
 
-    wanted: (P,), which parameters. log det M - log det M_oo, with o the others, which is the log
+    estimated: (P,), which parameters. log det M - log det M_oo, with o the others, which is the log
     det of the Schur complement (D_s-optimality).
     """
-    others = np.ix_(~wanted, ~wanted)
+    others = np.ix_(~estimated, ~estimated)
 
     def value_and_gradient(information: Array) -> tuple[float, Array]:
         gradient = np.asarray(np.linalg.inv(information), np.float64)
@@ -72,16 +72,16 @@ def conditioning(scale: Array) -> Criterion:
     Parameters of scale zero are left out. The criterion is zero if the number is too large for
     double precision.
     """
-    kept = np.ix_(scale > 0, scale > 0)
+    scaled = np.ix_(scale > 0, scale > 0)
     weight = np.outer(scale, scale)
 
     def value_and_gradient(information: Array) -> tuple[float, Array]:
-        values, vectors = np.linalg.eigh((weight * information)[kept])
+        values, vectors = np.linalg.eigh((weight * information)[scaled])
         gradient = np.zeros_like(information)
         if values[0] < MIN_EIGENVALUE_SHARE * values[-1]:
             return 0.0, gradient
         least, most = (np.outer(vectors[:, k], vectors[:, k]) / values[k] for k in (0, -1))
-        gradient[kept] = least - most
+        gradient[scaled] = least - most
         return float(np.log(values[0] / values[-1])), weight * gradient
 
     return value_and_gradient
@@ -118,9 +118,9 @@ def _undetermined(problem: DesignProblem, _: WorkCell) -> Criterion:
 
 def _d_optimality_of(problem: DesignProblem, place: slice) -> Criterion:
     """Return D-optimality of the parameters at a place in θ."""
-    wanted = np.zeros(len(problem.theta), dtype=bool)
-    wanted[place] = True
-    return d_optimality(wanted)
+    estimated = np.zeros(len(problem.theta), dtype=bool)
+    estimated[place] = True
+    return d_optimality(estimated)
 
 
 def _force_bands(problem: DesignProblem, cell: WorkCell) -> Criterion:
@@ -304,14 +304,14 @@ class Worth:
         W = Y[..., problem.base.columns].reshape(-1, problem.count)
         J = problem.rows(problem.theta, Y, qd).reshape(-1, len(problem.theta))
         width = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
-        told = np.isfinite(problem.noise.torque).all()
+        states_torques = np.isfinite(problem.noise.torque).all()
         information = task.earlier + problem.information(Y, qd, STATE_STEP)
-        log_det, earlier = (np.linalg.slogdet(one)[1] for one in (information, task.earlier))
+        log_det, earlier = (np.linalg.slogdet(matrix)[1] for matrix in (information, task.earlier))
         return cls(
             log_det=float(log_det),
             gain=float(log_det - earlier),
             regressor_condition=float(np.linalg.cond(W)),
-            condition=float(np.linalg.cond(J * width)) if told else np.inf,
+            condition=float(np.linalg.cond(J * width)) if states_torques else np.inf,
             prior=problem.standard_errors(problem.prior),
             before=problem.standard_errors(task.earlier),
             after=problem.standard_errors(information),

@@ -59,8 +59,8 @@ class RecordedStates(NamedTuple):
         robot: mounted, with its payload; time: (N,) [s]; motion: q, q̇, q̈, (N, n) each.
         """
         model = LinkModel(robot, robot.fullest_model())
-        every = max(1, round(INDEPENDENT / float(np.median(np.diff(time)))))
-        states = np.stack(motion)[:, ::every]
+        stride = max(1, round(INDEPENDENT / float(np.median(np.diff(time)))))
+        states = np.stack(motion)[:, ::stride]
         q, qd, qdd = states[:, np.isfinite(states).all(axis=(0, 2))]
         return cls(model, model.regressor(q, qd, qdd), qd)
 
@@ -91,8 +91,10 @@ class Earlier:
             dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
             for joint in self.fit.joints
         ]  # zero for a term that the fit does not have
-        kept = [[own.get(name, 0.0) for name in KEPT_COEFFICIENTS] for own in terms]
-        return Maps(np.array(kept), MeasurementNoise(torque, current))
+        rows = [
+            [coefficients.get(name, 0.0) for name in KEPT_COEFFICIENTS] for coefficients in terms
+        ]
+        return Maps(np.array(rows), MeasurementNoise(torque, current))
 
     def observed(self) -> Array:
         """Return the standard errors (n, 5) of KEPT_COEFFICIENTS, NaN for a missing term."""
@@ -103,7 +105,7 @@ class Earlier:
         )
 
 
-def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[DesignProblem, Array]:
+def problem_after(arm: Robot, earlier: Earlier, has_payload: bool) -> tuple[DesignProblem, Array]:
     """Return the problem of an arm that a study identified, and the information (P, P) so far.
 
     arm: as identified; has_payload: whether a load is estimated. The noise of the currents is
@@ -111,10 +113,10 @@ def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Design
     between recordings.
     """
     model = LinkModel(arm, arm.fullest_model())
-    problem = build_problem(arm, model, known.maps(arm), has_payload, typical=True)
-    if known.fitted:
-        problem = _as_observed(problem, known.recordings, known.observed())
-    return problem, _information(problem, known.recordings)
+    problem = build_problem(arm, model, earlier.maps(arm), has_payload, typical=True)
+    if earlier.fitted:
+        problem = _as_observed(problem, earlier.recordings, earlier.observed())
+    return problem, _information(problem, earlier.recordings)
 
 
 def _as_observed(
@@ -163,12 +165,12 @@ def feels_forces(arm: Robot) -> bool:
 class Outlook:
     """The bands of an arm after further recordings; of one that `feels_forces`."""
 
-    def __init__(self, arm: Robot, known: Earlier) -> None:
-        """Evaluate the arm at random states; information: of what is known, (P, P)."""
-        problem, self.information = problem_after(arm, known, has_payload=False)
+    def __init__(self, arm: Robot, earlier: Earlier) -> None:
+        """Evaluate the arm at random states; information (P, P): of the prior and recordings."""
+        problem, self.information = problem_after(arm, earlier, has_payload=False)
         q, qd, qdd = random_states(arm, PREDICTED_SPEED, PREDICTED_ACCELERATION)
         Y = LinkModel(arm, arm.fullest_model()).regressor(q, qd, qdd)
-        self.problem, self._arm, self._known = problem, arm, known
+        self.problem, self._arm, self._known = problem, arm, earlier
         self._rows = problem.rows(problem.theta, Y, qd)[:, problem.joints :]  # over the noise
         self._friction = problem.friction_current(Y, qd)
         self._with_load = problem.rows_with_load(Y, qd)
@@ -176,26 +178,26 @@ class Outlook:
 
     def bands(self, information: Array, after: str = "now") -> Bands:
         """Return the bands by an information (P, P) on the parameters."""
-        apart = self._within() ** 2 + (SEASONAL_STD * self._friction) ** 2
+        residual_variance = self._within() ** 2 + (SEASONAL_STD * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
-        current = doubt + apart[..., None] * np.eye(self.problem.joints)
+        current = doubt + residual_variance[..., None] * np.eye(self.problem.joints)
         constant = 1 / self.problem.theta[self.problem.of_currents][::5]
         torque = np.linalg.inv(current * np.outer(constant, constant))
         force = np.linalg.inv(self._jacobian @ torque @ self._jacobian.mT)
         variances = (
             np.median(np.trace(force, axis1=1, axis2=2)) / 3,
             np.trace(current, axis1=1, axis2=2).mean() / self.problem.joints,
-            self._mass(information, apart),
+            self._mass(information, residual_variance),
         )
-        return Bands(after, *(NORMAL95 * float(np.sqrt(own)) for own in variances))
+        return Bands(after, *(NORMAL95 * float(np.sqrt(variance)) for variance in variances))
 
     def ranked(self, candidates: Iterable[tuple[str, Array]]) -> list[Bands]:
         """Return the bands as they are, then those after each candidate, the least force first.
 
         candidates: names, and what they would tell beyond the information so far, (P, P).
         """
-        rows = [self.bands(self.information + own, name) for name, own in candidates]
+        rows = [self.bands(self.information + gain, name) for name, gain in candidates]
         return [self.bands(self.information), *sorted(rows, key=attrgetter("force"))]
 
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
@@ -213,18 +215,18 @@ class Outlook:
 
     def _within(self) -> Array:
         """Return the standard deviations (n,) [A] by which recordings differ."""
-        known = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
-        return np.where(np.isfinite(known), known, self.problem.noise.current)
+        errors = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
+        return np.where(np.isfinite(errors), errors, self.problem.noise.current)
 
-    def _mass(self, information: Array, apart: Array) -> float:
+    def _mass(self, information: Array, residual_variance: Array) -> float:
         """Return the variance [kg²] of a load's mass along WEIGHING_DURATION seconds of the states.
 
-        apart: variance (N, n) [A²] of currents, independent every CORRELATION_TIME.
+        residual_variance: variance (N, n) [A²] of currents, independent every CORRELATION_TIME.
         """
         count = len(information)
         load = np.diag(LOAD_WIDTH**-2.0)
-        relative = self.problem.noise.current / np.sqrt(apart)  # (N, n)
+        relative = self.problem.noise.current / np.sqrt(residual_variance)  # (N, n)
         J = (self._with_load * relative[..., None]).reshape(-1, count + 10)
         seconds = WEIGHING_DURATION / CORRELATION_TIME / len(relative)
-        whole = block_diag(information, load) + J.T @ J * seconds
-        return float(np.linalg.inv(whole)[count, count])
+        joint_information = block_diag(information, load) + J.T @ J * seconds
+        return float(np.linalg.inv(joint_information)[count, count])

@@ -134,8 +134,10 @@ class DesignProblem:
     def names(self) -> list[str]:
         """Return the parameters' names, in physical terms."""
         links = [self.base.parameters[column] for column in self.base.columns]
-        own = SENSED_JOINT_PARAMETERS if self.senses_torque else JOINT_PARAMETERS
-        joints = [f"{name} of joint {k + 1}" for k in range(self.joints) for name in own]
+        names_per_joint = SENSED_JOINT_PARAMETERS if self.senses_torque else JOINT_PARAMETERS
+        joints = [
+            f"{name} of joint {k + 1}" for k in range(self.joints) for name in names_per_joint
+        ]
         load = self.base.parameters[self.of_last_link] if self.has_payload else []
         return [*links, *joints, *(f"{PAYLOAD_PREFIX}{name}" for name in load)]
 
@@ -281,8 +283,10 @@ def nominal_maps(robot: Robot) -> Maps:
             "`gear_ratio` into its description, 1 and 1 where its joints sense torque"
         )
     constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
-    largest, ones, seen = np.array(robot.torque_limits()), np.ones_like(constants), _seen(robot)
-    coulomb, viscous, load = (seen * share for share in NOMINAL_FRICTION)
+    largest = np.array(robot.torque_limits())
+    ones = np.ones_like(constants)
+    friction_share = _friction_share(robot)
+    coulomb, viscous, load = (friction_share * share for share in NOMINAL_FRICTION)
     torques = [ones, 0 * ones, coulomb * largest, viscous * largest, load * ones]
     slow = np.sqrt(CORRELATION_TIME / INDEPENDENT)
     relative = SENSOR_NOISE if robot.senses_torque() else CURRENT_NOISE
@@ -291,7 +295,7 @@ def nominal_maps(robot: Robot) -> Maps:
     return Maps(np.stack(torques, axis=1) / constants[:, None], noise)
 
 
-def _seen(robot: Robot) -> float:
+def _friction_share(robot: Robot) -> float:
     """Return the share of the joints' friction that currents or torque sensors contain."""
     return SENSED_FRICTION_SHARE if robot.senses_torque() else 1.0
 
@@ -335,6 +339,6 @@ def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
     width, friction = GAIN_WIDTH if robot.senses_torque() else CONSTANT_WIDTH, {}
     if typical and robot.has_ur_motors():
         width, friction = UR_CONSTANT_WIDTH, typical_friction(torque_max)
-    known = Normal(inverse, np.diag((width * inverse) ** -2.0))
-    prior = Prior(known, _seen(robot) * torque_max, typical=friction)
+    constants = Normal(inverse, np.diag((width * inverse) ** -2.0))
+    prior = Prior(constants, _friction_share(robot) * torque_max, typical=friction)
     return prior.over(BASE_TERMS).precision

@@ -40,11 +40,11 @@ def figures_by_contact(
     period: [s]. Samples without an estimate are excluded; a period without any known sample has no
     figures.
     """
-    known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
+    finite = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     figures = {
         name: error_figures(estimate[rows], None if std is None else std[rows], reference[rows])
         for name, within in periods(force, period).items()
-        if (rows := within & known).any()
+        if (rows := within & finite).any()
     }
     if "contact" in figures:
         figures["contact"] |= resampled_figures(estimate, reference, force)
@@ -98,13 +98,15 @@ def resampled_means(values: Array, force: Array) -> Array | None:
     errors, which is why whole contacts are drawn, the same ones for all columns and in every call
     with the same contacts. None with fewer than three of them.
     """
-    known = np.isfinite(values).all(axis=1) & in_contact(force)
-    spans = [span for span in contacts(force, CONTACT_FORCE) if known[slice(*span)].any()]
+    finite_in_contact = np.isfinite(values).all(axis=1) & in_contact(force)
+    spans = [
+        span for span in contacts(force, CONTACT_FORCE) if finite_in_contact[slice(*span)].any()
+    ]
     if len(spans) < MIN_CONTACTS:
         return None
-    filled = np.where(known[:, None], values, 0.0)
+    filled = np.where(finite_in_contact[:, None], values, 0.0)
     sums = np.array([filled[a:b].sum(axis=0) for a, b in spans])  # (contacts, K)
-    counts = np.array([known[a:b].sum() for a, b in spans])
+    counts = np.array([finite_in_contact[a:b].sum() for a, b in spans])
     # mean = Σ sums / Σ counts of the contacts drawn
     drawn = np.random.default_rng(0).integers(len(spans), size=(CONTACT_RESAMPLES, len(spans)))
     return np.asarray(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None])
@@ -137,7 +139,7 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[C
 
     estimate, reference: forces (N, 3) [N]; time: (N,) [s].
     """
-    felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
+    estimated_contacts = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
     for number, span in enumerate(
         contacts(np.linalg.norm(reference, axis=1), CONTACT_FORCE), start=1
     ):
@@ -146,13 +148,17 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[C
         place = number, time[first], time[last - 1]
         step = (time[last - 1] - time[first]) / max(last - first - 1, 1)
         for axis, name in enumerate(("Fx", "Fy", "Fz")):
-            yield ContactErrors(*place, name, *_misses(e[:, [axis]], f[:, [axis]], step))
-        onset = next((start for start, end in felt if overlap((start, end), span)), None)
+            yield ContactErrors(*place, name, *_peak_and_impulse(e[:, [axis]], f[:, [axis]], step))
+        onset = next(
+            (start for start, end in estimated_contacts if overlap((start, end), span)), None
+        )
         late = None if onset is None else time[onset] - time[first]
-        yield ContactErrors(*place, "norm", *_misses(e, f, step), late)
+        yield ContactErrors(*place, "norm", *_peak_and_impulse(e, f, step), late)
 
 
-def _misses(estimate: Array, reference: Array, step: float) -> tuple[float, float, float, float]:
+def _peak_and_impulse(
+    estimate: Array, reference: Array, step: float
+) -> tuple[float, float, float, float]:
     """Return peak and impulse of a contact, each with its error along the sensor's direction.
 
     estimate, reference: (M, D) [N]; step: [s].

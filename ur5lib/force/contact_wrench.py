@@ -40,12 +40,12 @@ def regularised_wrench(torque: Array, jacobian: Array, noise: Array, prior: Arra
     (6, 6) or (N, 6, 6), zero moments for "force only". At a singularity, the unobservable
     direction keeps its prior. For a row of NaN, the mean is 0 and the covariance P.
     """
-    known = finite_rows(torque)
+    measured = finite_rows(torque)
     # K = P J (Jᵀ P J + S)⁻¹, F = K τ, cov F = P - K Jᵀ P
     lever = prior @ jacobian  # P J (N, 6, n)
     transposed = np.linalg.solve(jacobian.mT @ lever + noise, lever.mT)
-    gain = np.asarray(transposed, np.float64).mT * known[:, None, None]
-    mean = (gain @ np.where(known[:, None], torque, 0.0)[..., None])[..., 0]
+    gain = np.asarray(transposed, np.float64).mT * measured[:, None, None]
+    mean = (gain @ np.where(measured[:, None], torque, 0.0)[..., None])[..., 0]
     return Posterior(mean, prior - gain @ lever.mT, gain)
 
 
@@ -71,10 +71,10 @@ def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Ar
     prior is 0 ± STATIC_FORCE_STD, with a moment over STATIC_LEVER.
     """
     prior = wrench_covariance(STATIC_FORCE_STD, STATIC_LEVER)
-    found = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
-    error = np.sqrt(np.linalg.diagonal(found.covariance))
-    known = finite_rows(torque + error)[:, None]
-    return np.where(known, found.mean, np.nan), np.where(known, error, np.nan)
+    estimate = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
+    error = np.sqrt(np.linalg.diagonal(estimate.covariance))
+    finite = finite_rows(torque + error)[:, None]
+    return np.where(finite, estimate.mean, np.nan), np.where(finite, error, np.nan)
 
 
 class ContactWrench(NamedTuple):
@@ -106,12 +106,14 @@ def contact_wrench(
     estimate = regularised_wrench(torque, jacobian, noise, size)
     wrench = estimate.mean  # (n, 6)
     # torque noise, load friction, and a moment that is taken for a force
-    variance = np.linalg.diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)  # (n, 6)
-    variance = variance + _turned(estimate, jacobian, prior)
+    variance = np.linalg.diagonal(estimate.covariance) + _load_friction_variance(
+        estimate, jacobian, prior
+    )  # (n, 6)
+    variance = variance + _lever_variance(estimate, jacobian, prior)
     # a low-pass blurs when the force changes
-    known, change = finite_rows(torque), np.zeros_like(wrench)
-    if known.sum() > 1:
-        change[known] = np.gradient(wrench[known], period, axis=0)
+    measured, change = finite_rows(torque), np.zeros_like(wrench)
+    if measured.sum() > 1:
+        change[measured] = np.gradient(wrench[measured], period, axis=0)
     variance = variance + (LOWPASS_BLUR * change) ** 2
     # torques hardly distinguish a moment from a force
     force = np.linalg.norm(wrench[:, :3], axis=1)
@@ -131,8 +133,8 @@ def learned_size(
     which counts as 20 independent samples. Otherwise a moment explains what friction took of a
     short contact, and a small change of the prior gives another force.
     """
-    known = finite_rows(torque)
-    torque, jacobian, noise = torque[known], jacobian[known], noise[known]
+    measured = finite_rows(torque)
+    torque, jacobian, noise = torque[measured], jacobian[measured], noise[measured]
     size, count = prior.unknown(), worth * len(torque)
     for _ in range(EM_ROUNDS):
         # expectation: Σ E[F Fᵀ] = Σ (F̂ F̂ᵀ + cov F)
@@ -168,7 +170,7 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Contac
     )
 
 
-def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
+def _load_friction_variance(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     """Return the variance (n, 6) from each joint's load friction under this contact."""
     # cov τ_lost = diag((c Jᵀ F)²), c of each joint, propagated by the gain: K cov τ_lost Kᵀ
     carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, m)
@@ -176,7 +178,7 @@ def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     return np.linalg.diagonal(estimate.gain @ lost @ estimate.gain.mT)
 
 
-def _turned(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
+def _lever_variance(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     """Return the variance (n, 6) from a moment of this force by the typical lever."""
     # K J_wᵀ cov n J_w Kᵀ, cov n = (lever |F|)² I
     moment = prior.lever * np.linalg.norm(estimate.mean[:, :3], axis=1)

@@ -34,7 +34,7 @@ def alarms(log_odds: Array, threshold: float) -> list[Span]:
     return spans(log_odds, threshold, threshold - ALARM_HYSTERESIS)
 
 
-def raised_live(log_odds: Array, threshold: float) -> list[Span]:
+def live_alarms(log_odds: Array, threshold: float) -> list[Span]:
     """Return alarms as raised in real time: from the sample whose odds reach the threshold.
 
     log_odds: (N,), causal. `alarms` start earlier, where the odds begin to rise.
@@ -51,7 +51,7 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
     contact_free: log-odds (N,) of each recording, at its period [s]. The result is at least 0,
     even odds.
     """
-    allowed = _allowed(contact_free, periods, per_minute)
+    allowed = _allowed_alarms(contact_free, periods, per_minute)
     peaks = sorted(
         float(odds[slice(*alarm)].max()) for odds in contact_free for alarm in alarms(odds, 0.0)
     )
@@ -59,7 +59,7 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
     return max(0.0, float(np.nextafter(above, np.inf)))
 
 
-def _allowed(contact_free: list[Array], periods: list[float], per_minute: float) -> int:
+def _allowed_alarms(contact_free: list[Array], periods: list[float], per_minute: float) -> int:
     """Return how many alarms recordings (N,), each at its period [s], may raise together."""
     pairs = zip(contact_free, periods, strict=True)
     return int(per_minute * sum(len(values) * period for values, period in pairs) / 60)
@@ -119,9 +119,9 @@ def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:
     return [(i, j) for i, j in pairs if shared[i, j]]
 
 
-def overlap(one: Span, other: Span) -> int:
+def overlap(first: Span, second: Span) -> int:
     """Return the number of samples that two stretches share."""
-    return max(0, min(one[1], other[1]) - max(one[0], other[0]))
+    return max(0, min(first[1], second[1]) - max(first[0], second[0]))
 
 
 def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
@@ -132,41 +132,42 @@ def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
     return misses / max(misses[-1], 1), hits / max(hits[-1], 1)
 
 
-def pushes(count: int, period: float) -> tuple[Array, list[Span]]:
+def trial_pushes(count: int, period: float) -> tuple[Array, list[Span]]:
     """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans."""
-    length, every = round(PUSH_DURATION / period), round((PUSH_DURATION + PAUSE_DURATION) / period)
+    length = round(PUSH_DURATION / period)
+    interval = round((PUSH_DURATION + PAUSE_DURATION) / period)
     profile = np.zeros(count)
     shape = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
-    starts = range(every - length, count - length, every)
+    starts = range(interval - length, count - length, interval)
     for start in starts:
         profile[start : start + length] = shape
     return profile, [(start, start + length) for start in starts]
 
 
-def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> tuple[float, float]:
+def smallest_force(force: Array, detected: Mask, probability: float = 0.95) -> tuple[float, float]:
     """Return the force [N] at which a logistic curve over log force reaches the wanted probability,
     and its standard error, by the likelihood's curvature (delta method).
 
-    force: (M,) [N], of trial pushes; found: (M,). Infinite if none was found.
+    force: (M,) [N], of trial pushes; detected: (M,). Infinite if none was found.
     """
-    if not found.any():
+    if not detected.any():
         return np.inf, np.nan
     from scipy.optimize import minimize  # as slow to import as pandas; most recordings need none
 
     x = np.log(force)
-    best = minimize(_cost, np.array([np.median(x[found]), LOG_STEEPNESS]), args=(x, found))
+    best = minimize(_cost, np.array([np.median(x[detected]), LOG_STEEPNESS]), args=(x, detected))
     middle, steepness = best.x
-    reach = np.log(wanted / (1 - wanted)) * np.exp(-steepness)
+    reach = np.log(probability / (1 - probability)) * np.exp(-steepness)
     slope = np.array([1.0, -reach])
     place = np.exp(middle + reach)
     return float(place), float(place * np.sqrt(slope @ best.hess_inv @ slope))
 
 
-def _cost(parameters: Array, x: Array, found: Mask) -> float:
+def _cost(parameters: Array, x: Array, detected: Mask) -> float:
     """Return the negative log-likelihood, with a weak prior against perfect separation."""
     middle, steepness = parameters
     logit = np.exp(steepness) * (x - middle)
-    likelihood = np.logaddexp(0, np.where(found, -logit, logit)).sum()
+    likelihood = np.logaddexp(0, np.where(detected, -logit, logit)).sum()
     return float(likelihood + 0.5 * (steepness - LOG_STEEPNESS) ** 2)
 
 
@@ -192,7 +193,7 @@ class Felt:
     contacts: int
 
 
-def felt(force: Array, time: Array) -> Felt | None:
+def sensed_contact(force: Array, time: Array) -> Felt | None:
     """Return what a sensor reads, None if it has no reading.
 
     force: (N,) [N], of the sensor, NaN where unknown; time: (N,) [s].
@@ -230,7 +231,7 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
     From the largest force downwards, so that an alarm that never ends does not count as few. At
     least what counts as touched at the sensor, 3 N.
     """
-    allowed = _allowed(contact_free, periods, per_minute)
+    allowed = _allowed_alarms(contact_free, periods, per_minute)
     largest = max(float(np.nan_to_num(force).max()) for force in contact_free)
     lowest = max(TOUCH_FORCE, np.ceil(largest / THRESHOLD_STEP) * THRESHOLD_STEP + THRESHOLD_STEP)
     for threshold in np.arange(lowest, TOUCH_FORCE - THRESHOLD_STEP / 2, -THRESHOLD_STEP):
@@ -248,5 +249,5 @@ def pushes_above(force: Array, sensed: Array, least: float, period: float) -> tu
     period: [s].
     """
     pushes = spans(np.nan_to_num(np.abs(sensed)), least, RELEASE_FORCE)
-    found = compare(force_alarms(np.abs(force), least), pushes, period)
-    return found.contacts, found.found
+    detection = compare(force_alarms(np.abs(force), least), pushes, period)
+    return detection.contacts, detection.found

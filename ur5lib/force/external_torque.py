@@ -60,13 +60,13 @@ def joint_states(qd: Array, segment: Labels, period: float) -> States:
     """Return the `JointState` (N, 6) of each joint; qd: (N, 6) [rad/s]; period: [s]."""
     states = np.full(qd.shape, JointState.MOVING, np.int8)
     for rows in unbroken(segment):
-        slow, own = np.abs(qd[rows]) < REST_SPEED, states[rows]
+        slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
         stopped = binary_opening(slow, np.ones((max(1, round(MIN_STOP_DURATION / period)), 1)))
-        relaxing = stopped & _near(~stopped, RELAXATION_TIME, period)
-        own[_near(slow & ~stopped, LOWPASS_REACH, period)] = JointState.REVERSING
-        own[_near(relaxing, LOWPASS_REACH, period)] = JointState.SETTLING
-        own[stopped & ~relaxing] = JointState.RESTING
-        own[(own == JointState.RESTING).all(axis=1)] = JointState.STILL
+        relaxing = stopped & _within_reach(~stopped, RELAXATION_TIME, period)
+        stretch[_within_reach(slow & ~stopped, LOWPASS_REACH, period)] = JointState.REVERSING
+        stretch[_within_reach(relaxing, LOWPASS_REACH, period)] = JointState.SETTLING
+        stretch[stopped & ~relaxing] = JointState.RESTING
+        stretch[(stretch == JointState.RESTING).all(axis=1)] = JointState.STILL
     return states
 
 
@@ -78,23 +78,23 @@ def past_states(qd: Array, segment: Labels, period: float) -> States:
     """
     states = np.full(qd.shape, JointState.MOVING, np.int8)
     for rows in unbroken(segment):
-        slow, own = np.abs(qd[rows]) < REST_SPEED, states[rows]
-        stopped = ~_recent(~slow, MIN_STOP_DURATION, period)
-        own[_recent(slow, 2 * LOWPASS_REACH, period)] = JointState.REVERSING
-        own[stopped] = np.where(
-            _recent(~stopped, RELAXATION_TIME, period), JointState.SETTLING, JointState.RESTING
+        slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
+        stopped = ~_within_past(~slow, MIN_STOP_DURATION, period)
+        stretch[_within_past(slow, 2 * LOWPASS_REACH, period)] = JointState.REVERSING
+        stretch[stopped] = np.where(
+            _within_past(~stopped, RELAXATION_TIME, period), JointState.SETTLING, JointState.RESTING
         )[stopped]
-        own[(own == JointState.RESTING).all(axis=1)] = JointState.STILL
+        stretch[(stretch == JointState.RESTING).all(axis=1)] = JointState.STILL
     return states
 
 
-def _recent(where: Mask, seconds: float, period: float) -> Mask:
+def _within_past(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples up to some seconds after one in the mask."""
     window = round(seconds / period) + 1
     return maximum_filter1d(where, window, axis=0, origin=(window - 1) // 2, mode="constant")
 
 
-def _near(where: Mask, seconds: float, period: float) -> Mask:
+def _within_reach(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples within some seconds of one in the mask."""
     return maximum_filter1d(where, 2 * round(seconds / period) + 1, axis=0, mode="nearest")
 

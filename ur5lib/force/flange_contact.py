@@ -34,10 +34,10 @@ def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:
     last = origin.shape[1] - 1
     ends = {link: (origin[:, link - 1], origin[:, link]) for link in range(1, last)}
     ends[last] = origin[:, last], origin[:, last] + TOOL_LENGTH * rotation[:, last, :, 2]
-    return {link: _along(*both) for link, both in ends.items()}
+    return {link: _part_middles(*endpoints) for link, endpoints in ends.items()}
 
 
-def _along(first: Array, last: Array) -> list[Array]:
+def _part_middles(first: Array, last: Array) -> list[Array]:
     """Return the middles of equal parts of a line, each at most PLACE_SPACING long."""
     count = int(np.ceil(np.linalg.norm(last - first, axis=1).max() / PLACE_SPACING - 1e-9))
     return [first + (k + 0.5) / count * (last - first) for k in range(count)]
@@ -75,6 +75,6 @@ def flange_probability(
     evidence = []
     for places in levers.values():
         covariances = [loaded + J.mT @ wrench @ J for J in places for wrench in wrenches]
-        each = [log_density(torque, covariance).mean() for covariance in covariances]
-        evidence.append(logsumexp(each) - np.log(len(places)))
+        log_densities = [log_density(torque, covariance).mean() for covariance in covariances]
+        evidence.append(logsumexp(log_densities) - np.log(len(places)))
     return float(softmax(evidence)[[*levers].index(max(levers))])

@@ -40,7 +40,8 @@ class Gears:
         """
         moves = states <= JointState.REVERSING
         loss, friction = (
-            np.where(moves, np.nan_to_num(own), 0.0) for own in (self.loss, self.friction)
+            np.where(moves, np.nan_to_num(friction_values), 0.0)
+            for friction_values in (self.loss, self.friction)
         )
         return replace(self, load=np.nan_to_num(self.load), loss=loss, friction=friction)
 
@@ -63,7 +64,7 @@ class Gears:
         return self.load - motor * share, share
 
 
-def held(torque: Array, breakaway: Array, share: float) -> Array:
+def mean_stiction_torque(torque: Array, breakaway: Array, share: float) -> Array:
     """Return the mean of what dry friction takes of a contact's torque (N, 6) [Nm] at rest.
 
     Friction opposes the contact and takes anything between nothing and a share of the breakaway
@@ -94,13 +95,13 @@ class ForceInput:
         """Return the standard deviation (N, 6) [Nm] of an estimated load's torque, 0 without."""
         return np.zeros(self.states.shape) if self.doubt is None else np.nan_to_num(self.doubt)
 
-    def thinned(self, every: int, rows: Labels | slice) -> Self:
+    def thinned(self, stride: int, rows: Labels | slice) -> Self:
         """Return the run at some rows, of which every so many-th was taken."""
         return replace(
             self,
             **{name: getattr(self, name)[rows] for name in ("q", "qd", "torque", "states")},
             segment=self.segment[rows],
-            period=every * self.period,
+            period=stride * self.period,
             doubt=None if self.doubt is None else self.doubt[rows],
             gears=None if self.gears is None else self.gears.at(rows),
         )

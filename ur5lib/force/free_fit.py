@@ -37,7 +37,7 @@ def agreement(parameters: Array, terms: Array, reading: Array, tolerance: Array)
     return agrees
 
 
-def drawn(values: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+def random_subset(values: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """Return at most `count` of the indices, drawn at random from a fixed seed.
 
     A regular choice could coincide with a period of the signal.
@@ -62,9 +62,9 @@ def quiet_stretches(
     std = parts.std(axis=1)
     unrest = np.square(std / scale).mean(axis=1)
     # the quieter half, rounded up, of the stretches without NaN
-    known = np.flatnonzero(np.isfinite(unrest))
-    order = np.argsort(unrest[known], kind="stable")
-    quiet = known[order[: -(-len(known) // 2)]]
+    finite = np.flatnonzero(np.isfinite(unrest))
+    order = np.argsort(unrest[finite], kind="stable")
+    quiet = finite[order[: -(-len(finite) // 2)]]
     noise = np.median(std[quiet], axis=0) if len(quiet) else np.zeros(reading.shape[1])
     return quiet * length + length // 2, parts[quiet].mean(axis=1), noise
 
@@ -79,11 +79,13 @@ def candidates(terms: Array, reading: Array, scale: Array, together: int) -> Arr
     if not len(terms):
         return np.zeros((0, terms.shape[2]))
     if together == 1:
-        chosen = drawn(stretches, CANDIDATE_COUNT)[:, None]
+        drawn_stretches = random_subset(stretches, CANDIDATE_COUNT)[:, None]
     else:
-        chosen = np.random.default_rng(0).choice(stretches, (CANDIDATE_COUNT, together))
-    rows = (terms[chosen] / scale[:, None]).reshape(len(chosen), -1, terms.shape[2])
-    values = (reading[chosen] / scale).reshape(len(chosen), -1, 1)
+        drawn_stretches = np.random.default_rng(0).choice(stretches, (CANDIDATE_COUNT, together))
+    rows = (terms[drawn_stretches] / scale[:, None]).reshape(
+        len(drawn_stretches), -1, terms.shape[2]
+    )
+    values = (reading[drawn_stretches] / scale).reshape(len(drawn_stretches), -1, 1)
     return (np.linalg.pinv(rows, rcond=SINGULAR_VALUE_CUTOFF) @ values)[..., 0]
 
 
@@ -110,7 +112,7 @@ class SensorReadings:
 
     def agreement(self, parameters: Array, tolerance: Array) -> Mask:
         """Return which of J samples, drawn once, agree with each of the offsets (K, P): (K, J)."""
-        rows = drawn(np.flatnonzero(self.measured), COMPARED_SAMPLES)
+        rows = random_subset(np.flatnonzero(self.measured), COMPARED_SAMPLES)
         return agreement(parameters, self.terms[rows], self.reading[rows], tolerance)
 
 

@@ -39,31 +39,31 @@ def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
     """
     likelihood = np.exp(evidence - evidence.max(axis=1, keepdims=True))
     # both directions at once, the second from the last sample to the first
-    both = np.stack([likelihood, likelihood[::-1]], axis=1)
+    likelihoods = np.stack([likelihood, likelihood[::-1]], axis=1)
     steps, starts = np.stack([transitions.T, transitions]), np.stack([start, np.ones_like(start)])
-    forward, backward = _predicted(both, steps, starts).swapaxes(0, 1)
+    forward, backward = _weights_before(likelihoods, steps, starts).swapaxes(0, 1)
     weight = np.maximum(forward * likelihood * backward[::-1], MIN_STATE_PROBABILITY)
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
 
-def _predicted(likelihood: Array, steps: Array, start: Array) -> Array:
+def _weights_before(likelihood: Array, steps: Array, start: Array) -> Array:
     """Return the weight (N, ..., K) of each state before each sample, from a start (..., K).
 
     likelihood: (N, ..., K); steps: (..., K, K), from a state (column) to the next (row).
     """
     predicted = np.empty_like(likelihood)
-    for t, seen in enumerate(likelihood):
+    for t, likelihoods in enumerate(likelihood):
         predicted[t] = start
         # α_t+1(j) = Σ_i a_ij p(x_t | i) α_t(i); backwards, β_t-1(i) = Σ_j a_ij p(x_t | j) β_t(j)
-        following = np.matvec(steps, seen * start) / np.vecdot(seen, start)[..., None]
+        following = np.matvec(steps, likelihoods * start) / np.vecdot(likelihoods, start)[..., None]
         start = np.maximum(following, MIN_STATE_PROBABILITY)
     return predicted
 
 
 def log_odds(probability: Array) -> Array:
     """Return the log-odds of probabilities (N,), finite also for 0 and 1."""
-    known = np.clip(probability, 1e-15, 1 - 1e-15)
-    return np.log(known) - np.log1p(-known)
+    clipped = np.clip(probability, 1e-15, 1 - 1e-15)
+    return np.log(clipped) - np.log1p(-clipped)
 
 
 @dataclass(frozen=True)
@@ -86,12 +86,12 @@ class TorqueVariances:
     ) -> "TorqueVariances":
         """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
         still = states >= JointState.STILL
-        held = np.where(still, MIN_REST_STD * model.breakaway, 0.0) ** 2
-        taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
+        rest_variance = np.where(still, MIN_REST_STD * model.breakaway, 0.0) ** 2
+        absorbed = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
         return cls(
             quick=model.variance(model.change, states) + FAST_LOAD_ERROR_SHARE * doubt**2,
-            spread=model.variance(model.spread, states) + held + doubt**2,
-            hidden=taken**2,
+            spread=model.variance(model.spread, states) + rest_variance + doubt**2,
+            hidden=absorbed**2,
             still=still,
         )
 
@@ -159,44 +159,48 @@ class Observations:
             yield contact[0, 0] * by_force + contact[-1, -1] * by_moment
 
 
-def find_contacts(seen: Observations) -> tuple[Array, Gaussians]:
+def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     """Return the probability (N,) of contact in a stretch without a gap, and the background."""
-    period, noise, prior = seen.period, seen.noise, seen.prior
-    known = finite_rows(seen.torque)
-    filled = np.where(known[:, None], seen.torque, 0.0)
-    free = seen.free_covariances()
-    transitions, start = chain(len(free), len(prior.bank()), period, prior)
-    slow = held = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
-    for left, share in zip(
+    period, noise, prior = observations.period, observations.noise, observations.prior
+    measured_rows = finite_rows(observations.torque)
+    filled = np.where(measured_rows[:, None], observations.torque, 0.0)
+    free = observations.free_covariances()
+    transitions, start = state_chain(len(free), len(prior.bank()), period, prior)
+    slow = rest_background = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
+    for rounds_left, share in zip(
         reversed(range(len(BACKGROUND_COVARIANCE_FACTORS))),
         BACKGROUND_COVARIANCE_FACTORS,
         strict=True,
     ):
         # log p(τ | state), and 0 where τ is unknown
-        without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
+        free_evidence = [
+            log_density(filled - rest_background.mean, c + share * rest_background.covariance)
+            for c in free
+        ]
         # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
         residual = filled - slow.mean
-        besides = diagonal(noise.quick + noise.hidden) + share * slow.covariance
-        during = [
-            log_density(residual, besides + contact) for contact in seen.contact_covariances()
+        contact_noise = diagonal(noise.quick + noise.hidden) + share * slow.covariance
+        contact_evidence = [
+            log_density(residual, contact_noise + contact)
+            for contact in observations.contact_covariances()
         ]
-        evidence = np.stack([*without, *during], axis=1)  # (N, S)
-        evidence *= seen.worth * known[:, None]
+        evidence = np.stack([*free_evidence, *contact_evidence], axis=1)  # (N, S)
+        evidence *= observations.worth * measured_rows[:, None]
         # p(contact) = Σ p(state | all τ) over the states in contact
         weight = posterior(evidence, transitions, start)  # (N, S)
         contact = weight[:, len(free) :].sum(axis=1)  # (N,)
         # background given all τ, each weighted by the probability of a free arm
-        measured = measurement_noise(free, weight, contact) / seen.worth
+        measured = measurement_noise(free, weight, contact) / observations.worth
         # a push at rest may renew the background: it changes what stiction holds
         renewed = noise.still * contact[:, None] / prior.duration
-        rate = seen.model.rate[seen.states]
-        given = seen.torque, measured, noise.spread
-        scaled = -seen.gears.friction, prior.friction_std
-        slow = smooth(*given, np.exp(-period * (rate + renewed)), *scaled)
+        rate = observations.model.rate[observations.states]
+        smoother_inputs = observations.torque, measured, noise.spread
+        scaled = -observations.gears.friction, prior.friction_std
+        slow = smooth(*smoother_inputs, np.exp(-period * (rate + renewed)), *scaled)
         # without a push it stays: the background of the free states, of which the next round asks
-        held = slow
-        if left and noise.still.any():
-            held = smooth(*given, np.exp(-period * rate), *scaled)
+        rest_background = slow
+        if rounds_left and noise.still.any():
+            rest_background = smooth(*smoother_inputs, np.exp(-period * rate), *scaled)
     return contact, slow
 
 
@@ -207,7 +211,9 @@ def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Arr
     """
     share = weight[:, : len(free)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)
-    mean = sum(own[:, None, None] * c for own, c in zip(share.T, free, strict=True))
+    mean = sum(
+        state_weight[:, None, None] * c for state_weight, c in zip(share.T, free, strict=True)
+    )
     free_weight = np.where(
         contact > EXCLUSION_PROBABILITY,
         CONTACT_SAMPLE_WEIGHT,
@@ -216,7 +222,9 @@ def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Arr
     return np.asarray(mean / free_weight[:, None, None])
 
 
-def chain(free: int, contacts: int, period: float, prior: ContactPrior) -> tuple[Array, Array]:
+def state_chain(
+    free: int, contacts: int, period: float, prior: ContactPrior
+) -> tuple[Array, Array]:
     """Return transition (S, S) and start (S,) probabilities of the states.
 
     They are `free` ones, undisturbed and then hunting, and some contacts; period: [s].
@@ -246,12 +254,12 @@ def log_density(x: Array, covariance: Array) -> Array:
     p(x) = p(x_1) p(x_2 | x_1) ..., of all samples at once: one variable after the other is
     eliminated. x: (N, n), or (n,) of all; covariance: (N, n, n).
     """
-    left = np.broadcast_to(x, covariance.shape[:-1]).T.copy()  # (n, N)
+    remainder = np.broadcast_to(x, covariance.shape[:-1]).T.copy()  # (n, N)
     within = np.moveaxis(covariance, 0, -1).copy()  # (n, n, N)
     density = np.zeros(len(covariance))
     for k, variance in enumerate(np.einsum("iin->in", within)):
-        density -= (left[k] ** 2 / variance + np.log(variance)) / 2
+        density -= (remainder[k] ** 2 / variance + np.log(variance)) / 2
         share = within[k + 1 :, k] / variance
-        left[k + 1 :] -= share * left[k]
+        remainder[k + 1 :] -= share * remainder[k]
         within[k + 1 :, k + 1 :] -= share[:, None] * within[k, k + 1 :]
     return density

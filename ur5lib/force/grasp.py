@@ -34,19 +34,21 @@ def grasped_load(
     """
     edge = round(HANDLING_DURATION / period)
     inner = slice(edge, len(torque) - edge)
-    known = finite_rows(torque[inner])
-    if known.sum() * period < MIN_GRASP_DURATION - 2 * HANDLING_DURATION:
+    finite = finite_rows(torque[inner])
+    if finite.sum() * period < MIN_GRASP_DURATION - 2 * HANDLING_DURATION:
         return None
-    seen = torque[inner][known] / deviation
-    terms = -regressor[inner][known] / deviation[:, None]
+    target = torque[inner][finite] / deviation
+    terms = -regressor[inner][finite] / deviation[:, None]
     columns = terms.reshape(-1, 4)
-    information, right = columns.T @ columns, columns.T @ seen.ravel()
+    information, right = columns.T @ columns, columns.T @ target.ravel()
     mass = right[0] / information[0, 0]
-    held = len(seen) * np.array([0.0, 1, 1, 1]) / max(USUAL_LOAD_LEVER * abs(mass), 1e-3) ** 2
-    information += np.diag(LEVER_PRIOR_WEIGHT * held)
+    lever_precision = (
+        len(target) * np.array([0.0, 1, 1, 1]) / max(USUAL_LOAD_LEVER * abs(mass), 1e-3) ** 2
+    )
+    information += np.diag(LEVER_PRIOR_WEIGHT * lever_precision)
     parameters = np.linalg.solve(information, right)
-    residual = seen - terms @ parameters
-    if (residual**2).sum() > (1 - MIN_SHARE_EXPLAINED_BY_LOAD) * (seen**2).sum():
+    residual = target - terms @ parameters
+    if (residual**2).sum() > (1 - MIN_SHARE_EXPLAINED_BY_LOAD) * (target**2).sum():
         return None
     # change of θ per standard deviation of each joint's background
     common = np.linalg.solve(information, terms.sum(axis=0).T)  # (4, 6)

@@ -70,8 +70,8 @@ class ResidualModel:
         σ² + share max(0, σ_usual² - σ²), of all standard deviations.
         """
 
-        def mixed(own: Array, other: Array) -> Array:
-            return np.sqrt(own**2 + share * np.maximum(0.0, other**2 - own**2))
+        def mixed(std: Array, usual_std: Array) -> Array:
+            return np.sqrt(std**2 + share * np.maximum(0.0, usual_std**2 - std**2))
 
         return replace(
             self,
@@ -127,17 +127,21 @@ def fit_residual_model(
     moves.
     """
     # E[x²], and the variogram at both lags
-    short, long = ([_differences(one, lag) for one in stretches] for lag in (SHORT_LAG, LONG_LAG))
+    short, long = (
+        [_differences(stretch, lag) for stretch in stretches] for lag in (SHORT_LAG, LONG_LAG)
+    )
     joints = len(breakaway)
-    whole, near, far = (_moments(each, joints) for each in (stretches, short, long))  # (S, n) each
+    whole, near, far = (
+        _moments(parts, joints) for parts in (stretches, short, long)
+    )  # (S, n) each
     if not np.isfinite(far).any():
         raise RefusalError("short recordings", seconds=LONG_LAG)
     still = (np.flatnonzero(np.isnan(whole[JointState.MOVING])) + 1).tolist()
     if still:
         raise RefusalError("still joints", joints=still)
-    change = np.sqrt(_filled(near))
+    change = np.sqrt(_filled_moments(near))
     return ResidualModel(
-        spread=np.maximum(np.sqrt(_filled(whole)), change),
+        spread=np.maximum(np.sqrt(_filled_moments(whole)), change),
         change=change,
         rate=_rates((far - near) / whole / (LONG_LAG - SHORT_LAG)),
         independent=1 / (2 * cutoff),
@@ -159,10 +163,10 @@ def _rates(growth: Array) -> Array:
     A joint that stops has a new, random friction torque, so while settling and resting the
     background renews within a second; there are too few stops for the median to show it.
     """
-    known = [row[np.isfinite(row)] for row in growth]
+    rates_by_state = [row[np.isfinite(row)] for row in growth]
     rates = [
         np.clip(np.median(r), MIN_RENEWAL_RATE, MAX_RENEWAL_RATE) if len(r) else MIN_RENEWAL_RATE
-        for r in known
+        for r in rates_by_state
     ]
     stopped = np.isin(np.arange(len(rates)), (JointState.SETTLING, JointState.RESTING))
     return np.where(stopped, np.maximum(rates, 1 / RELAXATION_TIME), rates)
@@ -185,13 +189,13 @@ def _moments(stretches: Sequence[TorqueStretch], joints: int) -> Array:
     total, seconds = np.zeros((2, FITTED_STATE_COUNT, joints))
     for torque, states, period in stretches:
         for state in range(FITTED_STATE_COUNT):
-            here = (states == state) & np.isfinite(torque)
-            total[state] += period * (np.where(here, torque, 0.0) ** 2).sum(axis=0)
-            seconds[state] += period * here.sum(axis=0)
+            in_state = (states == state) & np.isfinite(torque)
+            total[state] += period * (np.where(in_state, torque, 0.0) ** 2).sum(axis=0)
+            seconds[state] += period * in_state.sum(axis=0)
     return np.where(seconds > 0, total / np.maximum(seconds, 1e-9), np.nan)
 
 
-def _filled(moments: Array) -> Array:
+def _filled_moments(moments: Array) -> Array:
     """Return the moments with the joint's largest in place of NaN, and at least LEAST²."""
     largest = np.nanmax(moments, axis=0)
     return np.maximum(np.where(np.isfinite(moments), moments, largest), MIN_TORQUE_STD**2)

@@ -79,7 +79,7 @@ class SensorOffset(Offset):
         return np.concatenate([force, moment], axis=1) + self.bias
 
 
-def sensed(reading: Array) -> slice:
+def measured_columns(reading: Array) -> slice:
     """Return the columns of a reading (N, 6) that were measured: a sensor may lack the moments."""
     return slice(3 if np.isnan(reading[:, 3:]).all() else 6)
 
@@ -97,43 +97,46 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     fit with which more samples agree is returned. Long records are thinned.
     """
     # the record, thinned; the weight counts only if the arm turns
-    reading = reading[:, sensed(reading)]
+    reading = reading[:, measured_columns(reading)]
     repeats = REPEATABILITY[: reading.shape[1]]
-    every = max(1, -(-len(reading) // MAX_OFFSET_SAMPLES))
+    stride = max(1, -(-len(reading) // MAX_OFFSET_SAMPLES))
     measured = finite_rows(reading)
-    weighed = _turns(pull[measured])
-    terms = _terms(pull[::every], weighed, reading.shape[1])
-    record = SensorReadings(reading[::every], terms, measured[::every], every * period)
+    weighed = _arm_turns(pull[measured])
+    terms = _terms(pull[::stride], weighed, reading.shape[1])
+    record = SensorReadings(reading[::stride], terms, measured[::stride], stride * period)
     # candidates from quiet stretches
     middle, means, noise = quiet_stretches(reading, period, repeats)
     together = STRETCHES_PER_CANDIDATE if weighed else 1
-    tried = candidates(_terms(pull[middle], weighed, reading.shape[1]), means, repeats, together)
+    offsets = candidates(_terms(pull[middle], weighed, reading.shape[1]), means, repeats, together)
     tolerance = CONTACT_DEVIATIONS * np.maximum(noise, repeats)
     # both fits, and the one with which more samples agree
     fits = [
         settle(record, record.measured, least_deviations(record)),
-        *_settled_agreement(record, tried, tolerance),
+        *_settled_agreement(record, offsets, tolerance),
     ]
     agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
     parameters, free, noise = fits[agree.sum(axis=1).argmax()]
     tolerance = np.maximum(tolerance, CONTACT_DEVIATIONS * noise)
     # who agrees with it, and who of the others with one of the candidates
-    agree = record.agreement(np.concatenate([parameters[None], tried]), tolerance)
+    agree = record.agreement(np.concatenate([parameters[None], offsets]), tolerance)
     rival = (agree & ~agree[0]).mean(axis=1).max()
     offset = _offset(record, parameters, free, float(agree[0].mean()), float(rival))
-    if every > 1:  # free samples of the whole record
+    if stride > 1:  # free samples of the whole record
         untouched = offset.reading(pull)[:, : reading.shape[1]]
-        found = free_samples(reading - untouched, noise, measured, period)
-        offset = replace(offset, free=found)
+        free_of_all = free_samples(reading - untouched, noise, measured, period)
+        offset = replace(offset, free=free_of_all)
     return offset
 
 
-def offset_doubt(offset: SensorOffset, each: float = 1.0) -> Remark | None:
+def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
     """Return why the bias is doubtful and may be a push; None if most samples agree with it.
 
-    each: samples (N,) of the offset for each of the sensor's own, more than one of a slow sensor.
+    repeats: samples (N,) of the offset for each of the sensor's own, more than one of a slow
+    sensor.
     """
-    agreeing, rival, free = offset.agreeing, offset.rival, round(offset.free.sum() / each)
+    agreeing = offset.agreeing
+    rival = offset.rival
+    free = round(offset.free.sum() / repeats)
     if rival > MAX_RIVAL_SHARE * agreeing:
         return remark("two biases", share=agreeing, other=rival)
     if agreeing < MIN_AGREEING_SHARE:
@@ -141,16 +144,16 @@ def offset_doubt(offset: SensorOffset, each: float = 1.0) -> Remark | None:
     return remark("few free samples", count=free) if free < MIN_FREE_SAMPLES else None
 
 
-def _settled_agreement(record: SensorReadings, tried: Array, tolerance: Array) -> Iterator[Fit]:
+def _settled_agreement(record: SensorReadings, offsets: Array, tolerance: Array) -> Iterator[Fit]:
     """Yield the fit that starts from the samples that agree with the best candidate of (K, 10)."""
-    if len(tried):
-        best = record.agreement(tried, tolerance).sum(axis=1).argmax()
-        free = agreement(tried[[best]], record.terms, record.reading, tolerance)[0]
+    if len(offsets):
+        best = record.agreement(offsets, tolerance).sum(axis=1).argmax()
+        free = agreement(offsets[[best]], record.terms, record.reading, tolerance)[0]
         if free.any():
             yield settle(record, free, np.ones(len(free)))
 
 
-def _turns(pull: Array) -> bool:
+def _arm_turns(pull: Array) -> bool:
     """Return whether the arm turns enough to separate weight from bias."""
     if not len(pull):
         return False
@@ -179,8 +182,10 @@ def _offset(
     residual = record.reading[free] - record.terms[free] @ parameters
     noise = residual.std(axis=0)
     deviation = np.sqrt(np.diag(covariance(terms, residual, noise)).clip(0))
-    told = record.terms.any(axis=(0, 1))  # not by a sensor without moments, or an arm that rests
-    value, std = (np.where(told, x, np.nan) for x in (parameters, deviation))
+    observable = record.terms.any(
+        axis=(0, 1)
+    )  # not by a sensor without moments, or an arm that rests
+    value, std = (np.where(observable, x, np.nan) for x in (parameters, deviation))
     return SensorOffset(
         bias=value[4:],
         bias_std=std[4:],
@@ -213,7 +218,7 @@ def bias(reading: Array, time: Array, window: float) -> Array:
     reading: (N, 6), sensor frame; time: (N,) [s]. Returns (6,) [N, Nm]: the sensor's bias and, at
     this orientation, the weight of its tool.
     """
-    measured = finite_rows(reading[:, sensed(reading)])
+    measured = finite_rows(reading[:, measured_columns(reading)])
     first = time[measured].min()
     return reading[measured & (time <= first + window)].mean(axis=0)
 
@@ -235,11 +240,11 @@ def opposite_axes(sensor: Array, estimate: Array, rotation: Array) -> list[str]:
     sensor, estimate: forces on the arm, (N, 3) [N], base axes; rotation: R_6, (N, 3, 3). Axes
     with hardly any force are not judged.
     """
-    both = finite_rows(sensor) & finite_rows(estimate)
-    if not both.any():
+    finite = finite_rows(sensor) & finite_rows(estimate)
+    if not finite.any():
         return []
     read, estimated = (
-        np.einsum("nji,nj->ni", rotation[both], force[both]) for force in (sensor, estimate)
+        np.einsum("nji,nj->ni", rotation[finite], force[finite]) for force in (sensor, estimate)
     )
     power, estimated_power = (read**2).mean(axis=0), (estimated**2).mean(axis=0)
     acts = (power > MIN_AXIS_RMS**2) & (power > MIN_AXIS_POWER_SHARE * power.sum())

@@ -51,13 +51,13 @@ SPAN_AFTER_CONTACT = np.array([0.25, 1.25])  # s, from its end
 
 
 def slow_covariance(
-    terms: Array, residual: Array, time: Array, weight: float, known: Array
+    terms: Array, residual: Array, time: Array, weight: float, prior_precision: Array
 ) -> Array:
     """Return the covariance (P, P) of θ = (w XᵀX + K)⁻¹ w Xᵀ y, whose errors may be slow.
 
     terms: X (N, P) of one component; residual: (N,), y - X θ; time: (N,) [s], increasing; weight:
-    w; known: K, inverse variances (P,) of a prior about zero. With blocks of n samples, H = n w XᵀX
-    + K and V the covariance of block means, it is H⁻¹ (n w)² Xᵀ V X H⁻¹ + H⁻¹ K H⁻¹.
+    w; prior_precision: K, inverse variances (P,) of a prior about zero. With blocks of n samples, H
+    = n w XᵀX + K and V the covariance of block means, it is H⁻¹ (n w)² Xᵀ V X H⁻¹ + H⁻¹ K H⁻¹.
     """
     share = (time - time[0]) / np.ptp(time)
     number = np.minimum(np.floor(ERROR_BLOCKS * share), ERROR_BLOCKS - 1)
@@ -65,14 +65,14 @@ def slow_covariance(
     means = np.zeros((len(block), terms.shape[1] + 1))
     np.add.at(means, place, np.column_stack([terms, residual]))
     means /= count[:, None]
-    X, left, scale = means[:, :-1], means[:, -1], count * weight
-    inverse = np.linalg.pinv((X.T * scale) @ X + np.diag(known), hermitian=True)
+    X, block_residual, scale = means[:, :-1], means[:, -1], count * weight
+    inverse = np.linalg.pinv((X.T * scale) @ X + np.diag(prior_precision), hermitian=True)
     gain = inverse @ (X.T * scale)
-    V = _expected(X, left, block)
-    return np.asarray(gain @ V @ gain.T + inverse @ np.diag(known) @ inverse)
+    V = _block_covariance(X, block_residual, block)
+    return np.asarray(gain @ V @ gain.T + inverse @ np.diag(prior_precision) @ inverse)
 
 
-def _expected(X: Array, left: Array, block: Array) -> Array:
+def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
     """Return the covariance (M, M) of block means: the mean over ρ and g, weighted by likelihood.
 
     The likelihood is that of what the regression leaves (restricted, Harville 1974). A variance S/ν
@@ -80,19 +80,19 @@ def _expected(X: Array, left: Array, block: Array) -> Array:
     """
     vectors, values, _ = np.linalg.svd(X)
     rank = int((values > RANK_TOLERANCE * values[0]).sum())
-    other = vectors[:, rank:]  # what X does not explain
-    freedom = other.shape[1]
-    seen, apart = other.T @ left, np.abs(block[:, None] - block)
-    log, found = list[float](), list[Array]()
+    complement = vectors[:, rank:]  # what X does not explain
+    freedom = complement.shape[1]
+    projected, distance = complement.T @ block_residual, np.abs(block[:, None] - block)
+    log_likelihoods, covariances = list[float](), list[Array]()
     for slow in BLOCK_CORRELATIONS:
         for share in SLOW_SHARES:
-            V = share * slow**apart + (1 - share) * np.eye(len(block))
-            within = other.T @ V @ other
-            S = max(float(seen @ np.linalg.solve(within, seen)), np.finfo(float).tiny)
-            log.append(-np.linalg.slogdet(within)[1] / 2 - freedom / 2 * np.log(S))
-            found.append(V * S / max(freedom - 2, 1))
-    odds = np.exp(np.array(log) - max(log))
-    return np.asarray(np.tensordot(odds / odds.sum(), np.stack(found), axes=1))
+            V = share * slow**distance + (1 - share) * np.eye(len(block))
+            within = complement.T @ V @ complement
+            S = max(float(projected @ np.linalg.solve(within, projected)), np.finfo(float).tiny)
+            log_likelihoods.append(-np.linalg.slogdet(within)[1] / 2 - freedom / 2 * np.log(S))
+            covariances.append(V * S / max(freedom - 2, 1))
+    odds = np.exp(np.array(log_likelihoods) - max(log_likelihoods))
+    return np.asarray(np.tensordot(odds / odds.sum(), np.stack(covariances), axes=1))
 
 
 @dataclass(frozen=True)
@@ -144,38 +144,46 @@ def fit_free_reading(
     and spin: α (N, 3) [rad/s²], axes of frame 6; time: (N,) [s]; period: [s]; tool: as declared.
     Least squares under a wide prior: what the motion does not determine stays undetermined.
     """
-    every = slice(None, None, max(1, -(-len(reading) // MAX_AUDIT_SAMPLES)))
+    stride = slice(None, None, max(1, -(-len(reading) // MAX_AUDIT_SAMPLES)))
     measured = finite_rows(reading) & finite_rows(pull)
     middle = np.median(reading[measured], axis=0)  # of a sensor that was never zeroed
     minutes = (time - time[0]) / SECONDS_PER_MINUTE
-    terms = _terms(pull[every], spin[every], minutes[every])
+    terms = _terms(pull[stride], spin[stride], minutes[stride])
     expected, spread = _expectation(tool)
-    known = 1 / spread**2
-    unexpected = reading[every] - middle - terms @ expected
-    thin = SensorReadings(unexpected, terms, measured[every], every.step * period, known)
-    found, free, _ = settle(thin, thin.measured, least_deviations(thin))
-    left = (unexpected - terms @ found)[free]
-    response, bias, drift, inertia = np.split(expected + found, [18, 24, 30])
+    prior_precision = 1 / spread**2
+    unexpected = reading[stride] - middle - terms @ expected
+    thin = SensorReadings(
+        unexpected, terms, measured[stride], stride.step * period, prior_precision
+    )
+    correction, free, _ = settle(thin, thin.measured, least_deviations(thin))
+    free_residual = (unexpected - terms @ correction)[free]
+    response, bias, drift, inertia = np.split(expected + correction, [18, 24, 30])
     residual = reading - middle - bias - pull @ response.reshape(6, 3).T - np.outer(minutes, drift)
     residual[:, 3:] -= spin @ inertia.reshape(3, 3).T
     return FreeReading(
         response=response.reshape(6, 3),
         bias=middle + bias,
         drift=drift,
-        covariance=_covariance(terms[free], left, time[every][free], known)[:30, :30],
+        covariance=_covariance(terms[free], free_residual, time[stride][free], prior_precision)[
+            :30, :30
+        ],
         residual=residual,
         seconds=float(free.sum() * thin.period),
     )
 
 
-def _covariance(terms: Array, left: Array, time: Array, known: Array) -> Array:
+def _covariance(terms: Array, residual: Array, time: Array, prior_precision: Array) -> Array:
     """Return the covariance (39, 39) of the parameters; no two components share one of them."""
-    found = np.zeros((39, 39))
+    whole = np.zeros((39, 39))
     for component, repeats in enumerate(REPEATABILITY):
-        own = np.flatnonzero(np.abs(_terms(UNIT_PULL, UNIT_PULL, UNIT_PULL[:, 0]))[0, component])
-        part = terms[:, component][:, own], left[:, component], time
-        found[np.ix_(own, own)] = slow_covariance(*part, repeats**-2, known[own])
-    return found
+        columns = np.flatnonzero(
+            np.abs(_terms(UNIT_PULL, UNIT_PULL, UNIT_PULL[:, 0]))[0, component]
+        )
+        part = terms[:, component][:, columns], residual[:, component], time
+        whole[np.ix_(columns, columns)] = slow_covariance(
+            *part, repeats**-2, prior_precision[columns]
+        )
+    return whole
 
 
 def _expectation(tool: Payload | None) -> tuple[Array, Array]:
@@ -228,13 +236,13 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
     def misfit(moved: Array) -> Array:
         parameters = start.copy()
         parameters[free] += moved * width[free]
-        apart = whiten @ (response_of(parameters) - reading.response).ravel()
-        return np.concatenate([apart, moved])
+        difference = whiten @ (response_of(parameters) - reading.response).ravel()
+        return np.concatenate([difference, moved])
 
-    found = least_squares(misfit, np.zeros(free.sum()))
+    solution = least_squares(misfit, np.zeros(free.sum()))
     std = np.zeros(10)
-    std[free] = width[free] * np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
-    start[free] += width[free] * found.x
+    std[free] = width[free] * np.sqrt(np.diag(np.linalg.inv(solution.jac.T @ solution.jac)))
+    start[free] += width[free] * solution.x
     turn, scale, (mass,), moment = np.split(start, [3, 6, 7])
     turn_std, scale_std, (mass_std,), moment_std = np.split(std, [3, 6, 7])
     center = moment / mass if mass else np.full(3, np.nan)
@@ -260,16 +268,16 @@ def shifts_after_contacts(reading: FreeReading, time: Array) -> Array:
     """
     force = np.linalg.norm(reading.residual[:, :3], axis=1)
     touched = np.zeros(len(force), dtype=bool)
-    for first, last in (found := contacts(force)):
+    for first, last in (spans := contacts(force)):
         touched[first:last] = True
     free = np.where(touched[:, None], np.nan, reading.residual)
     shifts = [
         _mean_in(free, time, time[last - 1] + SPAN_AFTER_CONTACT)
         - _mean_in(free, time, time[first] + SPAN_BEFORE_CONTACT)
-        for first, last in found
+        for first, last in spans
     ]
-    known = np.array(shifts).reshape(-1, 6)
-    return known[np.isfinite(known).all(axis=1)]
+    complete_shifts = np.array(shifts).reshape(-1, 6)
+    return complete_shifts[np.isfinite(complete_shifts).all(axis=1)]
 
 
 def _mean_in(values: Array, time: Array, span: Array) -> Array:

@@ -6,7 +6,14 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, Span, alarms, overlap, pushes
+from ur5lib.force.detection import (
+    PAUSE_DURATION,
+    PUSH_DURATION,
+    Span,
+    alarms,
+    overlap,
+    trial_pushes,
+)
 from ur5lib.force.external_torque import JointState, States
 from ur5lib.force.force_input import Gears
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -30,7 +37,7 @@ class Trials:
     def joined(cls, parts: list[Self]) -> Self:
         """Return the trials of several recordings."""
         names = ("force", "axis", "speed", "found")
-        return cls(*(np.concatenate([getattr(own, name) for own in parts]) for name in names))
+        return cls(*(np.concatenate([getattr(trials, name) for trials in parts]) for name in names))
 
     def within(self, low: float, high: float) -> "Trials":
         """Return the trials at speeds from `low` to below `high` [m/s]."""
@@ -40,8 +47,8 @@ class Trials:
         """Return the trials along one axis."""
         return self._where(self.axis == axis)
 
-    def _where(self, chosen: Mask) -> "Trials":
-        return Trials(self.force[chosen], self.axis[chosen], self.speed[chosen], self.found[chosen])
+    def _where(self, rows: Mask) -> "Trials":
+        return Trials(self.force[rows], self.axis[rows], self.speed[rows], self.found[rows])
 
 
 def felt_push(
@@ -79,7 +86,7 @@ def try_each_place(
     (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: alarms of the recording itself,
     during which no push is tried; random: deals out peaks and axes.
     """
-    profile, places = pushes(len(jacobian), period)
+    profile, places = trial_pushes(len(jacobian), period)
     means = [float(speed[slice(*place)].mean()) for place in places]
     free = [
         (place, mean)
@@ -93,5 +100,5 @@ def try_each_place(
         force[slice(*place), axis] = peak * profile[slice(*place)]
     torque = np.matvec(jacobian[:, :3].mT, force)
     answers = alarms(log_odds_of(torque), threshold) if free else []
-    found = [any(overlap(alarm, place) for alarm in answers) for place, _ in free]
-    return Trials(peaks, axes, np.array([mean for _, mean in free]), np.array(found, bool))
+    detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free]
+    return Trials(peaks, axes, np.array([mean for _, mean in free]), np.array(detected, bool))

@@ -34,10 +34,10 @@ class AtRest:
         if not recordings:
             return None
         torque, current = (
-            np.concatenate([values - values.mean(axis=0) for values in each])
-            for each in zip(*recordings, strict=True)
+            np.concatenate([values - values.mean(axis=0) for values in quantity])
+            for quantity in zip(*recordings, strict=True)
         )
-        sizes = [len(own) for own, _ in recordings]
+        sizes = [len(torques) for torques, _ in recordings]
         return cls(torque, current, np.repeat(np.arange(len(sizes)), sizes))
 
     def stretches(self) -> Labels:

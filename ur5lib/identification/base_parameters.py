@@ -110,14 +110,14 @@ def base_parameters(regressor: Array) -> BaseParameters:
     rows = _triangle(regressor.reshape(-1, regressor.shape[2]))
     tolerance = RANK_TOLERANCE * np.linalg.norm(rows, axis=0).max()
     # a column is kept if it raises the rank
-    kept: list[int] = []
+    independent: list[int] = []
     for column in range(rows.shape[1]):
-        if np.linalg.matrix_rank(rows[:, [*kept, column]], tol=tolerance) > len(kept):
-            kept.append(column)
+        if np.linalg.matrix_rank(rows[:, [*independent, column]], tol=tolerance) > len(independent):
+            independent.append(column)
     # Y = Y_kept groups
-    groups = np.linalg.lstsq(rows[:, kept], rows, rcond=None)[0].astype(np.float64)  # (B, P)
+    groups = np.linalg.lstsq(rows[:, independent], rows, rcond=None)[0].astype(np.float64)  # (B, P)
     groups[np.abs(groups) < RANK_TOLERANCE] = 0.0
-    return BaseParameters(np.array(kept), groups)
+    return BaseParameters(np.array(independent), groups)
 
 
 def parameter_names(count: int) -> list[str]:
@@ -147,9 +147,11 @@ def stack(blocks: Blocks) -> Stack:
         rows = np.concatenate([regressor, torque[..., None]], axis=2)
         rows = rows[np.isfinite(rows).all(axis=(1, 2))]
         if len(rows):
-            own = rows.swapaxes(0, 1)
-            full = np.zeros((len(own), *own.shape[2:] * 2))  # a full factor of short blocks, too
-            factors.append(_triangle(np.concatenate([full, own], axis=1)))
+            by_joint = rows.swapaxes(0, 1)
+            full = np.zeros(
+                (len(by_joint), *by_joint.shape[2:] * 2)
+            )  # a full factor of short blocks, too
+            factors.append(_triangle(np.concatenate([full, by_joint], axis=1)))
             samples.append(len(rows))
         if len(samples) > MAX_BLOCKS:
             i = int(np.argmin(np.add(samples[:-1], samples[1:])))
@@ -165,7 +167,7 @@ def _triangle(rows: Array) -> Array:
     return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
 
 
-def total(data: Stack) -> Array:
+def total_factors(data: Stack) -> Array:
     """Return the triangular factors (n, P + 1, P + 1) of all rows of each joint."""
     rows = data.factors.swapaxes(0, 1)
     return _triangle(rows.reshape(len(rows), -1, rows.shape[-1]))
@@ -180,7 +182,7 @@ def identify(data: Stack, prior: Array, width: Array) -> InertialEstimate:
     """
     if len(data.samples) < 2:
         raise RefusalError("one block")
-    rows, count = total(data), data.samples.sum()
+    rows, count = total_factors(data), data.samples.sum()
     # alternate π and the noise of each joint, n - tr(S Sᵀ Yᵀ Y) / σ² degrees of freedom
     noise = _noise(rows, prior, np.full(len(rows), count))
     for _ in range(10):
@@ -188,7 +190,7 @@ def identify(data: Stack, prior: Array, width: Array) -> InertialEstimate:
         spent = (np.linalg.norm(rows[..., :-1] @ spread, axis=(1, 2)) / noise) ** 2
         noise = _noise(rows, parameters, count - spent)
     parameters, spread = solve(rows, noise, prior, width)
-    scatter = _scatter(data.factors / noise[:, None, None], parameters, spread, width)
+    scatter = _jackknife_changes(data.factors / noise[:, None, None], parameters, spread, width)
     # of n samples rounded by up to half a digit, |Σ g_k ε_k| <= √n |g| TORQUE_DIGIT / 2; this is
     # the standard deviation of an error that is anywhere between these bounds
     _, rounding = solve(rows, np.full(len(rows), np.sqrt(count / 12) * TORQUE_DIGIT), prior, width)
@@ -227,7 +229,7 @@ def _noise(rows: Array, parameters: Array, freedom: Array) -> Array:
     return np.maximum(residual / np.sqrt(np.maximum(freedom, 1.0)), TORQUE_DIGIT)
 
 
-def _scatter(factors: Array, parameters: Array, spread: Array, width: Array) -> Array:
+def _jackknife_changes(factors: Array, parameters: Array, spread: Array, width: Array) -> Array:
     """Return the changes (K, P) of the estimate without each block (jackknife), and the prior's.
 
     With A the rows of a block times S, and e its residuals, the change is S (1 - AᵀA)⁻¹ Aᵀ e.

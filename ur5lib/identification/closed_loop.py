@@ -158,8 +158,8 @@ def _step(position_gain: Array | float, velocity_gain: Array | float, period: fl
     generator[..., 2, 3] = 1 / period
     # exp(G T) gives x[k+1] = A x[k] + C0 u[k] + C1 (u[k+1] - u[k])
     flow = expm(generator * period)
-    given, later = flow[..., :2, 2], flow[..., :2, 3]
-    return _LoopStep(flow[..., :2, :2], given - later, later)
+    response_to_value, response_to_change = flow[..., :2, 2], flow[..., :2, 3]
+    return _LoopStep(flow[..., :2, :2], response_to_value - response_to_change, response_to_change)
 
 
 def _run(step: _LoopStep, drive: Array, start: Array) -> Array:
@@ -278,8 +278,8 @@ def _joints(tracking: Tracking) -> list[_JointLoop]:
         raise ValueError("no two successive samples have both targets and measured motion")
     joints = []
     for joint, acceleration in enumerate(t.target_qdd.T):
-        chosen = _accelerated_most(complete, acceleration, round(MAX_MOTION_DURATION / t.period))
-        stretches = [np.stack([kind[rows, joint] for kind in kinds]) for rows in chosen]
+        parts = _accelerated_most(complete, acceleration, round(MAX_MOTION_DURATION / t.period))
+        stretches = [np.stack([kind[rows, joint] for kind in kinds]) for rows in parts]
         joints.append(_JointLoop(stretches, t.period))
     return joints
 
@@ -333,9 +333,9 @@ def _estimate(joint: _JointLoop) -> JointGains:
     free = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
     least, stiff_cost = 2 * best.cost, _cost(stiff, noise)
     # the best of so many gains fits noise: better by chance than a joint that follows exactly
-    by_chance = least * _rise(1 - (1 - CONFIDENCE_LEVEL) / GRID_NODES**2, free)
+    by_chance = least * _cost_rise(1 - (1 - CONFIDENCE_LEVEL) / GRID_NODES**2, free)
     reference = max(least, stiff_cost) if stiff_cost <= by_chance else least
-    limit = reference * _rise(CONFIDENCE_LEVEL, free)
+    limit = reference * _cost_rise(CONFIDENCE_LEVEL, free)
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
     std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
@@ -346,7 +346,7 @@ def _estimate(joint: _JointLoop) -> JointGains:
     return JointGains(position, velocity, True, noise, least, limit, stiff_cost)
 
 
-def _rise(level: float, free: float) -> float:
+def _cost_rise(level: float, free: float) -> float:
     """Return 1 + 2/(n - 2) F(2, n - 2), the cost at the end of a confidence region by the least."""
     return float(1 + 2 / free * fdtri(2, free, level))
 
@@ -370,7 +370,7 @@ def _profiles(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> l
     costs = squares @ noise**-2.0
 
     def least(axis: int, node: int) -> float:
-        other = grid[:, 1 - axis]
+        other_grid = grid[:, 1 - axis]
         k = int(np.argmin(costs.take(node, axis)))
 
         def cost(value: float) -> float:
@@ -378,7 +378,7 @@ def _profiles(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> l
             gains[1 - axis] = value
             return joint.cost(gains, noise)
 
-        between = other[max(k - 1, 0)], other[min(k + 1, GRID_NODES - 1)]
+        between = other_grid[max(k - 1, 0)], other_grid[min(k + 1, GRID_NODES - 1)]
         options = {"xatol": PROFILE_STEP}
         return minimize_scalar(cost, bounds=between, method="bounded", options=options).fun
 

@@ -45,45 +45,50 @@ def joint_conditions(record: CurrentSamples, smooth: Smooth, fit: CurrentFit) ->
     samples = joint_samples([record], smooth, fit.joints[0].terms)
     noise = _noise(record, smooth)
     return [
-        {**_of_motion(own.where(own.moving), joint), "noise": level}
-        for own, joint, level in zip(samples, fit.joints, noise, strict=True)
+        {**_motion_estimates(each_joint.where(each_joint.moving), joint), "noise": level}
+        for each_joint, joint, level in zip(samples, fit.joints, noise, strict=True)
     ]
 
 
-def _of_motion(moving: JointSamples, joint: JointFit) -> Estimates:
+def _motion_estimates(moving: JointSamples, joint: JointFit) -> Estimates:
     """Return offset, friction and torque constant of samples in motion, with standard errors."""
     torque, free = moving.columns[:, 0], moving.columns[:, [*FITTED_COLUMNS.values()]]
-    left, inverse = moving.current - _held(moving, joint), joint.estimate.coefficients[0]
+    current = moving.current - _held_current_of_fit(moving, joint)
+    inverse = joint.estimate.coefficients[0]
     # offset, Coulomb and viscous friction with the torque constant held: k i = τ + τ_friction - b
-    value, error = _fitted(free, left - torque * inverse, moving)
+    value, error = _fitted_coefficients(free, current - torque * inverse, moving)
     values, errors = np.array([-1.0, 1.0, 1.0]) * value / inverse, error / inverse
-    found = dict(
+    quantities = dict(
         zip(FITTED_COLUMNS, zip(values.tolist(), errors.tolist(), strict=True), strict=True)
     )
     # torque constant with the terms in FITTED_COLUMNS free
-    (value, *_), (error, *_) = _fitted(np.column_stack([torque, free]), left, moving)
+    (value, *_), (error, *_) = _fitted_coefficients(
+        np.column_stack([torque, free]), current, moving
+    )
     determined = value > error / MAX_CONSTANT_ERROR  # not where both are NaN
     constant = (float(1 / value), float(error / value**2)) if determined else UNKNOWN_ESTIMATE
-    return {**found, "torque_constant": constant}
+    return {**quantities, "torque_constant": constant}
 
 
-def _held(samples: JointSamples, joint: JointFit) -> Array:
+def _held_current_of_fit(samples: JointSamples, joint: JointFit) -> Array:
     """Return the current (n,) [A] of the friction terms that are held at the arm's fit."""
-    held = [name not in FITTED_COLUMNS for name in coefficient_names(joint.terms)]
-    current: Array = samples.columns[:, 2:] @ (joint.estimate.coefficients[2:] * held)
+    is_held = [name not in FITTED_COLUMNS for name in coefficient_names(joint.terms)]
+    current: Array = samples.columns[:, 2:] @ (joint.estimate.coefficients[2:] * is_held)
     return current
 
 
-def _fitted(columns: Array, target: Array, samples: JointSamples) -> tuple[Array, Array]:
+def _fitted_coefficients(
+    columns: Array, target: Array, samples: JointSamples
+) -> tuple[Array, Array]:
     """Return coefficients (P,) and their standard errors; NaN where they are not determined."""
     size = columns.shape[1]
     if len(target) < MIN_SAMPLES or np.linalg.matrix_rank(columns) < size:
         return np.full(size, np.nan), np.full(size, np.nan)
     flat = Normal(np.zeros(size), np.zeros((size, size)))
-    found = regress(columns, target, samples.block, flat)
+    regression = regress(columns, target, samples.block, flat)
     # Huber's estimate: its samples count by their weights, their errors are correlated in blocks
-    information = columns.T @ (columns * found.weight[:, None])
-    return found.coefficients, np.sqrt(found.noise * np.diag(np.linalg.inv(information)))
+    information = columns.T @ (columns * regression.weight[:, None])
+    return regression.coefficients, np.sqrt(regression.noise * np.diag(np.linalg.inv(information)))
 
 
 def _noise(record: CurrentSamples, smooth: Smooth) -> list[tuple[float, float]]:

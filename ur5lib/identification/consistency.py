@@ -41,7 +41,7 @@ def smallest_eigenvalues(parameters: Array) -> Array:
     return np.linalg.eigvalsh(pseudo_inertias(parameters))[:, 0].astype(np.float64)
 
 
-def consistent(estimate: InertialEstimate) -> Array:
+def consistent_parameters(estimate: InertialEstimate) -> Array:
     """Return the physically consistent π (P,) nearest to an estimate, in the metric of its errors.
 
     Minimises (π - π̂)ᵀ Σ⁻¹ (π - π̂), the weighted least squares with the prior, subject to

@@ -20,9 +20,9 @@ from ur5lib.identification.currents import (
 )
 from ur5lib.identification.estimation import (
     CoefficientEstimate,
-    beside_fuller,
     estimate_together,
     physical,
+    with_fuller_errors,
 )
 from ur5lib.identification.joint_regression import (
     HELD_FRICTION_SHARE,
@@ -83,16 +83,16 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
     fitted: returns the fit under a prior.
     """
     fit = fitted(prior)
-    lost = np.flatnonzero(too_large(fit, prior)).tolist()
-    if not lost:
+    lost_joints = np.flatnonzero(too_large(fit, prior)).tolist()
+    if not lost_joints:
         return fit
-    alone, known = fit.joints, 1 / prior.inverse_constant.mean
-    fit = fitted(replace(prior, pinned=tuple(lost)))
+    contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
+    fit = fitted(replace(prior, pinned=tuple(lost_joints)))
     joints = list(fit.joints)
-    for joint in lost:
-        coefficients = alone[joint].estimate.coefficients
-        found = {"alone": float(1 / coefficients[0]), "known": float(known[joint])}
-        remarks = *joints[joint].remarks, remark("current against constant", **found)
+    for joint in lost_joints:
+        coefficients = contradicted_joints[joint].estimate.coefficients
+        constants = {"alone": float(1 / coefficients[0]), "known": float(known_constants[joint])}
+        remarks = *joints[joint].remarks, remark("current against constant", **constants)
         joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
     return replace(fit, joints=tuple(joints))
 
@@ -100,28 +100,35 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
     """Return what a prior with typical friction expects of each joint, without any motion."""
     if prior.at_rest is None:
-        return CurrentFit(tuple(map(_without_motion, *_of_prior(prior, seed))), 0)
+        return CurrentFit(tuple(map(_fit_without_motion, *_prior_estimates(prior, seed))), 0)
     estimates, units = estimate_together((), prior, seed)
     doubts = [np.cov(estimate.replicates.T) for estimate in estimates]
-    return CurrentFit(tuple(map(_without_motion, estimates, doubts)), units)
+    return CurrentFit(tuple(map(_fit_without_motion, estimates, doubts)), units)
 
 
-def _of_prior(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate], list[Array]]:
+def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate], list[Array]]:
     """Return a prior as an estimate of each joint, and its covariance (P, P)."""
-    whole = prior.over(BASE_TERMS)
-    covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
-    drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, REPLICATE_COUNT)
-    size = len(whole.mean) // len(prior.torque_max)
+    joint_prior = prior.over(BASE_TERMS)
+    covariance = np.asarray(np.linalg.inv(joint_prior.precision), dtype=np.float64)
+    drawn = np.random.default_rng(seed).multivariate_normal(
+        joint_prior.mean, covariance, REPLICATE_COUNT
+    )
+    size = len(joint_prior.mean) // len(prior.torque_max)
     shares = np.stack([np.ones(size), *np.zeros((3, size))])  # all is from the prior
-    parts = [slice(start, start + size) for start in range(0, len(whole.mean), size)]
+    parts = [slice(start, start + size) for start in range(0, len(joint_prior.mean), size)]
     estimates = [
-        CoefficientEstimate(whole.mean[own], shares, drawn[:, own], spread(physical(drawn[:, own])))
-        for own in parts
+        CoefficientEstimate(
+            joint_prior.mean[columns],
+            shares,
+            drawn[:, columns],
+            spread(physical(drawn[:, columns])),
+        )
+        for columns in parts
     ]
-    return estimates, [covariance[own, own] for own in parts]
+    return estimates, [covariance[columns, columns] for columns in parts]
 
 
-def _without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
+def _fit_without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
     """Return the fit of a joint whose friction is as expected; doubt: (P, P), covariance."""
     coulomb = float(estimate.coefficients[2])
     return JointFit(
@@ -142,21 +149,21 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
     The current then hardly follows the joint's torque. The deviation is that of k, since 1/k
     cannot be far below its known value; one that is less certain than the known k counts as far.
     """
-    inverse, known, std = _beside_known(fit, prior)
-    far = 1 / inverse - 1 / known > CONTRADICTING_DEVIATIONS * std / known**2
-    vague = constants_doubt(fit) / np.abs(inverse) > std / known**2
-    return (inverse <= 0) | ((far | vague) & (inverse < known / CONTRADICTING_RATIO))
+    inverse, known_inverse, std = _inverse_constants(fit, prior)
+    far = 1 / inverse - 1 / known_inverse > CONTRADICTING_DEVIATIONS * std / known_inverse**2
+    vague = constants_doubt(fit) / np.abs(inverse) > std / known_inverse**2
+    return (inverse <= 0) | ((far | vague) & (inverse < known_inverse / CONTRADICTING_RATIO))
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
     """Return which torque constants (6,) are far smaller than known: a unit or arm is wrong."""
-    inverse, known, std = _beside_known(fit, prior)
-    return (inverse - known > CONTRADICTING_DEVIATIONS * std) & (
-        inverse > CONTRADICTING_RATIO * known
+    inverse, known_inverse, std = _inverse_constants(fit, prior)
+    return (inverse - known_inverse > CONTRADICTING_DEVIATIONS * std) & (
+        inverse > CONTRADICTING_RATIO * known_inverse
     )
 
 
-def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
+def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
     """Return 1/k (6,) [A/Nm] as fitted, as known, and the standard deviation of the latter."""
     return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
@@ -166,11 +173,11 @@ def _fit_with(
 ) -> CurrentFit:
     """Return the fit under a prior as it is."""
     fuller = joint_samples(records, smooth, (*FITTED_TERMS, *CONSIDERED_TERMS))
-    samples = [own.without(CONSIDERED_TERMS) for own in fuller]
+    samples = [fuller_joint.without(CONSIDERED_TERMS) for fuller_joint in fuller]
     estimates, units = estimate_together(samples, prior, seed)
-    estimates = [*map(beside_fuller, estimates, estimate_together(fuller, prior, seed)[0])]
-    alone = [prior.of_joint(joint) for joint in range(len(samples))]
-    joints = tuple(map(_joint_fit, samples, alone, estimates))
+    estimates = [*map(with_fuller_errors, estimates, estimate_together(fuller, prior, seed)[0])]
+    joint_priors = [prior.of_joint(joint) for joint in range(len(samples))]
+    joints = tuple(map(_joint_fit, samples, joint_priors, estimates))
     return CurrentFit(joints, units)
 
 
@@ -186,15 +193,15 @@ def fit_without_each_path(
     path, day = record_paths(records), record_days(records)
     if path.max(initial=0) == 0:
         return []
-    judged: dict[tuple[int, ...], list[str]] = {}  # by the recordings to fit
+    names_by_fit: dict[tuple[int, ...], list[str]] = {}  # by the recordings to fit
     for fold in range(min(MAX_FOLDS, path.max() + 1)):
         out = path % MAX_FOLDS == fold
-        kept = tuple(np.flatnonzero(apart_from(out, path, day)).tolist())
+        fitted_places = tuple(np.flatnonzero(apart_from(out, path, day)).tolist())
         names = [records[place].name for place in np.flatnonzero(out).tolist()]
-        judged.setdefault(kept, []).extend(names)
+        names_by_fit.setdefault(fitted_places, []).extend(names)
     return [
-        (names, fit_currents([records[place] for place in kept], smooth, prior))
-        for kept, names in judged.items()
+        (names, fit_currents([records[place] for place in fitted_places], smooth, prior))
+        for fitted_places, names in names_by_fit.items()
     ]
 
 
@@ -240,8 +247,11 @@ def _remarks(
     if moved < MIN_UNITS:
         code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
         remarks.append(remark(code, paths=moved))
-    inverse, known = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
-    away = abs(inverse - known) / float(prior.std()[0])
-    if away > DOUBTFUL_DEVIATIONS and not known / DOUBTFUL_RATIO < inverse < known * DOUBTFUL_RATIO:
-        remarks.append(remark("unlikely constant", deviations=away))
+    inverse, known_inverse = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
+    deviations = abs(inverse - known_inverse) / float(prior.std()[0])
+    if (
+        deviations > DOUBTFUL_DEVIATIONS
+        and not known_inverse / DOUBTFUL_RATIO < inverse < known_inverse * DOUBTFUL_RATIO
+    ):
+        remarks.append(remark("unlikely constant", deviations=deviations))
     return tuple(remarks)

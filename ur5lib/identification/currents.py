@@ -130,7 +130,7 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 
 def predict(fit: CurrentFit, record: CurrentSamples) -> Array:
     """Predict the current (N, 6) [A] of a motion without contact; ignores the record's current."""
-    return predicted(fit, motions(record))
+    return predicted_currents(fit, motions(record))
 
 
 def motions(record: CurrentSamples) -> Iterator[JointMotion]:
@@ -138,13 +138,13 @@ def motions(record: CurrentSamples) -> Iterator[JointMotion]:
     yield from map(record.joint, range(record.q.shape[1]))
 
 
-def predicted(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
+def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
     """Predict the currents (N, n) [A] of n joints' motion without contact."""
     currents = [
         columns @ (model.estimate.coefficients if model.alone is None else model.alone)
-        + model.held * held
+        + model.held * held_direction
         for model, motion in zip(fit.joints, joints, strict=True)
-        for columns, held in [columns_of(motion, model.terms)]
+        for columns, held_direction in [columns_of(motion, model.terms)]
     ]
     return np.stack(currents, axis=1)
 
@@ -214,10 +214,10 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
         half = half_width(estimate.std_error, fit.units, estimate.prior_share)
         half = np.hypot(half, NORMAL95 * model.unseen)
         columns = (values, model.std_error(), values - half, values + half, *estimate.shares)
-        for name, *own in zip(model.names(), *columns, strict=True):
-            value, error, low, high, prior, arm, day, run = own
+        for name, *numbers in zip(model.names(), *columns, strict=True):
+            value, error, low, high, prior, arm, day, run = numbers
             # of a torque constant, the sign must be determined, too
-            known = bool(prior < MAX_PRIOR_SHARE and (name != "torque_constant" or low > 0))
+            is_determined = bool(prior < MAX_PRIOR_SHARE and (name != "torque_constant" or low > 0))
             shares = prior, arm, day, run
-            rows.append(Parameter(joint, name, value, error, (low, high), *shares, known))
+            rows.append(Parameter(joint, name, value, error, (low, high), *shares, is_determined))
     return rows

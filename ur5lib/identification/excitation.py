@@ -15,7 +15,7 @@ from ur5lib.identification.base_parameters import (
     Stack,
     prior_share,
     solve,
-    total,
+    total_factors,
 )
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -75,7 +75,7 @@ def check_excitation(
     `candidate_motions`. A parameter counts as determined if less than a hundredth of its variance
     comes from the prior. A fit may determine less, because its errors are correlated.
     """
-    rows = total(data)
+    rows = total_factors(data)
     before = ~_determined(rows, base, width, noise)
     after = {
         motion: _determined(np.concatenate([rows, _rows(regressor)], axis=1), base, width, noise)
@@ -125,22 +125,22 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
 
 def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> Iterator[Remark]:
     """Yield the motion that determines most of the unknown, then the next one."""
-    left = unknown
-    while left.any():
-        motion = max(after, key=lambda name: int(np.sum(left & after[name])))
-        gained = left & after[motion]
+    undetermined = unknown
+    while undetermined.any():
+        motion = max(after, key=lambda name: int(np.sum(undetermined & after[name])))
+        gained = undetermined & after[motion]
         if not gained.any():
-            yield remark("no motion determines", parameters=_by_owner(base, left))
+            yield remark("no motion determines", parameters=_by_owner(base, undetermined))
             return
-        found = {"motion": motion, "parameters": _by_owner(base, gained)}
-        yield remark("motion determines", **found)
-        left = left & ~gained
+        finding = {"motion": motion, "parameters": _by_owner(base, gained)}
+        yield remark("motion determines", **finding)
+        undetermined = undetermined & ~gained
 
 
-def _by_owner(base: BaseParameters, chosen: Mask) -> list[Remark]:
+def _by_owner(base: BaseParameters, members: Mask) -> list[Remark]:
     """Return the chosen base parameters (B,), grouped by link or joint."""
     owners: dict[str, list[str]] = defaultdict(list)
-    for column in base.columns[chosen]:
+    for column in base.columns[members]:
         name, owner = base.parameters[column].split(" of ")
         owners[owner].append(name)
     return [remark("parameters of", names=names, owner=owner) for owner, names in owners.items()]

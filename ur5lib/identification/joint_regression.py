@@ -18,21 +18,21 @@ def left_out_residuals(samples: JointSamples, prior: Prior) -> Array:
     """
     residual = np.full(len(samples.current), np.nan)
     present = np.unique(samples.path)
-    for one in present:
-        test = samples.path == one
+    for left_out in present:
+        test = samples.path == left_out
         others = samples.where(apart_from(test, samples.path, samples.day) | (len(present) == 1))
-        here = samples.where(test)
+        tested = samples.where(test)
         coefficients = regress_samples(others, prior).coefficients
         held = held_current(others, coefficients)
-        residual[test] = here.current - here.columns @ coefficients - held * here.held
+        residual[test] = tested.current - tested.columns @ coefficients - held * tested.held
     return residual
 
 
 def regress_samples(samples: JointSamples, prior: Prior) -> Regression:
     """Fit torque, offset and friction to the samples in motion."""
     moving = samples.where(samples.moving)
-    known = prior.over(samples.terms), float(prior.noise()[0])
-    return regress(moving.columns, moving.current, moving.block, *known)
+    prior_and_noise = prior.over(samples.terms), float(prior.noise()[0])
+    return regress(moving.columns, moving.current, moving.block, *prior_and_noise)
 
 
 def held_current(samples: JointSamples, coefficients: Array) -> float:
@@ -42,12 +42,14 @@ def held_current(samples: JointSamples, coefficients: Array) -> float:
     to stop, and one hardly shows s: HELD_FRICTION_SHARE of Coulomb friction counts as one more, of
     mean length.
     """
-    rest, stop = samples.where(~samples.moving), samples.stop[~samples.moving]
-    residual = rest.current - rest.columns @ coefficients
-    known = len(stop) / max(1, len(np.unique(stop)))
+    resting, stop = samples.where(~samples.moving), samples.stop[~samples.moving]
+    residual = resting.current - resting.columns @ coefficients
+    stop_weight = len(stop) / max(1, len(np.unique(stop)))
     usual = slope = HELD_FRICTION_SHARE * max(0.0, float(coefficients[2]))
-    for _ in range(REWEIGHTING_ROUNDS if rest.held.any() else 0):
+    for _ in range(REWEIGHTING_ROUNDS if resting.held.any() else 0):
         # s = (Σ w h r + n s₀) / (Σ w h² + n)
-        weight = huber_weight(residual - slope * rest.held) * rest.held
-        slope = float((weight @ residual + known * usual) / (weight @ rest.held + known))
+        weight = huber_weight(residual - slope * resting.held) * resting.held
+        slope = float(
+            (weight @ residual + stop_weight * usual) / (weight @ resting.held + stop_weight)
+        )
     return slope

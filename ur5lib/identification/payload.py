@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.special import stdtrit
 
-from ur5lib.identification.currents import CurrentFit, motions, predicted, torque_constants
+from ur5lib.identification.currents import CurrentFit, motions, predicted_currents, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
 from ur5lib.identification.samples import (
     INDEPENDENT_STEP,
@@ -114,8 +114,10 @@ def judged_load(
     fit on, whose payload is taken as it was given.
     """
     spread = np.zeros(4)
-    if known := [(own.parameters, own.std_error) for own in unloaded if own.is_known]:
-        values, errors = np.stack(known, axis=1)
+    if estimates := [
+        (estimate.parameters, estimate.std_error) for estimate in unloaded if estimate.is_known
+    ]:
+        values, errors = np.stack(estimates, axis=1)
         spread = run_to_run(values, errors, paths)
     load = judge(payload, float(spread[0]))
     center = center_std = np.full(3, np.nan)
@@ -140,11 +142,13 @@ def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
     alike; count: number of independent values among the samples. The torque constants of joints
     that carry little are not well known. Least squares with a prior of 0 ± UNSCALED_TORQUE_ERROR.
     """
-    known = np.isfinite(external_torque + load).all(axis=1)
-    external_torque, load = external_torque[known], load[known]
-    noise = external_torque.var(axis=0) if known.any() else np.ones(load.shape[1])
-    held = noise / UNSCALED_TORQUE_ERROR**2 * len(load) / max(1, count)
-    return np.asarray((external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + held + 1e-12))
+    finite = np.isfinite(external_torque + load).all(axis=1)
+    external_torque, load = external_torque[finite], load[finite]
+    noise = external_torque.var(axis=0) if finite.any() else np.ones(load.shape[1])
+    prior_weight = noise / UNSCALED_TORQUE_ERROR**2 * len(load) / max(1, count)
+    return np.asarray(
+        (external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + prior_weight + 1e-12)
+    )
 
 
 def estimate_payload(
@@ -156,79 +160,88 @@ def estimate_payload(
     mass comes first. Only joints in motion count: at rest, friction hides a load.
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
-    every = max(1, round(INDEPENDENT_STEP / record.period))
+    stride = max(1, round(INDEPENDENT_STEP / record.period))
     scale = torque_constants(fit) * [joint.band_moving or np.nan for joint in fit.joints]
-    parts = [smooth(column, record)[::every] for column in np.moveaxis(regressor, 2, 0)]
+    parts = [smooth(column, record)[::stride] for column in np.moveaxis(regressor, 2, 0)]
     explained = np.stack(parts, axis=2)
-    moving = smoothed_moving(record, smooth)[::every]
+    moving = smoothed_moving(record, smooth)[::stride]
     rows = moving & np.isfinite(explained).all(axis=2) & np.isfinite(scale)
-    block = np.repeat(blocks(record)[::every, None], rows.shape[1], axis=1)[rows]
+    block = np.repeat(blocks(record)[::stride, None], rows.shape[1], axis=1)[rows]
     columns = (explained / scale[:, None])[rows]
-    axes, along = _axes(columns)
+    axes, along = _principal_axes(columns)
     unloaded = [*motions(record)]
 
-    def solve(maps: Maps, left: Array, start: Array, count: Labels, known: Array) -> Array:
+    def solve(
+        maps: Maps, unexplained: Array, start: Array, count: Labels, prior_mean: Array
+    ) -> Array:
         constants = 1 / np.array([coefficients[0] for coefficients in maps])
-        torque = (left * constants / scale)[rows] + columns @ start
-        return np.asarray(axes.T @ _solution(along, torque, block, count, axes @ known))
+        torque = (unexplained * constants / scale)[rows] + columns @ start
+        return np.asarray(axes.T @ _huber_solution(along, torque, block, count, axes @ prior_mean))
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
-    nothing = np.zeros(regressor.shape[2])
+    no_load = np.zeros(regressor.shape[2])
     fitted = [joint.estimate.coefficients for joint in fit.joints]
     # alternate payload and friction
-    solution = nothing
+    solution = no_load
     for _ in range(FRICTION_ROUNDS):
-        loaded = _under(unloaded, record.torque + regressor @ solution)
-        left = smooth(record.current - predicted(fit, loaded), record)[::every]
-        solution = solve(fitted, left, solution, once, nothing)
+        loaded = _motions_under(unloaded, record.torque + regressor @ solution)
+        remaining_current = smooth(record.current - predicted_currents(fit, loaded), record)[
+            ::stride
+        ]
+        solution = solve(fitted, remaining_current, solution, once, no_load)
     # from here on, friction is that under this load: replicates only weight its columns anew
-    loaded = _under(unloaded, record.torque + regressor @ solution)
-    sources = _low_passed(fit, loaded, record, smooth)
+    loaded = _motions_under(unloaded, record.torque + regressor @ solution)
+    sources = _low_passed_columns(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
     for _ in range(PAYLOAD_DRAWS):
         draw = generator.integers(len(fit.joints[0].estimate.replicates))  # alike for all joints
         drawn = [joint.estimate.replicates[draw] for joint in fit.joints]
         count = generator.multinomial(len(once), once / len(once))
-        known = generator.normal(nothing, PAYLOAD_PRIOR_STD)
-        draws.append(solve(drawn, _unexplained(fit, drawn, sources), solution, count, known))
-    left, chosen = _unexplained(fit, fitted, sources), np.array_split(np.unique(block), RUN_PARTS)
-    counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in chosen]
-    parts = [solve(fitted, left, solution, count, nothing)[0] for count in counts]
+        drawn_mean = generator.normal(no_load, PAYLOAD_PRIOR_STD)
+        draws.append(
+            solve(drawn, _unexplained_current(fit, drawn, sources), solution, count, drawn_mean)
+        )
+    remaining_current = _unexplained_current(fit, fitted, sources)
+    block_parts = np.array_split(np.unique(block), RUN_PARTS)
+    counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in block_parts]
+    parts = [solve(fitted, remaining_current, solution, count, no_load)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 
-def _under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion]:
+def _motions_under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion]:
     """Yield the joints' motions under another torque (N, n) [Nm]."""
-    for motion, own in zip(joints, torque.T, strict=True):
-        yield replace(motion, torque=own)
+    for motion, joint_torque in zip(joints, torque.T, strict=True):
+        yield replace(motion, torque=joint_torque)
 
 
-def _low_passed(
+def _low_passed_columns(
     fit: CurrentFit, joints: Iterable[JointMotion], record: CurrentSamples, smooth: Smooth
 ) -> list[Array]:
     """Return columns, held and current (n, P + 2) of each joint, low-passed and thinned.
 
     They are NaN, and break the low-pass, where those of any joint are.
     """
-    every, moved = max(1, round(INDEPENDENT_STEP / record.period)), [*joints]
-    known = np.isfinite(record.current - predicted(fit, moved)).all(axis=1)
+    stride, moves = max(1, round(INDEPENDENT_STEP / record.period)), [*joints]
+    finite = np.isfinite(record.current - predicted_currents(fit, moves)).all(axis=1)
     sources = []
-    for motion, model, current in zip(moved, fit.joints, record.current.T, strict=True):
-        own = np.column_stack([*columns_of(motion, model.terms), current])
-        own[~known] = np.nan
-        sources.append(smooth(own, record)[::every].copy())
+    for motion, model, current in zip(moves, fit.joints, record.current.T, strict=True):
+        columns = np.column_stack([*columns_of(motion, model.terms), current])
+        columns[~finite] = np.nan
+        sources.append(smooth(columns, record)[::stride].copy())
     return sources
 
 
-def _unexplained(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) -> Array:
-    """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed`."""
-    each = zip(sources, maps, fit.joints, strict=True)
-    left = [own @ [*-coefficients, -model.held, 1.0] for own, coefficients, model in each]
-    return np.stack(left, axis=1)
+def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) -> Array:
+    """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed_columns`."""
+    joints = zip(sources, maps, fit.joints, strict=True)
+    currents = [
+        columns @ [*-coefficients, -model.held, 1.0] for columns, coefficients, model in joints
+    ]
+    return np.stack(currents, axis=1)
 
 
-def _axes(columns: Array) -> tuple[Array, Array]:
+def _principal_axes(columns: Array) -> tuple[Array, Array]:
     """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (n, P) along
     them, zero for an axis that the data do not tell, as of an arm that moves in a plane.
 
@@ -241,8 +254,10 @@ def _axes(columns: Array) -> tuple[Array, Array]:
     return axes, columns @ np.where(length > AXIS_TOLERANCE * length[0], axes.T, 0.0)
 
 
-def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
-    """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean."""
+def _huber_solution(
+    columns: Array, torque: Array, block: Labels, count: Labels, prior_mean: Array
+) -> Array:
+    """Return Huber's estimate from the blocks drawn, by their counts, with a prior's mean (P,)."""
     repeated = np.repeat(np.arange(len(block)), count[block])
-    wide = Normal(known, np.eye(columns.shape[1]) / PAYLOAD_PRIOR_STD**2)
+    wide = Normal(prior_mean, np.eye(columns.shape[1]) / PAYLOAD_PRIOR_STD**2)
     return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients

@@ -43,12 +43,12 @@ def typical_friction(torque_max: Array) -> dict[str, Typical]:
     """Return Coulomb [Nm], viscous [Nm s/rad] and load friction, and the offset [Nm], of motors
     with these largest torques (n,) [Nm].
     """
-    sized, one = torque_max, np.ones_like(torque_max)
+    largest, ones = torque_max, np.ones_like(torque_max)
     return {
-        "coulomb": Typical(*(share * sized for share in COULOMB_PRIOR)),
-        "viscous": Typical(*(share * sized for share in VISCOUS_PRIOR)),
-        "load": Typical(*(share * one for share in LOAD_PRIOR)),
-        "offset": Typical(0.0 * sized, OFFSET_STD_SHARE * sized),
+        "coulomb": Typical(*(share * largest for share in COULOMB_PRIOR)),
+        "viscous": Typical(*(share * largest for share in VISCOUS_PRIOR)),
+        "load": Typical(*(share * ones for share in LOAD_PRIOR)),
+        "offset": Typical(0.0 * largest, OFFSET_STD_SHARE * largest),
     }
 
 
@@ -85,12 +85,13 @@ class Prior:
 
     def of_joint(self, joint: int) -> "Prior":
         """Return the prior of one joint, from 0, regardless of the others."""
-        own = slice(joint, joint + 1)
-        inverse = Normal(self.inverse_constant.mean[own], np.diag(self.std()[own] ** -2.0))
+        rows = slice(joint, joint + 1)
+        inverse = Normal(self.inverse_constant.mean[rows], np.diag(self.std()[rows] ** -2.0))
         typical = {
-            name: Typical(known.mean[own], known.std[own]) for name, known in self.typical.items()
+            name: Typical(coefficient.mean[rows], coefficient.std[rows])
+            for name, coefficient in self.typical.items()
         }
-        return Prior(inverse, self.torque_max[own], typical=typical)
+        return Prior(inverse, self.torque_max[rows], typical=typical)
 
     def over(self, terms: Sequence[str] = FITTED_TERMS) -> Normal:
         """Return the prior of all joints' coefficients.
@@ -108,14 +109,16 @@ class Prior:
         precision = np.diag(np.where(vague, std**-2.0, 0.0))
         mean[starts] = inverse
         precision[np.ix_(starts, starts)] += self._inverse_precision()
-        for name, known in self.typical.items():
+        for name, coefficient in self.typical.items():
             # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
             places = starts + names.index(name)
-            value = known.mean * (-1 if name == OFFSET_NAME else 1)  # k i = τ + τ_friction - b
+            value = coefficient.mean * (
+                -1 if name == OFFSET_NAME else 1
+            )  # k i = τ + τ_friction - b
             difference = np.zeros((len(starts), len(mean)))
             rows = np.arange(len(starts))
             difference[rows, places], difference[rows, starts] = 1.0, -value
-            weight = (known.std * inverse) ** -2.0
+            weight = (coefficient.std * inverse) ** -2.0
             precision += (difference.T * weight) @ difference
             mean[places] = value * inverse
         return Normal(mean, precision)
@@ -133,8 +136,8 @@ class Prior:
 
 def _expected(terms: Sequence[str], torque_max: float) -> list[float]:
     """Return how large 1/k, the offset and friction's coefficients are, times k [Nm, ...]."""
-    own = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
-    return [1.0, torque_max, *chain.from_iterable(own)]
+    by_term = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
+    return [1.0, torque_max, *chain.from_iterable(by_term)]
 
 
 def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
@@ -143,26 +146,30 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
     moment, current: (N, 6) `target_moment` [Nm] and `target_current` [A]; qd: (N, 6) [rad/s].
     At rest, the controller's current contains no friction, so the ratio is constant.
     """
-    rest = (np.abs(qd) < STANDSTILL_SPEED).all(axis=1) & np.isfinite(moment * current).all(axis=1)
+    standstill = (np.abs(qd) < STANDSTILL_SPEED).all(axis=1) & np.isfinite(moment * current).all(
+        axis=1
+    )
     constants = np.full(moment.shape[1], np.nan)
     for joint in range(len(constants)):
-        loaded = rest & (np.abs(moment[:, joint]) > MIN_RATIO_TORQUE) & (current[:, joint] != 0)
-        if loaded.sum() > rest.sum() / 2:
+        loaded = (
+            standstill & (np.abs(moment[:, joint]) > MIN_RATIO_TORQUE) & (current[:, joint] != 0)
+        )
+        if loaded.sum() > standstill.sum() / 2:
             constants[joint] = np.median(moment[loaded, joint] / current[loaded, joint])
     return constants
 
 
 def torque_constant_prior(
-    known: Array, covariance: Array, controller: Array, ratio: float
+    constants: Array, covariance: Array, controller: Array, ratio: float
 ) -> Normal:
     """Return the prior of 1/k [A/Nm] of all joints from values (n,) [Nm/A], NaN if unknown.
 
-    known: at the joint's side of the gear, with the covariance (n, n) of its logarithm; controller:
-    see `standstill_ratio`, with the relative standard deviation `ratio`, joint by joint. They are
-    combined as normal distributions of log k.
+    constants: at the joint's side of the gear, with the covariance (n, n) of its logarithm;
+    controller: see `standstill_ratio`, with the relative standard deviation `ratio`, joint by
+    joint. They are combined as normal distributions of log k.
     """
     precision = np.linalg.inv(covariance)
-    right = precision @ np.log(np.where(np.isfinite(known), known, 1.0))
+    right = precision @ np.log(np.where(np.isfinite(constants), constants, 1.0))
     # the controller's ratio as a measurement of log k
     measured = np.isfinite(controller)
     precision += np.diag(measured / ratio**2)
@@ -181,10 +188,10 @@ def makers_covariance(
     deviation common to joints of one size; spread: of joints of one size from each other. Raises
     RefusalError if a size has neither value.
     """
-    same = np.array([[one == other for other in motors] for one in motors])
-    known = np.isfinite(maker)
-    if not all((known | np.isfinite(controller))[row].any() for row in same):
+    same = np.array([[size == other_size for other_size in motors] for size in motors])
+    has_constant = np.isfinite(maker)
+    if not all((has_constant | np.isfinite(controller))[row].any() for row in same):
         raise RefusalError("unknown constant")
-    wide = np.where(known, shared, 10.0)  # without a manufacturer's value, any constant
+    wide = np.where(has_constant, shared, 10.0)  # without a manufacturer's value, any constant
     covariance: Array = same * np.outer(wide, wide) + np.eye(len(motors)) * spread**2
     return covariance

@@ -82,12 +82,12 @@ def noise_of_one(residual: Array, block: Labels, expected: float = np.nan) -> fl
     A fit of P coefficients leaves nothing of P blocks. An expected variance therefore counts as
     USUAL_NOISE_BLOCKS further blocks of mean length; NaN for none.
     """
-    found, count = float(np.sum(np.bincount(block, residual) ** 2)), float(len(residual))
+    squares, count = float(np.sum(np.bincount(block, residual) ** 2)), float(len(residual))
     if np.isfinite(expected):
         blocks = int(np.count_nonzero(np.bincount(block)))
         further = USUAL_NOISE_BLOCKS * count / max(1, blocks)
-        found, count = found + further * expected, count + further
-    return found / count
+        squares, count = squares + further * expected, count + further
+    return squares / count
 
 
 def _positive(variance: float) -> float:
@@ -112,9 +112,9 @@ def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
     unit_of_block: (n,) labels of recordings, or of longer stretches; negative for no block.
     """
     units, place = np.unique(unit_of_block, return_inverse=True)
-    known = units >= 0
+    is_unit = units >= 0
     counts = np.zeros((REPLICATE_COUNT, len(units)))
-    counts[:, known] = _draw(int(known.sum()), generator)
+    counts[:, is_unit] = _draw(int(is_unit.sum()), generator)
     return counts[:, place]
 
 
@@ -122,8 +122,8 @@ def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
     """Return how often each block occurs in draws of blocks within units, (REPLICATE_COUNT, n)."""
     counts = np.zeros((REPLICATE_COUNT, len(unit_of_block)))
     for unit in np.unique(unit_of_block[unit_of_block >= 0]):
-        own = unit_of_block == unit
-        counts[:, own] = _draw(int(own.sum()), generator)
+        in_unit = unit_of_block == unit
+        counts[:, in_unit] = _draw(int(in_unit.sum()), generator)
     return counts
 
 

@@ -47,7 +47,9 @@ def fit_rotor_inertia(
     is wrong. Such errors are similar throughout a motion and differ between motions, so the
     standard errors are a jackknife over recordings, or over parts of a single one.
     """
-    recordings = [np.stack(one, axis=2) for one in zip(residual, qd, qdd, strict=True)]
+    recordings = [
+        np.stack(quantities, axis=2) for quantities in zip(residual, qd, qdd, strict=True)
+    ]
     parts = recordings if len(recordings) > 1 else np.array_split(recordings[0], RECORDING_PARTS)
     without = [_fit(parts[:k] + parts[k + 1 :]) for k in range(len(parts))]
     std_error = np.sqrt((len(parts) - 1) * np.var(without, axis=0))

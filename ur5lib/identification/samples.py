@@ -18,7 +18,7 @@ from ur5lib.robots.friction import (
     coefficient_names,
     friction_columns,
     friction_direction,
-    resting,
+    rest_factor,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import BLOCK_DURATION, DEAD_ZONE, starts
@@ -118,16 +118,22 @@ def joint_samples(
     labels = [blocks(record) for record in records]
     # from recording to recording, labels go on at a whole stretch, so that none contains two
     firsts = np.cumsum(
-        [0, *(-(-(own[-1] + 1) // BLOCKS_PER_STRETCH) * BLOCKS_PER_STRETCH for own in labels[:-1])]
+        [
+            0,
+            *(
+                -(-(block_labels[-1] + 1) // BLOCKS_PER_STRETCH) * BLOCKS_PER_STRETCH
+                for block_labels in labels[:-1]
+            ),
+        ]
     )
-    each = [
-        _record_samples(record, smooth, tuple(terms), first + own)
-        for record, own, first in zip(records, labels, firsts, strict=True)
+    thinned = [
+        _record_samples(record, smooth, tuple(terms), first + block_labels)
+        for record, block_labels, first in zip(records, labels, firsts, strict=True)
     ]
     paths, days = record_paths(records), record_days(records)
     joints = []
-    for joint in range(len(each[0])):
-        rows = [samples[joint] for samples in each]
+    for joint in range(len(thinned[0])):
+        rows = [samples[joint] for samples in thinned]
         record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
         columns, held, current, moving, block = (
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
@@ -136,14 +142,14 @@ def joint_samples(
         # the largest parts of which there are enough
         parts = (path, block // BLOCKS_PER_STRETCH)
         unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), block)
-        rest = held, current, moving, block, record, path, days[record], unit
-        joints.append(JointSamples(tuple(terms), columns, *rest))
+        remaining = held, current, moving, block, record, path, days[record], unit
+        joints.append(JointSamples(tuple(terms), columns, *remaining))
     return joints
 
 
 def record_paths(records: Sequence[CurrentSamples]) -> Labels:
     """Return labels (R,) of recordings by their trajectory."""
-    return group_by_path([passed(record) for record in records])
+    return group_by_path([recorded_path(record) for record in records])
 
 
 def record_days(records: Sequence[CurrentSamples]) -> Labels:
@@ -157,11 +163,11 @@ def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
     out: (n,), whole paths; path, day: (n,) labels. If less than MIN_PATHS would remain, what
     shares no path.
     """
-    other = ~out & ~np.isin(day, day[out])
-    return other if len(np.unique(path[other])) >= MIN_PATHS else ~out
+    on_other_days = ~out & ~np.isin(day, day[out])
+    return on_other_days if len(np.unique(path[on_other_days])) >= MIN_PATHS else ~out
 
 
-def passed(record: CurrentSamples) -> PathStates:
+def recorded_path(record: CurrentSamples) -> PathStates:
     """Return the states on the path of a recording."""
     return path_of(record.q, record.qd, record.period)
 
@@ -177,7 +183,7 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]
     """
     ones = np.ones_like(motion.torque)
     columns = np.column_stack([motion.torque, ones, friction_columns(motion, terms)])
-    return columns, motion.direction * resting(motion.qd)
+    return columns, motion.direction * rest_factor(motion.qd)
 
 
 def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
@@ -194,25 +200,25 @@ def _record_samples(
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Mask, Labels]]:
     """Return columns, held, current, moving and block of each joint, low-passed and thinned."""
-    every = max(1, round(INDEPENDENT_STEP / record.period))
-    moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::every].copy())
+    stride = max(1, round(INDEPENDENT_STEP / record.period))
+    moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::stride].copy())
     joints = []
     for joint in range(record.q.shape[1]):
         key = smooth, terms, joint
-        smoothed = record.once(key, partial(_smoothed, record, *key, every))
-        kept = np.isfinite(smoothed).all(axis=1)
-        columns, (held, current) = smoothed[kept, :-2], smoothed[kept, -2:].T
-        joints.append((columns, held, current, moving[kept, joint], block[::every][kept]))
+        smoothed = record.once(key, partial(_smoothed, record, *key, stride))
+        finite = np.isfinite(smoothed).all(axis=1)
+        columns, (held, current) = smoothed[finite, :-2], smoothed[finite, -2:].T
+        joints.append((columns, held, current, moving[finite, joint], block[::stride][finite]))
     return joints
 
 
 def _smoothed(
-    record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, every: int
+    record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, stride: int
 ) -> Array:
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""
     motion = record.joint(joint)
     sources = (*columns_of(motion, terms), record.current[:, joint])
-    return smooth(np.column_stack(sources), record)[::every].copy()
+    return smooth(np.column_stack(sources), record)[::stride].copy()
 
 
 def blocks(record: CurrentSamples) -> Labels:

@@ -46,8 +46,8 @@ def least_squares_coefficients(records: Sequence[CurrentSamples]) -> Array:
     """Fit coefficients (6, 4) by plain least squares to all samples, as a baseline."""
     columns = np.concatenate([_baseline_columns(record.torque, record.qd) for record in records])
     current = np.concatenate([record.current for record in records])
-    known = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
-    joints = zip(columns[known].swapaxes(0, 1), current[known].T, strict=True)
+    finite = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
+    joints = zip(columns[finite].swapaxes(0, 1), current[finite].T, strict=True)
     return np.stack([np.linalg.lstsq(*joint)[0] for joint in joints])
 
 
@@ -68,17 +68,17 @@ def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: A
     error = record.current - predicted
     slow = smooth(error, record)
     measured = smooth(record.current, record)
-    known = np.isfinite(slow) & np.isfinite(half_band)
+    finite = np.isfinite(slow) & np.isfinite(half_band)
     return Scores(
         rmse=np.sqrt(_mean(error**2)),
         rmse_lowpassed=np.sqrt(_mean(slow**2)),
         mae=_mean(np.abs(slow)),
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
-        coverage=_mean(np.where(known, np.abs(slow) <= half_band, np.nan)),
+        coverage=_mean(np.where(finite, np.abs(slow) <= half_band, np.nan)),
     )
 
 
-def explained(
+def explained_share(
     records: Sequence[CurrentSamples], predicted: Sequence[Array], smooth: Smooth
 ) -> Array:
     """Return the share (6,) of the low-passed currents' variance that predictions explain.
@@ -88,9 +88,11 @@ def explained(
     """
     measured = np.concatenate([smooth(record.current, record) for record in records])
     pairs = zip(records, predicted, strict=True)
-    error = np.concatenate([smooth(record.current - own, record) for record, own in pairs])
-    known = np.where(np.isfinite(error), measured, np.nan)
-    return 1 - _mean(error**2) / np.nanvar(known, axis=0)
+    error = np.concatenate(
+        [smooth(record.current - prediction, record) for record, prediction in pairs]
+    )
+    measured_rows = np.where(np.isfinite(error), measured, np.nan)
+    return 1 - _mean(error**2) / np.nanvar(measured_rows, axis=0)
 
 
 def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
@@ -102,8 +104,8 @@ def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior
     for joint, samples in enumerate(joint_samples(records, smooth)):
         moving = samples.where(samples.moving)
         for fitted in np.unique(moving.record):
-            own = moving.where(moving.record == fitted)
-            fit = regress_samples(own, prior.of_joint(joint))
+            one_recording = moving.where(moving.record == fitted)
+            fit = regress_samples(one_recording, prior.of_joint(joint))
             error = (moving.current - moving.columns @ fit.coefficients) ** 2
             for tested in np.unique(moving.record):
                 table[fitted, tested, joint] = np.sqrt(error[moving.record == tested].mean())
@@ -118,9 +120,9 @@ def _baseline_columns(torque: Array, qd: Array) -> Array:
 
 def _mean(values: Array) -> Array:
     """Return the mean of each column's finite values; NaN if there are none."""
-    known = np.isfinite(values)
-    count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
-    mean: Array = np.where(known, values, 0.0).sum(axis=0) / count
+    finite = np.isfinite(values)
+    count = np.where(finite.any(axis=0), finite.sum(axis=0), np.nan)
+    mean: Array = np.where(finite, values, 0.0).sum(axis=0) / count
     return mean
 
 
@@ -136,8 +138,10 @@ class ShareBySpeed:
 
     def rows(self) -> Iterator[tuple[float, float, float, float]]:
         """Yield the ends of each bin, its share and its samples."""
-        for (low, high), *known in zip(pairwise(SPEED_BINS), self.share, self.samples, strict=True):
-            yield low, high, *known
+        for (low, high), *bin_values in zip(
+            pairwise(SPEED_BINS), self.share, self.samples, strict=True
+        ):
+            yield low, high, *bin_values
 
     def suffices(self) -> tuple[float, float]:
         """Return the speeds [rad/s] from which and up to which every bin holds the wanted share.
@@ -145,16 +149,18 @@ class ShareBySpeed:
         Infinite where the fastest known bin does, too. Of several such ranges, the one with most
         samples; NaN without any.
         """
-        known = np.flatnonzero(np.isfinite(self.share))
+        known_bins = np.flatnonzero(np.isfinite(self.share))
         runs = [
             [int(place) for place in run]
-            for enough, run in groupby(known, lambda place: self.share[place] >= MIN_SHARE_IN_BAND)
+            for enough, run in groupby(
+                known_bins, lambda place: self.share[place] >= MIN_SHARE_IN_BAND
+            )
             if enough
         ]
         if not runs:
             return np.nan, np.nan
         best = max(runs, key=lambda run: self.samples[run].sum())
-        high = np.inf if best[-1] == known[-1] else float(SPEED_BINS[best[-1] + 1])
+        high = np.inf if best[-1] == known_bins[-1] else float(SPEED_BINS[best[-1] + 1])
         return float(SPEED_BINS[best[0]]), high
 
 
@@ -162,6 +168,6 @@ def share_by_speed(speed: Array, inside: Mask) -> ShareBySpeed:
     """Return the share of samples within their band by speed; speed, inside: (N,) [rad/s]."""
     place, count = np.digitize(speed, SPEED_BINS) - 1, len(SPEED_BINS) - 1
     samples = np.bincount(place, minlength=count)
-    held = np.bincount(place, weights=inside, minlength=count)
-    share = np.where(samples >= MIN_SAMPLES, held / np.maximum(samples, 1), np.nan)
+    inside_count = np.bincount(place, weights=inside, minlength=count)
+    share = np.where(samples >= MIN_SAMPLES, inside_count / np.maximum(samples, 1), np.nan)
     return ShareBySpeed(share, samples.astype(np.float64))

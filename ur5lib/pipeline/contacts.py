@@ -14,8 +14,8 @@ from ur5lib.force.detection import (
     contacts,
     force_alarms,
     is_free,
+    live_alarms,
     pushes_above,
-    raised_live,
     receiver_curve,
 )
 from ur5lib.force.external_torque import JointState
@@ -102,7 +102,7 @@ def causally(
     """Return the alarms raised from past samples only, and their comparison with the sensor."""
     if forces.causal_log_odds is None or "causal" not in thresholds:
         return None
-    return matched(raised_live(forces.causal_log_odds, thresholds["causal"]), sensor)
+    return matched(live_alarms(forces.causal_log_odds, thresholds["causal"]), sensor)
 
 
 def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:

@@ -29,7 +29,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import causal_lowpass
-from ur5lib.timeseries.segments import by_segment, extrapolated
+from ur5lib.timeseries.segments import by_segment, extrapolated_samples
 
 
 def predicted_currents(
@@ -124,4 +124,4 @@ def scores(
 
 def inner(torque: Array, record: CurrentSamples, cutoff: float) -> Array:
     """Return a torque (N, 6), NaN at the ends of segments, where a low-pass [Hz] extrapolates."""
-    return without_edges(torque, record.segment, extrapolated(cutoff, record.period))
+    return without_edges(torque, record.segment, extrapolated_samples(cutoff, record.period))

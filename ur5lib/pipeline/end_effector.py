@@ -92,10 +92,8 @@ def as_published(known: BesideImu, by_stamps: Array) -> tuple[Array, dict[str, A
     by_stamps: the IMU's reading (N, 6), placed by its start stamp.
     """
     robot, signals, kinematics, *_ = known
-    up, turning = (
-        NOMINAL_CALIBRATION.up(np.array(robot.gravity)),
-        derivative(signals, by_stamps[:, 3:]),
-    )
+    up = NOMINAL_CALIBRATION.up(np.array(robot.gravity))
+    turning = derivative(signals, by_stamps[:, 3:])
     felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
     smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
     angles = {

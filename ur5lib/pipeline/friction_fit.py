@@ -16,7 +16,7 @@ from ur5lib.identification.currents import CurrentFit, parameters, predict, torq
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, record_paths
 from ur5lib.identification.validation import (
-    explained,
+    explained_share,
     fitted_on_tested_on,
     least_squares_coefficients,
 )
@@ -96,7 +96,7 @@ def explained_by_others(
     unseen = {name: fit for names, fit in left_out for name in names}
     if not unseen:
         return None
-    return explained(records, [predict(unseen[own.name], own) for own in records], smooth)
+    return explained_share(records, [predict(unseen[own.name], own) for own in records], smooth)
 
 
 def _without_replicates(fit: CurrentFit) -> CurrentFit:

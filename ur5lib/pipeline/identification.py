@@ -15,7 +15,7 @@ from ur5lib.identification.base_parameters import (
     stack,
     torque_error,
 )
-from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.consistency import consistent_parameters, smallest_eigenvalues
 from ur5lib.identification.excitation import candidate_motions, check_excitation
 from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
 from ur5lib.robots.description import Robot
@@ -60,7 +60,7 @@ def with_identified(
     unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
     models = [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
     estimate = identify(data, models[0].parameters, prior_width(len(models[0].parameters)))
-    parameters = consistent(estimate)
+    parameters = consistent_parameters(estimate)
     model = identified_model(robot, parameters, DESCRIPTION)
     found = identification(models, data, estimate, parameters, blocks)
     return robot.with_model("identified", model), found

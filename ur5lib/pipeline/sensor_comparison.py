@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
-from ur5lib.force.detection import felt
+from ur5lib.force.detection import sensed_contact
 from ur5lib.force.sensor import (
     SensorOffset,
+    measured_columns,
     mounting_doubt,
     move_to_frame_6,
     offset_doubt,
     opposite_axes,
-    sensed,
     wrench_of_environment,
 )
 from ur5lib.pipeline.records.force_errors import ByPeriod, Compared, Figures, OffsetAccount
@@ -99,7 +99,9 @@ def beside_sensor(
     sensor without moments, forces alone are compared. compared: of `compared_estimates`.
     """
     own, best = reading.offset, sensor.wrench["compensated"]
-    force, columns, opposite = np.linalg.norm(best[:, :3], axis=1), sensed(best), list[str]()
+    force = np.linalg.norm(best[:, :3], axis=1)
+    columns = measured_columns(best)
+    opposite = list[str]()
     if "Fmap" in compared["compensated"]:
         estimated, _ = compared["compensated"]["Fmap"]
         opposite = opposite_axes(best[:, :3], estimated[:, :3], rotation)
@@ -115,7 +117,7 @@ def beside_sensor(
         offset=OffsetAccount(**account),
         offset_doubt=offset_doubt(own, reading.each),
         mounting_doubt=mounting_doubt(own, opposite),
-        felt=felt(force, sensor.time),
+        felt=sensed_contact(force, sensor.time),
         errors={
             kind: {name: errors(*estimate, reference) for name, estimate in compared[kind].items()}
             for kind, reference in sensor.wrench.items()

@@ -115,12 +115,12 @@ class Capsules:
         names = np.array([self._model.geom(k).name for k in range(self._model.ngeom)])
         return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
 
-    def _gradients(self, wanted: Mask) -> Array:
+    def _gradients(self, near: Mask) -> Array:
         """Return the gradients (M, n) of the contacts' distances, zero for those not wanted."""
-        gradients = np.zeros((len(wanted), self._model.nv))
-        if wanted.any():
+        gradients = np.zeros((len(near), self._model.nv))
+        if near.any():
             mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
-        for k in np.flatnonzero(wanted):
+        for k in np.flatnonzero(near):
             gradients[k] = self._gradient(self._data.contact[k])
         return gradients
 
@@ -153,8 +153,8 @@ def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.
             fromto=[*near, 0, 0, 0 if np.linalg.norm(near) > 1e-3 else 1e-3],
         )
     _add_surroundings(spec, surroundings, _upright(robot))
-    for one, other in _overlapping(robot, radii, surroundings.table):
-        spec.add_exclude(bodyname1=one, bodyname2=other)
+    for first, second in _overlapping(robot, radii, surroundings.table):
+        spec.add_exclude(bodyname1=first, bodyname2=second)
     for geom in spec.geoms:
         geom.margin = reach / 2  # MuJoCo adds those of both parts
     return spec.compile()
@@ -176,8 +176,8 @@ def _overlapping(robot: Robot, radii: Array, table: float | None) -> Iterator[tu
     q = np.random.default_rng(0).uniform(ends[:, 0], ends[:, 1], (OVERLAP_POSTURES, len(radii)))
     origins = link_frames(robot, q)[1]  # link k reaches from origin k - 1 to origin k
     for first, second in combinations(range(len(radii)), 2):
-        apart = np.linalg.norm(origins[:, first + 1] - origins[:, second], axis=1).max()
-        alike = apart < radii[first] + radii[second] + MIN_FREE_SPACE
+        distance = np.linalg.norm(origins[:, first + 1] - origins[:, second], axis=1).max()
+        alike = distance < radii[first] + radii[second] + MIN_FREE_SPACE
         if second - first <= (3 if first >= 2 else 1) if robot.is_ur() else alike:
             yield f"link_{first + 1}", f"link_{second + 1}"
     if table is not None:

@@ -128,11 +128,11 @@ class Payload(Strict):
             return self
         mass = self.mass + other.mass
         x, y, z = (
-            (self.mass * one + other.mass * two) / mass
-            for one, two in zip(self.center_of_mass, other.center_of_mass, strict=True)
+            (self.mass * first + other.mass * second) / mass
+            for first, second in zip(self.center_of_mass, other.center_of_mass, strict=True)
         )
         inertias = (part.inertia_about((x, y, z)) for part in (self, other))
-        xx, yy, zz, xy, xz, yz = (one + two for one, two in zip(*inertias, strict=True))
+        xx, yy, zz, xy, xz, yz = (first + second for first, second in zip(*inertias, strict=True))
         return Payload(mass=mass, center_of_mass=(x, y, z), inertia=(xx, yy, zz, xy, xz, yz))
 
     def inertia_about(self, point: Vector3) -> list[float]:
@@ -249,7 +249,11 @@ class Robot(Strict):
 
     @model_validator(mode="after")
     def _each_joint_is_described(self) -> Self:
-        constants = [own for own in (self.current_to_torque, self.friction) if own is not None]
+        constants = [
+            published
+            for published in (self.current_to_torque, self.friction)
+            if published is not None
+        ]
         for part in (self, *self.models.values(), *constants, *self.closed_loop_gains.values()):
             for name, field in type(part).model_fields.items():
                 values = getattr(part, name)
@@ -363,7 +367,7 @@ class Robot(Strict):
 
 def _is_by_joint(kind: Any) -> bool:
     """Return whether a field is PerLink, a tuple of any length, or that or None."""
-    return any(Ellipsis in get_args(one) for one in (kind, *get_args(kind)))
+    return any(Ellipsis in get_args(alternative) for alternative in (kind, *get_args(kind)))
 
 
 def robot_names() -> list[str]:
@@ -374,9 +378,11 @@ def robot_names() -> list[str]:
 
 def no_description(name: str) -> str:
     """Return the message about an arm without description, with the name that may be meant."""
-    known = {_letters(other): other for other in robot_names()} | SAME_LINKS
-    [near] = get_close_matches(_letters(name), known, n=1, cutoff=0.8) or [""]
-    meant = f" (did you mean `{known[near]}`?)" if near else ""
+    names_by_letters = {
+        _letters(described_name): described_name for described_name in robot_names()
+    } | SAME_LINKS
+    [near] = get_close_matches(_letters(name), names_by_letters, n=1, cutoff=0.8) or [""]
+    meant = f" (did you mean `{names_by_letters[near]}`?)" if near else ""
     described = ", ".join(robot_names())
     return f"no description of `{name}`{meant}; docs/robots.md shows how to add one to {described}"
 

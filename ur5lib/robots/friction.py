@@ -77,46 +77,46 @@ def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_D
     # z_k = e_k z_k-1 + (1 - e_k) sign(dq_k), e_k = exp(-|dq_k| / distance)
     fresh = starts(segment)
     step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
-    kept = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
+    memory = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
     # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
     from scipy.linalg import solve_banded  # slow to import; a study's settings do without it
 
-    bands = np.stack([np.ones(len(q)), np.append(-kept[1:], 0.0)])
-    direction: Array = solve_banded((1, 0), bands, (1 - kept) * np.sign(step), check_finite=False)
+    bands = np.stack([np.ones(len(q)), np.append(-memory[1:], 0.0)])
+    direction: Array = solve_banded((1, 0), bands, (1 - memory) * np.sign(step), check_finite=False)
     return direction
 
 
-def resting(qd: Array) -> Array:
+def rest_factor(qd: Array) -> Array:
     """Return 1 at rest, 0 in motion, (N,), with a smooth step in the dead zone of Equation 6.4."""
     return 1 - np.abs(np.tanh(qd / DEAD_ZONE))
 
 
-def added(shipped: Collection[str]) -> dict[str, Term]:
+def extension_terms(shipped: Collection[str]) -> dict[str, Term]:
     """Return the terms that the lab adds. Raises InputError where one cannot be a friction term."""
     rest = JointMotion(*np.zeros((4, 3)))
-    found = {}
-    for source, name, own in additions("friction"):
+    terms = {}
+    for source, name, term in additions("friction"):
         place = f"{source}: {name!r}"
         if not re.fullmatch(r"[a-z]\w*", name) or name in shipped:
             raise InputError(f"{place} is a term of ur5lib, or no lower-case word; rename it")
-        if not isinstance(own, Term):
+        if not isinstance(term, Term):
             raise InputError(f"{place} is no Term; docs/extensions.md shows one")
         try:
-            sizes = [np.shape(column) for column in own.columns(rest)]
+            sizes = [np.shape(column) for column in term.columns(rest)]
         except Exception as error:  # whatever the lab's code does
             raise failed(source, error) from error
-        if sizes != [(3,)] * (len(own.parts) or 1):
+        if sizes != [(3,)] * (len(term.parts) or 1):
             raise InputError(
                 f"{place} gives columns of shapes {sizes} for 3 samples; return a list of one (3,) "
                 "for each of its `parts`, of one without"
             )
-        found[name] = own
-    return found
+        terms[name] = term
+    return terms
 
 
-LAB_TERMS = added(TERMS)
-TERMS |= LAB_TERMS
-FITTED_TERMS = (*BASE_TERMS, *LAB_TERMS)
+EXTENSION_TERMS = extension_terms(TERMS)
+TERMS |= EXTENSION_TERMS
+FITTED_TERMS = (*BASE_TERMS, *EXTENSION_TERMS)
 
 
 def term_of(name: str) -> Term:
@@ -140,4 +140,4 @@ def coefficient_names(terms: Sequence[str]) -> list[str]:
 
 def friction_columns(motion: JointMotion, terms: Sequence[str]) -> Array:
     """Return the columns (N, M) of terms, one for each coefficient."""
-    return np.stack([own for term in terms for own in term_of(term).columns(motion)], axis=1)
+    return np.stack([column for term in terms for column in term_of(term).columns(motion)], axis=1)

@@ -136,8 +136,10 @@ def _tip(tree: Any, base: str, path: Path) -> str:
     }
     ends = [link for link, count in counts.items() if count == max(counts.values())]
     if len(ends) != 1:
-        found = f"several chains are the longest; name the end of one by --tip: {', '.join(ends)}"
-        raise InputError(f"{path}: {found if ends else 'no revolute joint moves a link'}")
+        ambiguity = (
+            f"several chains are the longest; name the end of one by --tip: {', '.join(ends)}"
+        )
+        raise InputError(f"{path}: {ambiguity if ends else 'no revolute joint moves a link'}")
     return ends[0]
 
 
@@ -209,8 +211,8 @@ def _pose_matrix(origin: Any) -> Array:
 
 def _clean(rotation: Array) -> Array:
     """Return a rotation with exact right angles, which files give with few digits."""
-    whole = np.round(rotation)
-    return np.where(np.abs(rotation - whole) < RIGHT_ANGLE_TOLERANCE, whole, rotation) + 0.0
+    rounded = np.round(rotation)
+    return np.where(np.abs(rotation - rounded) < RIGHT_ANGLE_TOLERANCE, rounded, rotation) + 0.0
 
 
 def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Array, Array]:
@@ -220,8 +222,10 @@ def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Arr
         inertial = tree.link_map[link].inertial
         if inertial is not None and inertial.mass:
             pose = np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin)
-            R, own = pose[:3, :3], inertial.inertia
-            about = tensor([own.ixx, own.iyy, own.izz, own.ixy, own.ixz, own.iyz])
+            R, moments = pose[:3, :3], inertial.inertia
+            about = tensor(
+                [moments.ixx, moments.iyy, moments.izz, moments.ixy, moments.ixz, moments.iyz]
+            )
             parts.append((float(inertial.mass), pose[:3, 3], R @ about @ R.T))
     return joined(parts)
 
@@ -251,8 +255,8 @@ def _expect_complete(
             missing.append(f"`limit` of {joint.name} with effort and velocity")
         elif joint.type == "revolute" and not (limit.lower or limit.upper):
             missing.append(f"`lower` and `upper` in the limit of {joint.name}")
-        heavy = [own for own in inertials if own is not None and own.mass]
-        if not heavy or any(own.inertia is None for own in heavy):
+        heavy = [inertial for inertial in inertials if inertial is not None and inertial.mass]
+        if not heavy or any(inertial.inertia is None for inertial in heavy):
             missing.append(f"`inertial` of {joint.child} with mass and inertia")
     if missing:
         raise InputError(f"{path} lacks {'; '.join(missing)}: add them to the file")
@@ -270,12 +274,12 @@ def _remarks(
     place = ", ".join(f"{value:.6g}" for value in start[:3, 3])
     turned = "" if np.allclose(start[:3, :3], np.eye(3)) else ", turned to the axis of joint 1"
     yield f"base frame at {place} m of {base}{turned}; forces act at the origin of {tip}"
-    held = [
+    fixed_joints = [
         tree.joint_map[name].name
         for body in bodies
         for link in body
         for name, child in tree.child_map.get(link, [])
         if child in body and tree.joint_map[name].type != "fixed"
     ]
-    if held:
-        yield f"held at 0, as they are beside the chain: {', '.join(held)}"
+    if fixed_joints:
+        yield f"held at 0, as they are beside the chain: {', '.join(fixed_joints)}"

@@ -47,7 +47,9 @@ def joined(parts: Sequence[tuple[float, Array, Array]]) -> tuple[float, Array, A
     """
     mass = sum(mass for mass, _, _ in parts)
     center = np.sum([mass * center for mass, center, _ in parts], axis=0) / mass
-    shifted = [shift_inertia(inertia, mass, own - center) for mass, own, inertia in parts]
+    shifted = [
+        shift_inertia(inertia, mass, part_center - center) for mass, part_center, inertia in parts
+    ]
     return mass, center, np.sum(shifted, axis=0)
 
 
@@ -55,8 +57,8 @@ def combine_cylinders(cylinders: list[Cylinder]) -> Array:
     """Return the inertia tensor (3, 3) of a link about its centre of mass (Equation 2.56)."""
     total = np.zeros((3, 3))
     for part in cylinders:
-        own = cylinder_inertia(part.axis, part.mass, part.height, part.radius)
-        total += shift_inertia(own, part.mass, np.array(part.offset))
+        about_centroid = cylinder_inertia(part.axis, part.mass, part.height, part.radius)
+        total += shift_inertia(about_centroid, part.mass, np.array(part.offset))
     return total
 
 

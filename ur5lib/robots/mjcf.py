@@ -30,8 +30,8 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
         joint.limited = np.isfinite(ends).all()
         if joint.limited:
             joint.range = ends
-        if friction is not None and (known := friction.coefficients(k + 1)):
-            joint.frictionloss, viscous = known
+        if friction is not None and (coefficients := friction.coefficients(k + 1)):
+            joint.frictionloss, viscous = coefficients
             joint.damping = (viscous, 0, 0)  # a polynomial of the velocity
         torque_max = robot.motor(k + 1).torque_max
         motor = spec.add_actuator(name=f"motor_{k + 1}", target=joint.name)

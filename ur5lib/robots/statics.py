@@ -90,8 +90,14 @@ def solutions(robot: Robot, rotation: Array, position: Array) -> Array:
     path without singularities, but for whole turns.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        every = product((1, -1), repeat=3)
-        q = np.stack([_closed_form(robot, rotation, position, *own) for own in every], axis=1)
+        configurations = product((1, -1), repeat=3)
+        q = np.stack(
+            [
+                _closed_form(robot, rotation, position, *configuration)
+                for configuration in configurations
+            ],
+            axis=1,
+        )
     goals = np.repeat(rotation, 8, axis=0), np.repeat(position, 8, axis=0)
     return _refined(robot, q.reshape(-1, 6), *goals).reshape(q.shape)
 
@@ -100,10 +106,10 @@ def _closed_form(
     robot: Robot, rotation: Array, position: Array, shoulder: int, wrist: int, elbow: int
 ) -> Array:
     """Return the solution (N, 6) [rad] of one configuration for the described lengths."""
-    one, two, three, four, five, six = robot.denavit_hartenberg
+    link_1, link_2, link_3, link_4, link_5, link_6 = robot.denavit_hartenberg
     # joint 1: frame 5's origin lies d4 beside the plane of the upper arm
-    x, y = (position - six.d * rotation[:, :, 2])[:, :2].T
-    q1 = np.arctan2(y, x) + shoulder * np.arccos(four.d / np.hypot(x, y)) + np.pi / 2
+    x, y = (position - link_6.d * rotation[:, :, 2])[:, :2].T
+    q1 = np.arctan2(y, x) + shoulder * np.arccos(link_4.d / np.hypot(x, y)) + np.pi / 2
     s1, c1 = np.sin(q1), np.cos(q1)
     # joints 5 and 6: R_6 seen along the axes of joints 2 to 4, which are (s1, -c1, 0)
     across = s1[:, None] * rotation[:, 0] - c1[:, None] * rotation[:, 1]
@@ -114,12 +120,12 @@ def _closed_form(
     before_wrist = rotation @ _turned(q5, q6).mT
     forward = np.stack([c1, s1, np.zeros_like(s1)], axis=1)
     axis_4 = before_wrist[:, :, 2]
-    center = position - six.d * rotation[:, :, 2] - five.d * axis_4
-    across_plane, up = np.sum(center * forward, axis=1), center[:, 2] - one.d
+    center = position - link_6.d * rotation[:, :, 2] - link_5.d * axis_4
+    across_plane, up = np.sum(center * forward, axis=1), center[:, 2] - link_1.d
     square = across_plane**2 + up**2
-    q3 = elbow * np.arccos((square - two.a**2 - three.a**2) / (2 * two.a * three.a))
+    q3 = elbow * np.arccos((square - link_2.a**2 - link_3.a**2) / (2 * link_2.a * link_3.a))
     q2 = np.arctan2(up, across_plane) - np.arctan2(
-        three.a * np.sin(q3), two.a + three.a * np.cos(q3)
+        link_3.a * np.sin(q3), link_2.a + link_3.a * np.cos(q3)
     )
     q234 = np.arctan2(before_wrist[:, 2, 0], np.sum(before_wrist[:, :, 0] * forward, axis=1))
     return np.stack([q1, q2, q3, q234 - q2 - q3, q5, q6], axis=1)

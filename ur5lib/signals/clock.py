@@ -108,23 +108,24 @@ def pool_drifts(
     clocks: by recording and device; hosts: the devices of each host. Hosts without a clock that was
     estimated by motion are left out.
     """
-    found = {}
+    drifts = {}
     for host, devices in hosts.items():
-        known = {
-            recording: own[device]
-            for recording, own in clocks.items()
+        moved_clocks = {
+            recording: devices_clocks[device]
+            for recording, devices_clocks in clocks.items()
             for device in devices
-            if device in own and own[device].method == MOTION_METHOD
+            if device in devices_clocks and devices_clocks[device].method == MOTION_METHOD
         }
-        if known:
+        if moved_clocks:
             names = ("drift", "drift_std", "offset", "offset_std", "stamps")
             drift, std, offset, offset_std, stamps = (
-                np.array([getattr(clock, name) for clock in known.values()]) for name in names
+                np.array([getattr(clock, name) for clock in moved_clocks.values()])
+                for name in names
             )
             # the error of the robot's own start stamp is common to all devices
             start = pool(offset - stamps, offset_std)
-            found[host] = HostDrift(list(devices), *pool(drift, std), *start, list(known))
-    return found
+            drifts[host] = HostDrift(list(devices), *pool(drift, std), *start, list(moved_clocks))
+    return drifts
 
 
 def pool(value: Array, std: Array) -> tuple[float, float, float]:
@@ -146,7 +147,7 @@ def pool(value: Array, std: Array) -> tuple[float, float, float]:
 
 
 def settle_clocks(
-    own: Mapping[str, OwnClock], drifts: Mapping[str, HostDrift], duration: float
+    clocks: Mapping[str, OwnClock], drifts: Mapping[str, HostDrift], duration: float
 ) -> dict[str, SettledClock]:
     """Return the clocks of a recording's devices; drifts: of the hosts; duration: [s].
 
@@ -154,7 +155,7 @@ def settle_clocks(
     its host if known.
     """
     settled = {}
-    for device, clock in own.items():
+    for device, clock in clocks.items():
         host = next((host for host in drifts.values() if device in host.devices), None)
         if host is not None and clock.method == STAMPS_METHOD:
             # errors of the mean, the spread between recordings, and the wander
@@ -168,7 +169,7 @@ def settle_clocks(
                 drift_std=float(np.linalg.norm(drift)),
                 method=f"{clock.method}, start and drift of its host",
             )
-        known = {field.name: getattr(clock, field.name) for field in fields(ClockRelation)}
+        clock_fields = {field.name: getattr(clock, field.name) for field in fields(ClockRelation)}
         end_std = clock.std_after(duration)
-        settled[device] = SettledClock(**known, warning=clock.warning, end_std=end_std)
+        settled[device] = SettledClock(**clock_fields, warning=clock.warning, end_std=end_std)
     return settled

@@ -116,13 +116,13 @@ def _compare(
     # the robot's ω, at some 4 samples per period of the band's upper end
     period = float(np.median(np.diff(time)))
     rate = _in_band(rate, segment, period)
-    every = max(1, int(1 / (4 * BAND_LIMIT * period)))
-    kept = np.flatnonzero(np.isfinite(rate).all(axis=1))[::every]
+    stride = max(1, int(1 / (4 * BAND_LIMIT * period)))
+    rows = np.flatnonzero(np.isfinite(rate).all(axis=1))[::stride]
     # the gyroscope, at even steps of its own clock
-    own, even = even_samples(device_time, gyroscope)
-    step = own[1] - own[0]
-    even = _in_band(even, np.zeros(len(own), dtype=np.int64), step)
-    return _Pair(time[kept], rate[kept], own, even, np.gradient(even, step, axis=0))
+    device_clock_time, even = even_samples(device_time, gyroscope)
+    step = device_clock_time[1] - device_clock_time[0]
+    even = _in_band(even, np.zeros(len(device_clock_time), dtype=np.int64), step)
+    return _Pair(time[rows], rate[rows], device_clock_time, even, np.gradient(even, step, axis=0))
 
 
 def _in_band(values: Array, segment: Labels, period: float) -> Array:
@@ -135,23 +135,25 @@ def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
 
     clock: offset and drift. Rows are those of the robot's samples that both sides recorded.
     """
-    own = (pair.time - clock[0]) / (1 + clock[1])
-    misfit = interpolate(own, pair.own, pair.gyroscope) - pair.rate
+    device_time = (pair.time - clock[0]) / (1 + clock[1])
+    misfit = interpolate(device_time, pair.own, pair.gyroscope) - pair.rate
     rows = np.flatnonzero(np.isfinite(misfit).all(axis=1))
-    return own[rows], misfit[rows], rows
+    return device_time[rows], misfit[rows], rows
 
 
 def _linearise(pair: _Pair, clock: Array) -> tuple[Array, Array]:
     """Return columns (N', 3, 8) of offset, drift, θ (3) and b (3), and the misfit (N', 3)."""
-    own, misfit, rows = _misfit(pair, clock)
+    device_time, misfit, rows = _misfit(pair, clock)
     # -∂(gyroscope)/∂offset = g' / (1 + drift), -∂(gyroscope)/∂drift = t_device g' / (1 + drift)
-    slope = interpolate(own, pair.own, pair.slope)[:, :, None] / (1 + clock[1])  # (N', 3, 1)
+    slope = interpolate(device_time, pair.own, pair.slope)[:, :, None] / (
+        1 + clock[1]
+    )  # (N', 3, 1)
     # ω × θ and b
     turned = np.cross(pair.rate[rows, None], np.eye(3)).swapaxes(1, 2)  # (N', 3, 3)
     bias = np.broadcast_to(np.eye(3), turned.shape)
-    columns = np.concatenate([slope, slope * own[:, None, None], turned, bias], axis=2)
-    known = np.isfinite(slope).all(axis=(1, 2))
-    return columns[known], misfit[known]
+    columns = np.concatenate([slope, slope * device_time[:, None, None], turned, bias], axis=2)
+    finite = np.isfinite(slope).all(axis=(1, 2))
+    return columns[finite], misfit[finite]
 
 
 def _solve(columns: Array, misfit: Array) -> Array:
@@ -225,11 +227,11 @@ def _jackknife(columns: Array, residual: Array) -> tuple[float, float]:
 
 def _objection(clock: ClockRelation, stamps: ClockRelation, explained: float) -> Remark | None:
     """Return why the motion does not determine the clock; None if it does."""
-    apart, drift = clock.offset - stamps.offset, clock.drift or 0.0
+    difference, drift = clock.offset - stamps.offset, clock.drift or 0.0
     if explained < MIN_EXPLAINED_SHARE:
         return remark("unexplained rotation", share=max(explained, 0.0))
-    if abs(apart) > PLAUSIBLE_DEVIATIONS * stamps.offset_std or abs(drift) > MAX_DRIFT:
-        return remark("implausible clock", apart_s=apart, drift=drift)
+    if abs(difference) > PLAUSIBLE_DEVIATIONS * stamps.offset_std or abs(drift) > MAX_DRIFT:
+        return remark("implausible clock", apart_s=difference, drift=drift)
     if clock.offset_std > stamps.offset_std:
         stds = {"std_s": clock.offset_std, "stamps_std_s": stamps.offset_std}
         return remark("uncertain clock", **stds)

@@ -112,7 +112,7 @@ def tool_motion(
     return ToolMotion(*in_chunks(felt, rotation, jacobian, qd, qdd).swapaxes(0, 1))
 
 
-def expected(values: Array, segment: Labels, period: float, clock_std: float) -> Array:
+def expected_values(values: Array, segment: Labels, period: float, clock_std: float) -> Array:
     """Return the mean of values (N, M) at times that are known to a standard error [s].
 
     For a normal error of the clock this is a Gaussian filter. What moves faster than the clock is

@@ -103,7 +103,7 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCal
     estimated is chosen once, on all of them.
     """
     sums = {name: _Sums.of(record) for name, record in records.items()}
-    held_out = _held_out(list(sums.values()))
+    held_out = _place_error_ratio(list(sums.values()))
     choices = {"all": sums} | {
         name: {other: part for other, part in sums.items() if other != name} for name in sums
     }
@@ -114,14 +114,15 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCal
     }
 
 
-def calibration_for(recording: str, known: Mapping[str, ImuCalibration]) -> ImuCalibration:
+def calibration_for(recording: str, calibrations: Mapping[str, ImuCalibration]) -> ImuCalibration:
     """Return the calibration from other recordings; as drawn without any.
 
-    known: result of `calibrate_without_each`.
+    calibrations: result of `calibrate_without_each`.
     """
-    candidates = [known[key] for key in (recording, "all") if key in known]
+    candidates = [calibrations[key] for key in (recording, "all") if key in calibrations]
     return next(
-        (found for found in candidates if recording not in found.from_), NOMINAL_CALIBRATION
+        (calibration for calibration in candidates if recording not in calibration.from_),
+        NOMINAL_CALIBRATION,
     )
 
 
@@ -137,7 +138,7 @@ def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     residuals are correlated.
     """
     sums = [_Sums.of(record) for record in records]
-    return _calibration(sums, _held_out(sums))
+    return _calibration(sums, _place_error_ratio(sums))
 
 
 def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
@@ -148,20 +149,20 @@ def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
     if held_out >= 1:
         value, std = _jackknife([part.as_described() for part in sums])
     parts = (slice(0, 3), slice(3, 5), slice(5, 8))
-    found: list[Any] = [values[part] for part in parts for values in (value, std)]
-    found += [*place, held_out]
-    return ImuCalibration(*found)
+    fields: list[Any] = [values[part] for part in parts for values in (value, std)]
+    fields += [*place, held_out]
+    return ImuCalibration(*fields)
 
 
-def _held_out(sums: "Sequence[_Sums]") -> float:
+def _place_error_ratio(sums: "Sequence[_Sums]") -> float:
     """Return the error of forces left out, with the estimated place by that as described."""
     if len(sums) < 2:
         return 1.0
-    estimated, described = map(_left_out, (sums, [part.as_described() for part in sums]))
+    estimated, described = map(_left_out_squares, (sums, [part.as_described() for part in sums]))
     return float(np.sqrt(estimated / described))
 
 
-def _left_out(sums: "Sequence[_Sums]") -> float:
+def _left_out_squares(sums: "Sequence[_Sums]") -> float:
     """Return the squares of forces that calibrations from the other recordings leave."""
     scale = _scale(sums)
     reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
@@ -216,13 +217,13 @@ class _Sums:
 
     def left(self, scale: Array, shared: Array) -> Array:
         """Return the squares (2,) that are left of forces and rates, given shared parameters."""
-        whole = self.weighted(scale).sum(axis=0)
+        normal = self.weighted(scale).sum(axis=0)
         z = np.append(-shared, 1.0)
         # the recording's own parameters that fit best, given the shared ones
-        own = np.linalg.pinv(
-            whole[-RECORDING_PARAMETERS:, -RECORDING_PARAMETERS:], hermitian=True
-        ) @ (whole[-RECORDING_PARAMETERS:, :-RECORDING_PARAMETERS] @ z)
-        z = np.append(z, -own)
+        own_parameters = np.linalg.pinv(
+            normal[-RECORDING_PARAMETERS:, -RECORDING_PARAMETERS:], hermitian=True
+        ) @ (normal[-RECORDING_PARAMETERS:, :-RECORDING_PARAMETERS] @ z)
+        z = np.append(z, -own_parameters)
         # |y - X p|² = zᵀ Zᵀ Z z, never zero
         return np.maximum(self.products.sum(axis=0) @ z @ z, 1e-24)
 
@@ -264,11 +265,14 @@ def _without_own(products: Array) -> Array:
 
     The recording's own parameters are eliminated (Schur complement).
     """
-    own = np.linalg.pinv(
+    own_inverse = np.linalg.pinv(
         products[..., -RECORDING_PARAMETERS:, -RECORDING_PARAMETERS:], hermitian=True
     )
     cross = products[..., :-RECORDING_PARAMETERS, -RECORDING_PARAMETERS:]
-    return products[..., :-RECORDING_PARAMETERS, :-RECORDING_PARAMETERS] - cross @ own @ cross.mT
+    return (
+        products[..., :-RECORDING_PARAMETERS, :-RECORDING_PARAMETERS]
+        - cross @ own_inverse @ cross.mT
+    )
 
 
 def _scale(sums: Sequence[_Sums]) -> Array:
@@ -277,8 +281,8 @@ def _scale(sums: Sequence[_Sums]) -> Array:
     for _ in range(2):
         reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
         shared = _solved(np.sum(reduced, axis=0))
-        left = np.sum([part.left(scale, shared) for part in sums], axis=0)
-        scale = np.sqrt(left / count) + 1e-12  # root mean squares, never zero
+        squares = np.sum([part.left(scale, shared) for part in sums], axis=0)
+        scale = np.sqrt(squares / count) + 1e-12  # root mean squares, never zero
     return scale
 
 
@@ -286,13 +290,13 @@ def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
     """Return the shared parameters (S,), with standard errors by a jackknife over blocks."""
     scale = _scale(sums)
     blocks = [part.weighted(scale) for part in sums]  # (B, P + 1, P + 1) each
-    reduced = [_without_own(own.sum(axis=0)) for own in blocks]
-    whole = np.sum(reduced, axis=0)
+    reduced = [_without_own(recording.sum(axis=0)) for recording in blocks]
+    total = np.sum(reduced, axis=0)
     without = [
-        whole - own + _without_own(each.sum(axis=0) - each)
-        for own, each in zip(reduced, blocks, strict=True)
+        total - recording + _without_own(recording_blocks.sum(axis=0) - recording_blocks)
+        for recording, recording_blocks in zip(reduced, blocks, strict=True)
     ]
-    estimate = _solved(whole)
+    estimate = _solved(total)
     change = _solved(np.concatenate(without)) - estimate
     return estimate, np.sqrt((len(change) - 1) / len(change) * np.sum(change**2, axis=0))
 

@@ -22,17 +22,17 @@ def resample(device: pd.DataFrame, clock: ClockRelation, time: Array) -> pd.Data
     Nyquist frequency; a slower one is interpolated linearly. In the device's gaps, before its
     first sample and after its last, the result is NaN.
     """
-    own, at = device["time"].to_numpy(), clock.device_time(time)
+    device_time, at = device["time"].to_numpy(), clock.device_time(time)
     channels = device.drop(columns="time")
     values = channels.to_numpy(np.float64)
-    result = interpolate(at, own, values)
+    result = interpolate(at, device_time, values)
     rate = 1 / float(np.median(np.diff(time)))
-    if len(own) > 1 and 1 / np.diff(own).mean() > rate:
-        grid, even = even_samples(own, values)
+    if len(device_time) > 1 and 1 / np.diff(device_time).mean() > rate:
+        grid, even = even_samples(device_time, values)
         smooth = _below_nyquist(grid, even, rate)
-        known = np.isfinite(smooth).all(axis=1)
+        finite = np.isfinite(smooth).all(axis=1)
         # a cubic, because linear interpolation would damp 30 Hz by 5 %
-        cubic = CubicSpline(grid[known], smooth[known])(at)
+        cubic = CubicSpline(grid[finite], smooth[finite])(at)
         result = np.where(np.isnan(result), np.nan, cubic)
     return pd.DataFrame(result, columns=channels.columns)
 

@@ -95,12 +95,12 @@ def smooth_encoders(
     count, joints = q.shape
     state, std = np.empty((2, count, 3, joints))
     innovations, (shared, motor_qd) = np.empty((count, 2, joints)), np.empty((2, count, joints))
-    for rows, own, off in smooth(encoder_system(time, segment, q, qd, noise), count):
+    for rows, states, normalised in smooth(encoder_system(time, segment, q, qd, noise), count):
         # x_link = [I I] [θ, δ]
-        covariance = LINK_FROM_STATES @ own.covariance @ LINK_FROM_STATES.T
-        state[rows], innovations[rows] = np.matvec(LINK_FROM_STATES, own.mean).mT, off.mT
+        covariance = LINK_FROM_STATES @ states.covariance @ LINK_FROM_STATES.T
+        state[rows], innovations[rows] = np.matvec(LINK_FROM_STATES, states.mean).mT, normalised.mT
         std[rows] = np.sqrt(np.diagonal(covariance, axis1=2, axis2=3)).mT
-        shared[rows], motor_qd[rows] = covariance[:, :, 1, 2], own.mean[:, :, 1]
+        shared[rows], motor_qd[rows] = covariance[:, :, 1, 2], states.mean[:, :, 1]
     flat = innovations.reshape(count, -1)
     test = innovation_test(flat, segment)
     shared *= widening(test, joints) ** 2

@@ -103,8 +103,8 @@ def smooth_with_imu(
     # local noise of the IMU from its residuals under the encoders' motion
     residual, explained = np.empty_like(readings), np.empty_like(readings)
     for rows in chunks(len(time)):
-        known = encoders.state[rows], encoders.std[rows], encoders.shared[rows]
-        predicted, explained[rows] = model(rows).predict(*known)
+        encoder_motion = encoders.state[rows], encoders.std[rows], encoders.shared[rows]
+        predicted, explained[rows] = model(rows).predict(*encoder_motion)
         residual[rows] = readings[rows] - predicted
     noise = imu_noise(time, segment, residual, explained)
     # smoother of q, q̇, q̈ and both biases
@@ -112,8 +112,8 @@ def smooth_with_imu(
     system = add_imu(joints, time, readings, model, noise)
     state, std = np.empty((2, len(time), MOTION_STATES + BIAS_STATES))
     innovations, motor_qd = np.empty((len(time), 12 + BIAS_STATES)), np.empty((len(time), 6))
-    for rows, (mean, covariance), off in smooth(system, len(time)):
-        state[rows], innovations[rows] = mean[:, 0] @ OUTPUTS_FROM_STATES.T, off[:, 0]
+    for rows, (mean, covariance), normalised in smooth(system, len(time)):
+        state[rows], innovations[rows] = mean[:, 0] @ OUTPUTS_FROM_STATES.T, normalised[:, 0]
         motor_qd[rows] = mean[:, 0, 6:12]
         covariance = OUTPUTS_FROM_STATES @ covariance[:, 0] @ OUTPUTS_FROM_STATES.T
         std[rows] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
@@ -127,29 +127,23 @@ def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: A
     step = np.diff(time, prepend=time[0])
 
     def part(rows: slice) -> LinearSystem:
-        own, imu = joints(rows), model(rows)
-        count, (begin, *_) = len(own.z), rows.indices(len(time))
+        encoders, imu = joints(rows), model(rows)
+        count, (begin, *_) = len(encoders.z), rows.indices(len(time))
         # motion as for the joints alone
         F, Q = np.zeros((2, count, ALL_STATES, ALL_STATES))
-        F[:, :JOINT_STATES, :JOINT_STATES], Q[:, :JOINT_STATES, :JOINT_STATES] = (
-            joined(own.F),
-            joined(own.Q),
-        )
+        F[:, :JOINT_STATES, :JOINT_STATES] = joint_matrix(encoders.F)
+        Q[:, :JOINT_STATES, :JOINT_STATES] = joint_matrix(encoders.Q)
         # biases: random walk, unknown at the first sample
         F[:, JOINT_STATES:, JOINT_STATES:] = np.eye(BIAS_STATES)
         Q[:, JOINT_STATES:, JOINT_STATES:] = step[rows, None, None] * np.diag(BIAS_WALK**2)
         if begin == 0:
-            F[0, JOINT_STATES:, JOINT_STATES:], Q[0, JOINT_STATES:, JOINT_STATES:] = (
-                0,
-                np.diag(BIAS_STD**2),
-            )
+            F[0, JOINT_STATES:, JOINT_STATES:] = 0
+            Q[0, JOINT_STATES:, JOINT_STATES:] = np.diag(BIAS_STD**2)
         # z = [encoders, readings - offset]
         H = np.zeros((count, 12 + BIAS_STATES, ALL_STATES))
-        H[:, :12, :JOINT_STATES], H[:, 12:] = (
-            joined(own.H),
-            np.nan_to_num(imu.H) @ OUTPUTS_FROM_STATES,
-        )
-        z, R = (values.mT.reshape(count, 12) for values in (own.z, own.R))
+        H[:, :12, :JOINT_STATES] = joint_matrix(encoders.H)
+        H[:, 12:] = np.nan_to_num(imu.H) @ OUTPUTS_FROM_STATES
+        z, R = (values.mT.reshape(count, 12) for values in (encoders.z, encoders.R))
         z = np.concatenate([z, readings[rows] - imu.offset], axis=1)
         R = np.concatenate([R, noise[rows] ** 2], axis=1)
         return LinearSystem(F[:, None], Q[:, None], H[:, None], z[:, None], R[:, None])
@@ -157,7 +151,7 @@ def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: A
     return part
 
 
-def joined(parts: Array) -> Array:
+def joint_matrix(parts: Array) -> Array:
     """Return matrices (N, 6 A, 6 B) of independent joints (N, 6, A, B).
 
     The first six rows and columns belong to the first state of all joints, and so on.

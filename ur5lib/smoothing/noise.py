@@ -73,11 +73,13 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
         _JointRecord(time[rows], segment[rows], q[rows], qd[rows], period)
         for rows, (q, qd) in zip(busiest, joints, strict=True)
     ]
-    found = [
+    joint_noises = [
         _joint_noise(ratios, part, _JointRecord(time, segment, *joint, period), quantum(joint[0]))
         for ratios, part, joint in zip(_most_likely(parts, period), parts, joints, strict=True)
     ]
-    return EncoderNoise(*(np.stack(each, axis=-1) for each in zip(*found, strict=True)))
+    return EncoderNoise(
+        *(np.stack(quantity, axis=-1) for quantity in zip(*joint_noises, strict=True))
+    )
 
 
 def quantum(q: Array) -> float:
@@ -205,7 +207,9 @@ class _JointRecord:
         """Return eᵀ S⁻¹ e (N,) of the innovations e of a steady filter that is `_whitened`."""
         square = np.empty(len(self.values))
         for rows in self.parts:
-            square[rows] = sum(own**2 for own in white.innovations(self.values[rows]).T)
+            square[rows] = sum(
+                innovation**2 for innovation in white.innovations(self.values[rows]).T
+            )
         return square
 
     def variance(self, white: SteadyFilter) -> float:
@@ -220,35 +224,37 @@ class _JointRecord:
         window. The prior of the noise's variance is inverse-gamma about that of the recording.
         """
         count, unit = max(1, round(NOISE_WINDOW / self.period)), position / self.period**2.5
-        known = count * _window_mean(self.valid.astype(float), self.parts, count)
+        window_count = count * _window_mean(self.valid.astype(float), self.parts, count)
         jerks, shares = np.array([*product(JERK_BANK, VIBRATION_BANK)]).T
         bank = ratios._replace(jerk=jerks / unit, vibration=shares * ratios.vibration)
         driven = np.log([bank.jerk * unit, bank.vibration * unit]).T
-        weight, total = np.zeros(len(known)), np.zeros((3, len(known)))
-        best = np.full(len(known), -np.inf)
+        weight, total = np.zeros(len(window_count)), np.zeros((3, len(window_count)))
+        best = np.full(len(window_count), -np.inf)
         filters, logdets = _whitened(bank)
         for white, logdet, logs in zip(filters.each(), logdets, driven, strict=True):
-            square = np.where(self.valid, _tamed(self.squares(white) / position**2), 0)
+            square = np.where(self.valid, _limited_squares(self.squares(white) / position**2), 0)
             square = np.log(
                 PRIOR_DEGREES_OF_FREEDOM + count * _window_mean(square, self.parts, count)
             )
             # log p(innovations of the window | jerk, vibration), the noise integrated out
-            likelihood = -known * logdet / 2 - (PRIOR_DEGREES_OF_FREEDOM / 2 + known) * square
+            likelihood = (
+                -window_count * logdet / 2 - (PRIOR_DEGREES_OF_FREEDOM / 2 + window_count) * square
+            )
             top = np.maximum(best, likelihood)
             forget, trust = np.exp(best - top), np.exp(likelihood - top)
             weight, best = forget * weight + trust, top
-            for own, log in zip(total, (*logs, square / 2), strict=True):
-                own *= forget
-                own += trust * log
+            for sum_of_logs, log in zip(total, (*logs, square / 2), strict=True):
+                sum_of_logs *= forget
+                sum_of_logs += trust * log
         mean = total / weight
         # all that drives the joint is relative to the noise, too
-        mean[2] -= np.log(PRIOR_DEGREES_OF_FREEDOM + 2 * known) / 2
+        mean[2] -= np.log(PRIOR_DEGREES_OF_FREEDOM + 2 * window_count) / 2
         mean[:2] += mean[2]
         jerk, vibration, scale = np.exp(mean)
         return jerk, vibration, scale
 
 
-def _tamed(square: Array) -> Array:
+def _limited_squares(square: Array) -> Array:
     """Return squares (N,), large ones reduced, so that one outlier does not dominate a window."""
     beyond = np.log(np.maximum(square / OUTLIER_SQUARE, 1))
     return np.minimum(square, OUTLIER_SQUARE) + OUTLIER_SQUARE * beyond
@@ -314,9 +320,9 @@ def moving_mean(values: Array, segment: Labels, count: int) -> Array:
 
     count: rows over which the mean is taken.
     """
-    parts, known = unbroken(segment), np.isfinite(values)
-    total = _window_mean(np.where(known, values, 0), parts, count)
-    share = _window_mean(known.astype(float), parts, count)
+    parts, finite = unbroken(segment), np.isfinite(values)
+    total = _window_mean(np.where(finite, values, 0), parts, count)
+    share = _window_mean(finite.astype(float), parts, count)
     return total / np.where(share > 0, share, 1)
 
 

@@ -61,10 +61,12 @@ def _filtered(
     step = np.array([[1, period, period**2 / 2], [0, 1, period], [0, 0, 1]])
     ekf.F, ekf.R = np.kron(step, np.eye(6)), np.diag(noise**2)
     ekf.Q = Q_discrete_white_noise(3, period, (jerk * period) ** 2, 6, order_by_dim=False)
-    states, known = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
+    states, measured_rows = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
     settled = False
     for k, measured in enumerate(z):
-        if settled and known[k] and not fresh[k]:  # covariance and gain would stay as they are
+        if (
+            settled and measured_rows[k] and not fresh[k]
+        ):  # covariance and gain would stay as they are
             ekf.predict_x()
             ekf.y = measured - ekf.x[:12]
             ekf.x = ekf.x + ekf.K @ ekf.y
@@ -73,12 +75,12 @@ def _filtered(
             ekf.predict()
             if fresh[k]:
                 ekf.x, ekf.P = np.zeros(18), np.diag(INITIAL_STD**2)
-            if known[k]:
+            if measured_rows[k]:
                 ekf.update(measured, lambda _: H, lambda x: x[:12])
             # converged, as the noise is fixed
             change, size = (np.abs(of).max(axis=1) for of in (ekf.K - gain, ekf.K))
-            settled = bool(known[k]) and bool((change <= SETTLED_GAIN_CHANGE * size).all())
-        if known[k]:
+            settled = bool(measured_rows[k]) and bool((change <= SETTLED_GAIN_CHANGE * size).all())
+        if measured_rows[k]:
             likelihood -= (ekf.y @ ekf.SI @ ekf.y + np.linalg.slogdet(ekf.S)[1]) / 2
         states[k] = ekf.x
     return states, likelihood

@@ -147,14 +147,14 @@ def over_spans(series: DatedSeries) -> DatedSeries:
     groups = _indicators(series)
     groups = groups[:, 1:] - groups[:, 1:].mean(axis=0)
     columns = root * np.hstack([which, groups])
-    found = np.linalg.lstsq(columns, root[:, 0] * series.value)[0]
-    left = root[:, 0] * series.value - columns @ found
+    coefficients = np.linalg.lstsq(columns, root[:, 0] * series.value)[0]
+    residual = root[:, 0] * series.value - columns @ coefficients
     weight = which.T @ root[:, 0] ** 2
-    scatter = which.T @ left**2 / np.maximum(which.sum(axis=0) - 1, 1)
+    scatter = which.T @ residual**2 / np.maximum(which.sum(axis=0) - 1, 1)
     mean = which.T / which.sum(axis=0)[:, None]
     warmth = None if series.covariate is None else mean @ series.covariate
     error = np.sqrt(np.maximum(scatter, 1.0) / weight)
-    return DatedSeries(mean @ series.day, found[:SPAN_COUNT], error, warmth)
+    return DatedSeries(mean @ series.day, coefficients[:SPAN_COUNT], error, warmth)
 
 
 def find_changes(series: DatedSeries, level: float, seed: int = 0) -> list[Change]:
@@ -294,10 +294,10 @@ def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
     column that hardly differs from the fixed ones explains nothing.
     """
     basis = np.linalg.qr(fixed)[0]
-    rest = tried - basis @ (basis.T @ tried)
-    norm = (rest**2).sum(axis=0)
+    remaining = tried - basis @ (basis.T @ tried)
+    norm = (remaining**2).sum(axis=0)
     differs = norm > MIN_UNEXPLAINED_SHARE * (tried**2).sum(axis=0)
-    unit = np.where(differs, rest, 0.0) / np.sqrt(np.where(differs, norm, 1.0))
+    unit = np.where(differs, remaining, 0.0) / np.sqrt(np.where(differs, norm, 1.0))
     residual = values - (values @ basis) @ basis.T
     total = np.maximum((residual**2).sum(axis=1, keepdims=True), MIN_RELATIVE_DIVISOR)
     shares: Array = (residual @ unit) ** 2 / total
@@ -363,9 +363,9 @@ def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Arr
     fits, freedom = [], len(value) - columns.shape[1]
     for correlation in SIZE_CORRELATIONS:
         X, y = whitened(columns, correlation), whitened(value, correlation)
-        found = np.linalg.lstsq(X, y)[0]
-        variance = np.sum((y - X @ found) ** 2) / freedom * np.diag(np.linalg.inv(X.T @ X))
-        fits.append((_log_likelihood(X, y[None], correlation)[0], found, variance))
+        solution = np.linalg.lstsq(X, y)[0]
+        variance = np.sum((y - X @ solution) ** 2) / freedom * np.diag(np.linalg.inv(X.T @ X))
+        fits.append((_log_likelihood(X, y[None], correlation)[0], solution, variance))
     likelihoods, coefficients, variances = map(np.array, zip(*fits, strict=True))
     weight = np.exp(likelihoods - np.logaddexp.reduce(likelihoods))
     mean = weight @ coefficients
@@ -383,8 +383,8 @@ def _jump_dates(problem: _ChangeRegression, chosen: Sequence[int], place: int) -
     odds = np.exp(log_odds - log_odds.max())
     order = np.argsort(-odds)
     total = np.cumsum(odds[order]) / odds.sum()
-    kept = problem.after[order[: int(np.searchsorted(total, BAND_COVERAGE)) + 1]]
-    return int(kept.min()) - 1, int(kept.max())
+    likely_dates = problem.after[order[: int(np.searchsorted(total, BAND_COVERAGE)) + 1]]
+    return int(likely_dates.min()) - 1, int(likely_dates.max())
 
 
 def _covariate_change(series: DatedSeries, problem: _ChangeRegression, change: int) -> float:

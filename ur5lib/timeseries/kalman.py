@@ -117,9 +117,9 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
 
 def _chunks(count: int, numbers: int) -> list[slice]:
     """Return slices of whole lanes, and of what remains; numbers: of F at one sample."""
-    whole = count - count % LANE_SAMPLES
-    full = chunks(whole, max(1, CHUNK_NUMBERS // numbers // LANE_SAMPLES) * LANE_SAMPLES)
-    return full if whole == count else [*full, slice(whole, count)]
+    lanes_samples = count - count % LANE_SAMPLES
+    full = chunks(lanes_samples, max(1, CHUNK_NUMBERS // numbers // LANE_SAMPLES) * LANE_SAMPLES)
+    return full if lanes_samples == count else [*full, slice(lanes_samples, count)]
 
 
 def _smooth(
@@ -171,10 +171,10 @@ def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[FilterSt
     The first of D columns of x is the state. The others are its derivatives by something, which
     nothing measures: what the steps make of them does not depend on z.
     """
-    seen = np.isfinite(system.z)
-    H = np.where(seen[..., None], system.H, 0.0)
+    measured = np.isfinite(system.z)
+    H = np.where(measured[..., None], system.H, 0.0)
     z = np.zeros((*system.z.shape, x.shape[-1]))
-    z[..., 0] = np.where(seen, system.z, 0.0)
+    z[..., 0] = np.where(measured, system.z, 0.0)
     R = system.R[..., None] * np.eye(H.shape[-2])
     eye = np.eye(H.shape[-1])
     for k, F in enumerate(system.F):
@@ -186,8 +186,8 @@ def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[FilterSt
         innovation, information = z[k] - H[k] @ x, np.linalg.inv(seen_by @ H[k].mT + R[k])
         K = seen_by.mT @ information
         x = x + K @ innovation
-        left = eye - K @ H[k]
-        P = left @ P @ left.mT + K @ R[k] @ K.mT
+        reduction = eye - K @ H[k]
+        P = reduction @ P @ reduction.mT + K @ R[k] @ K.mT
         yield FilterStep(prior, Gaussians(x, P), innovation, information)
 
 

@@ -22,9 +22,9 @@ def largest_error(estimate: Array, reference: Array) -> Array:
 
 def correlation(estimate: Array, reference: Array) -> Array:
     """Return the Pearson correlation of each column, NaN if either is constant."""
-    both = np.isfinite(estimate) & np.isfinite(reference)
-    x = np.where(both, estimate, np.nan)
-    y = np.where(both, reference, np.nan)
+    finite = np.isfinite(estimate) & np.isfinite(reference)
+    x = np.where(finite, estimate, np.nan)
+    y = np.where(finite, reference, np.nan)
     x, y = x - np.nanmean(x, axis=0), y - np.nanmean(y, axis=0)
     scale = np.sqrt(np.nansum(x**2, axis=0) * np.nansum(y**2, axis=0))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -53,9 +53,9 @@ def slope(estimate: Array, reference: Array) -> Array:
 def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
     """Return the share of each column's references inside the band of nominal coverage `stated`."""
     band = ndtri(0.5 + stated / 2) * std
-    both = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
-    inside = both & (np.abs(reference - estimate) <= band)
-    return inside.sum(axis=0) / both.sum(axis=0)
+    finite = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
+    inside = finite & (np.abs(reference - estimate) <= band)
+    return inside.sum(axis=0) / finite.sum(axis=0)
 
 
 def interval_score(estimate: Array, std: Array, reference: Array) -> Array:

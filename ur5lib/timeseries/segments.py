@@ -33,7 +33,7 @@ def unbroken(*labels: Labels | Mask) -> list[slice]:
     return [slice(start, end) for start, end in pairwise(bounds) if end > start]
 
 
-def extrapolated(cutoff: float, period: float) -> int:
+def extrapolated_samples(cutoff: float, period: float) -> int:
     """Return at how many samples at each end of a stretch a low-pass in both directions mostly
     extrapolates: half a period of its cut-off [Hz]. period: of the samples [s].
     """

@@ -17,7 +17,7 @@ REST_SPEED = 0.03  # rad/s, below which a joint rests or Coulomb friction change
 MIN_COMMON_SHARE = 0.9  # of the states of two runs along one path
 
 
-def place(q: Array, qd: Array) -> Array:
+def scaled_states(q: Array, qd: Array) -> Array:
     """Return scaled states (N, 12), in which states nearer than 1 count as equal.
 
     q, qd: (N, 6) [rad, rad/s].
@@ -33,7 +33,7 @@ def nearest(places: Array, others: Array) -> tuple[Mask, NDArray[np.intp]]:
 
 @dataclass(frozen=True)
 class PathStates:
-    """States (`place`) on the path of a run: at samples in motion, or at all if it rests.
+    """States (`scaled_states`) on the path of a run: at samples in motion, or at all if it rests.
 
     moves: whether the run moves; every: step of the samples that are searched in another run, which
     is not thinned, because thinned samples of fast runs are further apart than 1.
@@ -49,7 +49,7 @@ class PathStates:
         finite = np.isfinite(q + qd).all(axis=1)
         moving = finite & (np.abs(qd) > REST_SPEED).any(axis=1)
         rows = moving if moving.any() else finite
-        return cls(place(q[rows], qd[rows]), bool(moving.any()), every)
+        return cls(scaled_states(q[rows], qd[rows]), bool(moving.any()), every)
 
     @cached_property
     def extent(self) -> Array:
@@ -85,15 +85,19 @@ def group_by_path(runs: Iterable[PathStates]) -> Labels:
     part of an earlier one stand for their trajectory: the others are not compared with later ones,
     so that of thousands of repetitions few are held.
     """
-    labels, whole = list[int](), list[tuple[int, PathStates]]()
+    labels, representatives = list[int](), list[tuple[int, PathStates]]()
     for place, run in enumerate(runs):
-        alike = [other for other, known in whole if run.is_part_of(known)]
+        alike = [
+            other for other, representative in representatives if run.is_part_of(representative)
+        ]
         if not alike:
-            alike = [other for other, known in whole if known.is_part_of(run)]
-            whole.append((place, run))
+            alike = [
+                other for other, representative in representatives if representative.is_part_of(run)
+            ]
+            representatives.append((place, run))
         joined = {labels[other] for other in alike}
-        own = min(joined, default=place)
+        label_of_run = min(joined, default=place)
         if len(joined) > 1:
-            labels = [own if label in joined else label for label in labels]
-        labels.append(own)
+            labels = [label_of_run if label in joined else label for label in labels]
+        labels.append(label_of_run)
     return np.unique(np.array(labels, dtype=np.int64), return_inverse=True)[1].astype(np.int64)

@@ -15,7 +15,7 @@ from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import JointState
-from ur5lib.force.force_input import MEAN_STICTION, held
+from ur5lib.force.force_input import MEAN_STICTION, mean_stiction_torque
 from ur5lib.force.gate import diagonal
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard.estimator import Estimator, Learned
@@ -46,7 +46,7 @@ def estimate(run: Run, noise: ResidualModel) -> Estimate:
     touched = marked(spans(size, BEGINS, ENDS), len(size))
     # gears and stiction
     carried, _ = run.gears.where_moving(run.states).contact_torque(rest)
-    carried += still * held(carried, noise.breakaway, PRIOR.stiction)
+    carried += still * mean_stiction_torque(carried, noise.breakaway, PRIOR.stiction)
     taken = (
         np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
         * noise.breakaway

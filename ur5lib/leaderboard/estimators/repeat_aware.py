@@ -19,7 +19,7 @@ from ur5lib.leaderboard.force import CUTOFF, breakaway_of, learned_noise, most_p
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import unbroken
-from ur5lib.timeseries.trajectories import nearest, place
+from ur5lib.timeseries.trajectories import nearest, scaled_states
 
 
 def repeated(run: Run) -> Array:
@@ -27,11 +27,11 @@ def repeated(run: Run) -> Array:
     (q, qd): as it is where the run rests, or none is near.
     """
     pairs = [(free, _moves(free) & finite_rows(free.smoothed)) for free in run.repeats]
-    places = np.concatenate([place(free.q, free.qd)[rows] for free, rows in pairs])
+    places = np.concatenate([scaled_states(free.q, free.qd)[rows] for free, rows in pairs])
     torques = np.concatenate([free.smoothed[rows] for free, rows in pairs])
     result, moves = run.smoothed.copy(), np.flatnonzero(_moves(run))
     if len(places) and len(moves):
-        near, index = nearest(place(run.q, run.qd)[moves], places)
+        near, index = nearest(scaled_states(run.q, run.qd)[moves], places)
         result[moves[near]] -= torques[index[near]]
     return result
 
