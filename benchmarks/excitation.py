@@ -21,7 +21,7 @@ from ur5lib.commands.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import CHECK_RATE, Effort, design, free_postures, random_path
 from ur5lib.excitation.objective import STATE_STEP, Task, Worth
-from ur5lib.excitation.problem import INDEPENDENT, DesignProblem
+from ur5lib.excitation.problem import INDEPENDENT_STEP, DesignProblem
 from ur5lib.excitation.trajectory import WorkCell
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
@@ -147,7 +147,7 @@ def unseen_error(task: Task, motion: States) -> Array:
 
 def thinned(Y: Array, qd: Array) -> tuple[Array, Array]:
     """Return the samples whose errors are independent."""
-    every = round(INDEPENDENT / STATE_STEP)
+    every = round(INDEPENDENT_STEP / STATE_STEP)
     return Y[::every], qd[::every]
 
 

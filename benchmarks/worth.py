@@ -98,7 +98,9 @@ PARTS = {
     "load friction of gears": Part(without_gears("loss")),
     "background": Part({f"{GATE}.smooth": unknown_background}),
     "hunting": Part(prior={"hunting": (0.0,)}),
-    "stiction given back": Part({f"{ESTIMATE}.held": lambda torque, *_: 0 * torque}),
+    "stiction given back": Part(
+        {f"{ESTIMATE}.mean_stiction_torque": lambda torque, *_: 0 * torque}
+    ),
     "margin and hysteresis": Part(
         {f"{ESTIMATE}.CONTACT_MARGIN": 0.0, f"{ESTIMATE}.CLOSING_PROBABILITY": OPENING_PROBABILITY}
     ),

@@ -1,5 +1,6 @@
 """Inertial parameters: identities, known arms under noise, the model of a real controller."""
 
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -186,6 +187,19 @@ def test_noise_is_by_the_degrees_of_freedom_that_are_left() -> None:
         ]
         error = np.sqrt((count - 1) / count * np.sum(np.square(changes)))
         assert found.standard_errors(np.eye(6))[joint] == pytest.approx(error, rel=1e-6)
+
+
+def test_the_prior_is_as_wide_as_the_methods_say() -> None:
+    """By the kind of a parameter: masses, first moments, inertias, rotors."""
+    text = " ".join(Path("docs/methods.md").read_text(encoding="utf-8").split())
+    stated = re.findall(r"(masses|first moments|inertias about the joint|rotors) ± ([\d.]+)", text)
+    kinds = {"m of": "masses", "m c": "first moments", "I_": "inertias about the joint"}
+    widths = {kind: float(number) for kind, number in stated}
+    expected = [
+        widths[next((kinds[start] for start in kinds if name.startswith(start)), "rotors")]
+        for name in parameter_names(22)
+    ]
+    np.testing.assert_array_equal(prior_width(22), expected)
 
 
 # Known arms

@@ -20,7 +20,7 @@ from tests.library.made_up_torques import (
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import JointState
-from ur5lib.force.force_input import Gears
+from ur5lib.force.force_input import Gears, mean_stiction_torque
 from ur5lib.force.gate import Observations, TorqueVariances, find_contacts
 from ur5lib.force.missed_contacts import MISSED_DEVIATIONS, missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
@@ -117,6 +117,27 @@ def test_the_band_holds_what_stiction_takes_of_a_push(
     during = (run.time > 8.2) & (run.time < 10.8)
     held = coverage(estimate.wrench[during], estimate.std[during], wrench[during])
     assert held[:3].min() > 0.9
+
+
+def test_what_stiction_may_take_varies_about_its_mean(ur5: Robot) -> None:
+    """Of a share of the breakaway torque as second moment, the mean's square is no variance."""
+    run = free_run(ur5, seed=90, seconds=16, moving=False)
+    run = run.pushed(push(run, 2, 60.0, 8.0, 11.0))
+    estimate, observations = (
+        run.estimate(),
+        Observations.of(run.input(), run.jacobian, MODEL, PRIOR),
+    )
+    _, background = find_contacts(observations)
+    largest = mean_stiction_torque(np.full(6, np.inf), MODEL.breakaway, PRIOR.stiction)
+    taken = (PRIOR.stiction * MODEL.breakaway) ** 2 - largest**2
+    during = (run.time > 8.2) & (run.time < 10.8)
+    slow = np.linalg.diagonal(background.covariance)[during]
+    variance = observations.noise.quick[during] + slow + taken
+    J_v = run.jacobian[during, :3]
+    # cov F = (J_v S⁻¹ J_vᵀ)⁻¹, of least squares
+    covariance = np.linalg.inv((J_v / variance[:, None]) @ J_v.mT)
+    std = np.sqrt(np.linalg.diagonal(covariance))
+    np.testing.assert_allclose(estimate.least_squares_std[during, :3], std, rtol=1e-6)
 
 
 @pytest.mark.parametrize("seed", [20, 21])

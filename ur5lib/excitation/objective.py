@@ -17,7 +17,7 @@ from ur5lib.excitation.problem import (
     random_states,
 )
 from ur5lib.excitation.trajectory import DISTANCE_REACH, Path, States, WorkCell
-from ur5lib.identification.samples import INDEPENDENT_STEP as INDEPENDENT
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.profiles import fourier_terms, resting_series
 
@@ -225,7 +225,9 @@ class Objective:
         task, problem = self._task, self._task.problem
         J = problem.rows(problem.theta, Y, qd)
         value, of_information = task.criterion(task.earlier + information_of(J, STATE_STEP))
-        return value, *problem.pull_back(Y, qd, 2 * STATE_STEP / INDEPENDENT * J @ of_information)
+        return value, *problem.pull_back(
+            Y, qd, 2 * STATE_STEP / INDEPENDENT_STEP * J @ of_information
+        )
 
     def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:
         """Return the sum of squared excesses over the limits, its slopes by states and torque."""

@@ -28,7 +28,7 @@ from ur5lib.excitation.problem import (
     random_states,
 )
 from ur5lib.identification.currents import SEASONAL_STD, CurrentFit, Parameter
-from ur5lib.identification.samples import INDEPENDENT_STEP as INDEPENDENT
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -54,12 +54,12 @@ class RecordedStates(NamedTuple):
 
     @classmethod
     def along(cls, robot: Robot, time: Array, *motion: Array) -> Self:
-        """Return the states of a recording every INDEPENDENT, without unknown ones.
+        """Return the states of a recording every INDEPENDENT_STEP, without unknown ones.
 
         robot: mounted, with its payload; time: (N,) [s]; motion: q, q̇, q̈, (N, n) each.
         """
         model = LinkModel(robot, robot.fullest_model())
-        stride = max(1, round(INDEPENDENT / float(np.median(np.diff(time)))))
+        stride = max(1, round(INDEPENDENT_STEP / float(np.median(np.diff(time)))))
         states = np.stack(motion)[:, ::stride]
         q, qd, qdd = states[:, np.isfinite(states).all(axis=(0, 2))]
         return cls(model, model.regressor(q, qd, qdd), qd)
@@ -139,7 +139,7 @@ def _information(problem: DesignProblem, recordings: Sequence[RecordedStates]) -
     """Return the information (P, P) of the prior and of recordings."""
     information = problem.prior.copy()
     for model, Y, qd in recordings:
-        information += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT)
+        information += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT_STEP)
     return information
 
 

@@ -25,7 +25,7 @@ from ur5lib.identification.base_parameters import (
 from ur5lib.identification.excitation import candidate_motions
 from ur5lib.identification.prior import Prior, typical_friction
 from ur5lib.identification.regression import Normal
-from ur5lib.identification.samples import INDEPENDENT_STEP as INDEPENDENT
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.timeseries.arrays import Array
@@ -67,10 +67,11 @@ RANK_TEST_ACCELERATION = 3.0  # rad/s²
 
 @dataclass(frozen=True)
 class MeasurementNoise:
-    """Standard deviations of target torques (n,) [Nm] and currents (n,) [A], every INDEPENDENT.
+    """Standard deviations of target torques (n,) [Nm] and currents (n,) [A].
 
-    Errors that are independent only every T seconds count as √(T / INDEPENDENT) times as large.
-    That of target torques is infinite where the controller states none.
+    Of errors that are independent every INDEPENDENT_STEP; those that are so only every T seconds
+    count as √(T / INDEPENDENT_STEP) times as large. That of target torques is infinite where the
+    controller states none.
     """
 
     torque: Array
@@ -264,10 +265,10 @@ class DesignProblem:
 def information_of(J: Array, step: float) -> Array:
     """Return the information (P, P) of the rows J (N, 2 n, P) of samples every `step` [s].
 
-    Jᵀ J step/INDEPENDENT, for normal errors that are independent every INDEPENDENT.
+    Jᵀ J step/INDEPENDENT_STEP, for normal errors that are independent every INDEPENDENT_STEP.
     """
     rows = J.reshape(-1, J.shape[-1])
-    return rows.T @ rows * (step / INDEPENDENT)
+    return rows.T @ rows * (step / INDEPENDENT_STEP)
 
 
 def nominal_maps(robot: Robot) -> Maps:
@@ -288,7 +289,7 @@ def nominal_maps(robot: Robot) -> Maps:
     friction_share = _friction_share(robot)
     coulomb, viscous, load = (friction_share * share for share in NOMINAL_FRICTION)
     torques = [ones, 0 * ones, coulomb * largest, viscous * largest, load * ones]
-    slow = np.sqrt(CORRELATION_TIME / INDEPENDENT)
+    slow = np.sqrt(CORRELATION_TIME / INDEPENDENT_STEP)
     relative = SENSOR_NOISE if robot.senses_torque() else CURRENT_NOISE
     targets = slow * TORQUE_NOISE if robot.is_ur() else np.inf
     noise = MeasurementNoise(targets * ones, slow * relative * largest / constants)
