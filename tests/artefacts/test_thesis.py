@@ -36,7 +36,7 @@ REFERENCE = read_reference(PROJECT / "workflow" / "studies" / "thesis_reference.
 ERRATA = {erratum.place: f"{erratum.error} {erratum.choice}" for erratum in REFERENCE.errata}
 
 # Rigid models at the target motion, computed independently of this project [Nm].
-INDEPENDENT_STEP = {
+INDEPENDENT = {
     "A": [0.3213, 1.7938, 1.9526, 0.1889, 0.2378, 0.0334],
     "B": [0.2959, 0.5891, 1.1844, 0.0795, 0.0561, 0.0334],
     "C": [0.2832, 0.5548, 1.1865, 0.0681, 0.0393, 0.0334],
@@ -65,7 +65,7 @@ def test_torque_errors_agree_with_an_independent_computation(
 ) -> None:
     rows = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == @model")
     assert rows["joint"].tolist() == [1, 2, 3, 4, 5, 6]
-    assert np.abs(rows["mae"].to_numpy() - INDEPENDENT_STEP[model]).max() < 0.002
+    assert np.abs(rows["mae"].to_numpy() - INDEPENDENT[model]).max() < 0.002
 
 
 def test_gains_are_numbers_only_where_they_are_determined(study: FinishedStudy) -> None:

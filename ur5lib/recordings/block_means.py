@@ -13,7 +13,7 @@ from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels
 
 BLOCK = 0.1  # s
-INDEPENDENT_STEP = 0.4  # s between errors that count as independent
+INDEPENDENT = 0.4  # s between errors that count as independent
 FILLED = 0.6  # share of a block's frames that may have been lost; in some recordings, half are
 SLOW = 0.02  # rad/s; faster joints have their full friction
 TINY = 1e-300
@@ -39,7 +39,7 @@ class BlockMeans:
     torque: Array | None
     currents: dict[str, Array]
     offset: bool = False
-    independent: float = BLOCK / INDEPENDENT_STEP
+    independent: float = BLOCK / INDEPENDENT
     time: Array | None = None
     segment: Labels | None = None
 
@@ -111,7 +111,7 @@ def combination(columns: Array, values: Array, weights: Sequence[float]) -> tupl
     """
     inverse = np.linalg.pinv(columns)
     solution, own = inverse @ values, np.asarray(weights)
-    noise = np.std(values - columns @ solution) * np.sqrt(INDEPENDENT_STEP / BLOCK)
+    noise = np.std(values - columns @ solution) * np.sqrt(INDEPENDENT / BLOCK)
     first = inverse[: len(own)]
     return float(own @ solution[: len(own)]), float(noise * np.linalg.norm(own @ first))
 

@@ -13,13 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from ur5lib.recordings.block_means import (
-    INDEPENDENT_STEP,
-    BlockMeans,
-    combination,
-    fitted_load,
-    size,
-)
+from ur5lib.recordings.block_means import INDEPENDENT, BlockMeans, combination, fitted_load, size
 from ur5lib.recordings.checks import MOVES
 from ur5lib.recordings.innovations import CURRENT, innovation_likelihoods
 from ur5lib.recordings.quality import Finding, contradiction
@@ -177,9 +171,7 @@ def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags:
         basis, _ = np.linalg.qr(np.column_stack(own)[rows])
         currents = later[rows - most, joint]
         left = currents - basis @ (basis.T @ currents)
-        scores -= (
-            len(rows) * step / INDEPENDENT_STEP / 2 * np.log((left**2).mean(axis=0) + NOISE**2)
-        )
+        scores -= len(rows) * step / INDEPENDENT / 2 * np.log((left**2).mean(axis=0) + NOISE**2)
     return scores
 
 

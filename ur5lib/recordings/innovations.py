@@ -19,7 +19,7 @@ RAW = 0.3  # share of the currents' changes that is new; 0.5 to 1 as recorded, 0
 FEWEST, MOST = 100, 20_000  # frames that are looked at
 PAST = 3  # frames by which a current is predicted
 NEAR = 2  # frames before and after, within which a current answers a motion, and a motion a current
-INDEPENDENT_STEP = 2  # frames between innovations that count as independent
+INDEPENDENT = 2  # frames between innovations that count as independent
 USUAL = (0.005, 0.995)  # quantiles of changes; larger ones are jumps of all channels at once
 RIDGE = 1e-6  # of the motions' unit size; for those that are nil or alike
 
@@ -44,7 +44,7 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
     near = _near(np.stack([_changes(q), _changes(qd)], axis=2), rows)
     late = np.concatenate([innovations[rows + shift] for shift in shifts], axis=1)  # (n, 6 S)
     gains = _gains(near, late, count).reshape(count, len(shifts), count).transpose(1, 2, 0)
-    return len(rows) / INDEPENDENT_STEP / 2 * gains
+    return len(rows) / INDEPENDENT / 2 * gains
 
 
 def _as_sampled(changes: Array, innovations: Array) -> bool:
