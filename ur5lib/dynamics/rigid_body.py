@@ -82,6 +82,7 @@ def forward_dynamics(
     """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, n) [rad/s²]; wrench as above."""
 
     def solve(q: Tensor, free: Tensor) -> Tensor:
+        # D = L Lᵀ, positive definite
         root = torch.linalg.cholesky(inertia_matrix(arm, q))
         return torch.cholesky_solve(free[..., None], root)[..., 0]
 

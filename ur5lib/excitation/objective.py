@@ -59,6 +59,7 @@ def i_optimality(rows: Array) -> Criterion:
     weight, half = rows.T @ rows / len(rows), rows.shape[1] / 2
 
     def value_and_gradient(information: Array) -> tuple[float, Array]:
+        # v = tr(W M⁻¹), dv/dM = -M⁻¹ W M⁻¹
         covariance = np.linalg.inv(information)
         mean = float(np.sum(weight * covariance))
         return -half * float(np.log(mean)), half / mean * covariance @ weight @ covariance
@@ -80,6 +81,7 @@ def conditioning(scale: Array) -> Criterion:
         gradient = np.zeros_like(information)
         if values[0] < MIN_EIGENVALUE_SHARE * values[-1]:
             return 0.0, gradient
+        # ∂ log(λ_min / λ_max) / ∂M = v vᵀ / λ of both
         least, most = (np.outer(vectors[:, k], vectors[:, k]) / values[k] for k in (0, -1))
         gradient[scaled] = least - most
         return float(np.log(values[0] / values[-1])), weight * gradient

@@ -181,8 +181,10 @@ class Outlook:
         residual_variance = self._within() ** 2 + (SEASONAL_STD * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
+        # cov i = ∂i/∂θ M⁻¹ ∂i/∂θᵀ + what recordings and days differ in
         current = doubt + residual_variance[..., None] * np.eye(self.problem.joints)
         constant = 1 / self.problem.theta[self.problem.of_currents][::5]
+        # (J Σ⁻¹ Jᵀ)⁻¹, Σ = diag(k) cov i diag(k)
         torque = np.linalg.inv(current * np.outer(constant, constant))
         force = np.linalg.inv(self._jacobian @ torque @ self._jacobian.mT)
         variances = (
@@ -228,5 +230,6 @@ class Outlook:
         relative = self.problem.noise.current / np.sqrt(residual_variance)  # (N, n)
         J = (self._with_load * relative[..., None]).reshape(-1, count + 10)
         seconds = WEIGHING_DURATION / CORRELATION_TIME / len(relative)
+        # information on θ and p together: that on p alone follows by inversion
         joint_information = block_diag(information, load) + J.T @ J * seconds
         return float(np.linalg.inv(joint_information)[count, count])

@@ -157,6 +157,7 @@ class DesignProblem:
         torque, load = self._torques(theta, Y)
         a, b, c, v, per_load = theta[self.of_currents].reshape(-1, 5).T
         z = np.tanh(qd / DIRECTION_SPEED)
+        # i = a T + b + c z + v q̇ + l |T| z
         current = a * load + b + c * z + v * qd + per_load * np.abs(load) * z
         return np.hstack([torque / self.noise.torque, current / self.noise.current])
 

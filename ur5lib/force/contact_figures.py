@@ -163,6 +163,7 @@ def _peak_and_impulse(
 
     estimate, reference: (M, D) [N]; step: [s].
     """
+    # the direction of the sensor at its peak, and of its impulse
     top = reference[np.argmax(np.linalg.norm(reference, axis=1))]
     peak, impulse = np.linalg.norm(top), np.linalg.norm(step * reference.sum(axis=0))
     along = estimate @ (top / max(peak, MIN_DIVISOR))

@@ -60,6 +60,7 @@ def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) ->
     motor_torque: (N, 6) [Nm], by the known constants, whose relative errors are constant_error,
     (6,); torque_max: of the motors (6,) [Nm]. Friction lies anywhere within ± the breakaway torque.
     """
+    # ± b, uniform: b / √3
     friction = BREAKAWAY_SHARE * torque_max / np.sqrt(3)  # of a uniform distribution
     return np.hypot(constant_error * motor_torque, friction)
 

@@ -88,6 +88,7 @@ def wrench_from_torque(jacobian: Array, torque: Array, min_singular_value: float
     """
     wrench = np.full_like(torque, np.nan)
     finite = np.isfinite(torque).all(axis=1)
+    # elsewhere, small torques would be large forces
     regular = np.linalg.svd(jacobian, compute_uv=False)[:, -1] >= min_singular_value
     rows = finite & regular
     wrench[rows] = np.linalg.solve(jacobian[rows].mT, torque[rows, :, None])[..., 0]

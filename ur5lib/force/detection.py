@@ -55,6 +55,7 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
     peaks = sorted(
         float(odds[slice(*alarm)].max()) for odds in contact_free for alarm in alarms(odds, 0.0)
     )
+    # the highest peak of one alarm too many
     above = peaks[-allowed - 1] if allowed < len(peaks) else -np.inf
     return max(0.0, float(np.nextafter(above, np.inf)))
 
@@ -157,7 +158,9 @@ def smallest_force(force: Array, detected: Mask, probability: float = 0.95) -> t
     x = np.log(force)
     best = minimize(_cost, np.array([np.median(x[detected]), LOG_STEEPNESS]), args=(x, detected))
     middle, steepness = best.x
+    # p = 1 / (1 + exp(-e^s (x - m))), solved for x = m + log(p / (1 - p)) e^-s
     reach = np.log(probability / (1 - probability)) * np.exp(-steepness)
+    # dx/dm = 1, dx/ds = -log(p / (1 - p)) e^-s, and the force is e^x
     slope = np.array([1.0, -reach])
     place = np.exp(middle + reach)
     return float(place), float(place * np.sqrt(slope @ best.hess_inv @ slope))

@@ -61,6 +61,7 @@ def joint_states(qd: Array, segment: Labels, period: float) -> States:
     states = np.full(qd.shape, JointState.MOVING, np.int8)
     for rows in unbroken(segment):
         slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
+        # a joint that is slow only for a moment has not stopped
         stopped = binary_opening(slow, np.ones((max(1, round(MIN_STOP_DURATION / period)), 1)))
         relaxing = stopped & _within_reach(~stopped, RELAXATION_TIME, period)
         stretch[_within_reach(slow & ~stopped, LOWPASS_REACH, period)] = JointState.REVERSING

@@ -147,6 +147,7 @@ def least_deviations(record: SensorReadings) -> Array:
     weight = np.ones(len(record.reading))
     for _ in range(MAX_FIT_ROUNDS):
         _, residual = fit(record, record.measured, weight)
+        # w = 1 / √|r|, so that Σ w² r² = Σ |r|
         weight = 1 / np.sqrt(np.maximum(np.linalg.norm(residual / record.repeats, axis=1), 1.0))
     return weight
 
@@ -160,6 +161,7 @@ def fit(record: SensorReadings, free: Mask, weight: Array) -> tuple[Array, Array
     scaled = record.terms[free] * scale[..., None]
     rows = scaled.reshape(-1, scaled.shape[2])
     values = (record.reading[free] * scale).ravel()
+    # (Xᵀ W X + Λ) θ = Xᵀ W y
     normal = rows.T @ rows + record.known * np.eye(rows.shape[1])
     parameters = np.linalg.pinv(normal, hermitian=True) @ (rows.T @ values)
     return parameters, record.reading - record.terms @ parameters

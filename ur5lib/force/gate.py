@@ -211,6 +211,7 @@ def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Arr
     """
     share = weight[:, : len(free)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)
+    # Σ p(k) cov_k over the free states k
     mean = sum(
         state_weight[:, None, None] * c for state_weight, c in zip(share.T, free, strict=True)
     )
@@ -230,6 +231,7 @@ def state_chain(
     They are `free` ones, undisturbed and then hunting, and some contacts; period: [s].
     free → contact → hunting → free; a free arm rarely hunts, and one that hunts may be touched.
     """
+    # probabilities per sample of leaving a state
     begins, ends = period / prior.pause, period / prior.duration
     settles, wanders = period / prior.settling, period * prior.unprovoked
     hunting = free - 1

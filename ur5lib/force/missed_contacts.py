@@ -41,6 +41,7 @@ def probability_while_shut(
     axis reckons with contacts along it alone, since no direction is known.
     """
     contact, cycle = prior.duration / period, (prior.duration + prior.pause) / period
+    # c = (s + n) / (d + m): s samples in contact, d detectable on average, n and m of one cycle
     detectable = (1 - missed[:, :3]).mean(axis=1).sum()
     share = min(1.0, float((in_contact.sum() + contact) / (detectable + cycle)))
     return share * missed / (share * missed + 1 - share)

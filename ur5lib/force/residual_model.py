@@ -96,6 +96,7 @@ class ResidualModel:
         The deviations, which a contact has to exceed, grow as for at least GATE_PATHS paths: with
         those for one path, hardly any push would be found. The rest goes into the bands.
         """
+        # what the deviations do not take goes into the bands
         factor = few_paths(paths)
         inside = min(factor, few_paths(GATE_PATHS))
         return replace(self.wider(inside), doubt=factor / inside)

@@ -66,6 +66,7 @@ def slow_covariance(
     np.add.at(means, place, np.column_stack([terms, residual]))
     means /= count[:, None]
     X, block_residual, scale = means[:, :-1], means[:, -1], count * weight
+    # H⁻¹ and H⁻¹ n w Xᵀ
     inverse = np.linalg.pinv((X.T * scale) @ X + np.diag(prior_precision), hermitian=True)
     gain = inverse @ (X.T * scale)
     V = _block_covariance(X, block_residual, block)
@@ -88,9 +89,11 @@ def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
         for share in SLOW_SHARES:
             V = share * slow**distance + (1 - share) * np.eye(len(block))
             within = complement.T @ V @ complement
+            # S = eᵀ V⁻¹ e; p ∝ |V|^(-1/2) S^(-ν/2)
             S = max(float(projected @ np.linalg.solve(within, projected)), np.finfo(float).tiny)
             log_likelihoods.append(-np.linalg.slogdet(within)[1] / 2 - freedom / 2 * np.log(S))
             covariances.append(V * S / max(freedom - 2, 1))
+    # Σ p V S / (ν - 2) / Σ p
     odds = np.exp(np.array(log_likelihoods) - max(log_likelihoods))
     return np.asarray(np.tensordot(odds / odds.sum(), np.stack(covariances), axes=1))
 
@@ -231,6 +234,7 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
     )
     free = width > 0
     values, vectors = np.linalg.eigh(reading.covariance[RESPONSE_COLUMNS, RESPONSE_COLUMNS])
+    # W with Wᵀ W = C⁻¹ of the response
     whiten = vectors.T / np.sqrt(np.maximum(values, 1e-12 * values.max()))[:, None]
 
     def misfit(moved: Array) -> Array:
@@ -241,11 +245,13 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
 
     solution = least_squares(misfit, np.zeros(free.sum()))
     std = np.zeros(10)
+    # cov = (Jᵀ J)⁻¹, in units of the widths
     std[free] = width[free] * np.sqrt(np.diag(np.linalg.inv(solution.jac.T @ solution.jac)))
     start[free] += width[free] * solution.x
     turn, scale, (mass,), moment = np.split(start, [3, 6, 7])
     turn_std, scale_std, (mass_std,), moment_std = np.split(std, [3, 6, 7])
     center = moment / mass if mass else np.full(3, np.nan)
+    # c = h / m: σ_c² = (σ_h² + c² σ_m²) / m²
     center_std = np.hypot(moment_std, center * mass_std) / (abs(mass) or np.nan)
     return SensorErrors(
         float(mass), float(mass_std), center, center_std, turn, turn_std, scale, scale_std

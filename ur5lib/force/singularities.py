@@ -30,6 +30,7 @@ def singular_distances(robot: Robot, q: Array) -> Array:
     """
     dh = robot.denavit_hartenberg
     second, third, fourth = q[:, 1], q[:, 1] + q[:, 2], q[:, 1:4].sum(axis=1)
+    # a2 c2 + a3 c23 + d5 s234, up to signs that do not matter here
     reach = dh[1].a * np.cos(second) + dh[2].a * np.cos(third) + dh[4].d * np.sin(fourth)
     return np.abs(np.stack([reach, np.sin(q[:, 2]), np.sin(q[:, 4])], axis=1))
 

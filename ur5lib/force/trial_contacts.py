@@ -65,6 +65,7 @@ def felt_push(
     for each push and joint. time: (N,) [s]; most: (6,) [Nm], that friction bears.
     """
     push = (time // (PUSH_DURATION + PAUSE_DURATION)).astype(np.int64)
+    # dry friction bears anything between nothing and all that it can
     bears = random.uniform(size=(push.max(initial=0) + 1, len(most)))[push] * most
     resting = torque - np.clip(torque, -bears, bears)
     moving = torque if gears is None else gears.where_moving(states).felt(torque)
@@ -93,6 +94,7 @@ def try_each_place(
         for place, mean in zip(places, means, strict=True)
         if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
     ]
+    # sizes evenly in their logarithm; axes as evenly as possible
     peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, MAX_TRIAL_FORCE, len(free)))
     axes = random.permutation((random.integers(3) + np.arange(len(free))) % 3)
     force = np.zeros((len(profile), 3))

@@ -209,6 +209,7 @@ def solve(rows: Array, noise: Array, prior: Array, width: Array) -> tuple[Array,
 
     rows: (n, P + 1, P + 1); noise: (n,) [Nm]; prior, width: (P,). QR of [Y τ; 1 π₀] / [σ; width].
     """
+    # ridge: rows of a prior as if they were measured
     weighted = (rows / noise[:, None, None]).reshape(-1, rows.shape[-1])
     ridge = np.column_stack([np.diag(1 / width), prior / width])
     factor = _triangle(np.concatenate([weighted, ridge]))[:-1]

@@ -405,6 +405,7 @@ def _gain(
     place = np.searchsorted(grid, best)
     nodes = np.insert(grid, place, best)
     rise = np.insert(np.sqrt(np.maximum(profile - reference, 0)), place, 0.0)
+    # √(J - J_ref) at the ends of the range
     allowed = np.sqrt(limit - reference)
     low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
     if stiff <= limit:

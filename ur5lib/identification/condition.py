@@ -99,5 +99,6 @@ def _noise(record: CurrentSamples, smooth: Smooth) -> list[tuple[float, float]]:
     if len(power) < 2:
         return [UNKNOWN_ESTIMATE] * record.current.shape[1]
     root = np.sqrt(power.mean(axis=0))
+    # σ_√P = σ_P / (2 √P), of independent blocks
     error = power.std(axis=0, ddof=1) / np.sqrt(len(power)) / (2 * np.maximum(root, 1e-12))
     return [(float(a), float(b)) for a, b in zip(root, error, strict=True)]

@@ -150,6 +150,7 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
     cannot be far below its known value; one that is less certain than the known k counts as far.
     """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
+    # σ_k = σ_(1/k) k², by the delta method
     far = 1 / inverse - 1 / known_inverse > CONTRADICTING_DEVIATIONS * std / known_inverse**2
     vague = constants_doubt(fit) / np.abs(inverse) > std / known_inverse**2
     return (inverse <= 0) | ((far | vague) & (inverse < known_inverse / CONTRADICTING_RATIO))
@@ -209,6 +210,7 @@ def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimat
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
     residual, path, moving = left_out_residuals(samples, prior), samples.path, samples.moving
+    # usual errors are relative to Coulomb friction [A]
     coulomb = max(0.0, float(coefficients[2]))
     in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING_ERROR * coulomb)
     at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING_ERROR * coulomb)

@@ -224,6 +224,7 @@ def _newton_step(
     """
     inlier = (fit.weight == 1.0).astype(float)
     predicted = design @ fit.coefficients
+    # gradient Σ w r x and curvature Σ 1[inlier] x xᵀ of Huber's loss, at the estimate
     pull = inlier * predicted + fit.weight * (current - predicted)
     scale = inlier.mean() / fit.noise if len(inlier) else 1.0
     return block_sums(design, scale * inlier, scale * pull, block, count)

@@ -123,6 +123,7 @@ def judged_load(
     center = center_std = np.full(3, np.nan)
     if load.certain:
         center = payload.parameters[1:] / load.mass
+        # c = h / m: σ_c² = (σ_h² + c² σ_m²) / m²
         moment_std = np.hypot(payload.std_error[1:], spread[1:])
         center_std = np.hypot(moment_std, center * load.std_error) / load.mass
     return JudgedLoad(
@@ -145,6 +146,7 @@ def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
     finite = np.isfinite(external_torque + load).all(axis=1)
     external_torque, load = external_torque[finite], load[finite]
     noise = external_torque.var(axis=0) if finite.any() else np.ones(load.shape[1])
+    # g = Σ τ_ext τ / (Σ τ² + N σ² / (n σ_g²)), n independent of N samples
     prior_weight = noise / UNSCALED_TORQUE_ERROR**2 * len(load) / max(1, count)
     return np.asarray(
         (external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + prior_weight + 1e-12)

@@ -146,6 +146,7 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
     moment, current: (N, 6) `target_moment` [Nm] and `target_current` [A]; qd: (N, 6) [rad/s].
     At rest, the controller's current contains no friction, so the ratio is constant.
     """
+    # at rest, k i = τ without friction
     standstill = (np.abs(qd) < STANDSTILL_SPEED).all(axis=1) & np.isfinite(moment * current).all(
         axis=1
     )

@@ -73,6 +73,7 @@ def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: A
         rmse=np.sqrt(_mean(error**2)),
         rmse_lowpassed=np.sqrt(_mean(slow**2)),
         mae=_mean(np.abs(slow)),
+        # the share of the low-passed variance that is explained
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
         coverage=_mean(np.where(finite, np.abs(slow) <= half_band, np.nan)),
     )

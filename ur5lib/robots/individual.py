@@ -133,6 +133,7 @@ def _ros_matrix(link: Mapping[str, float]) -> Array:
 def _on_axis(axis: Array, nominal: Array) -> Array:
     """Return a frame whose z axis is that of `axis`, as close as possible to the nominal frame."""
     z, origin = axis[:3, 2], axis[:3, 3]
+    # the nominal x axis, made perpendicular to z
     x = nominal[:3, 0] - z * (z @ nominal[:3, 0])
     x /= np.linalg.norm(x)
     frame = np.eye(4)
@@ -146,6 +147,7 @@ def _expect_near(
 ) -> None:
     for k, (frame, near) in enumerate(zip(frames, nominal, strict=True)):
         away = float(np.linalg.norm(frame[:3, 3] - near[:3, 3]))
+        # tr R = 1 + 2 cos of the angle between both frames
         cosine = (np.trace(frame[:3, :3].T @ near[:3, :3]) - 1) / 2
         if away > MAX_FRAME_DISTANCE or math.acos(min(1.0, cosine)) > MAX_FRAME_TURN:
             raise InputError(

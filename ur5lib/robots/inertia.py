@@ -107,6 +107,7 @@ def rigid_inertia(inertia: Array, share: float = 1e-12) -> Array:
     MuJoCo rejects the link. In that case all moments are raised by `share` of their sum, or, for a
     point mass, by `share` kg m².
     """
+    # A + B - C of principal moments with the largest, C
     slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
     margin = share * (np.trace(inertia) or 1.0)
     return inertia if slack > margin else inertia + margin * np.eye(3)

@@ -43,7 +43,9 @@ def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
     bodies = rigid_bodies(robot, model)
     centers = np.einsum("nkij,kj->nki", rotation[:, 1:], bodies.center_of_mass) + origin[:, 1:]
     weights = bodies.mass[:, None] * np.array(robot.gravity)
+    # Σ_k≥j c_k × m_k g
     moment = np.cumsum(np.cross(centers, weights)[:, ::-1], axis=1)[:, ::-1]
+    # Σ_k≥j m_k g
     carried = np.cumsum(weights[::-1], axis=0)[::-1]
     about_joints = moment - np.cross(origin[:, :-1], carried)
     return -np.einsum("nji,nji->nj", rotation[:, :-1, :, 2], about_joints)

@@ -79,6 +79,7 @@ class ImuCalibration:
 
         gravity: (3,) [m/s²], base frame, as the arm's description has it.
         """
+        # up is a unit vector: its components across gravity leave √(1 - β²) along it
         upright = np.sqrt(1 - self.tilt @ self.tilt)
         return np.linalg.norm(gravity) * (level_axes(gravity) @ self.tilt) - upright * gravity
 

@@ -44,6 +44,7 @@ def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
     straight lines remain unchanged, up to the ends.
     """
     own_rate = 1 / (grid[1] - grid[0])
+    # a Kaiser window whose transition ends at the robot's Nyquist frequency
     count, beta = signal.kaiserord(STOPBAND_ATTENUATION, (1 - PASSBAND_SHARE) * rate / own_rate)
     half = count // 2
     window = signal.firwin(

@@ -117,6 +117,7 @@ def widen(std: Array, test: InnovationTest, q: Array) -> None:
     """
     joints = q.shape[1]
     std *= np.tile(widening(test, joints), 3)
+    # an error anywhere within ± half a step: step / √12
     rounding = np.array([quantum(joint) for joint in q.T]) / np.sqrt(12)
     std[:, :joints] = np.hypot(std[:, :joints], rounding)
 
@@ -167,6 +168,7 @@ def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
     covariance[..., :3, :3] = np.diag(INITIAL_STD**2)
     for joint, (frequency, damping) in enumerate(zip(noise.frequency, noise.damping, strict=True)):
         F, driven = motion_step(UNIT_VIBRATION_STEP, 1.0, damping)
+        # P = F P Fᵀ + Q for ω = 1
         unit = solve_discrete_lyapunov(F[3:, 3:], np.outer(driven[3:, 1], driven[3:, 1]))
         power = frequency ** (np.arange(3) - 2.5)
         intensity = noise.vibration[fresh, joint, None, None]

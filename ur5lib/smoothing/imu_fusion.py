@@ -172,6 +172,7 @@ def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -
     minus the explained variance, and at least the mean square that a twentieth of all windows stay
     below.
     """
+    # local mean square, less what the encoders' motion explains, at least that of quiet windows
     square = (residual - np.nanmedian(residual, axis=0)) ** 2
     count = round(IMU_WINDOW / float(np.median(np.diff(time))))
     square = moving_mean(square, segment, count)

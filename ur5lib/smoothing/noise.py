@@ -134,6 +134,7 @@ def _joint_noise(
     part: from which the ratios are; record: the whole recording; step: of its positions [rad].
     """
     period = record.period
+    # no noise is below what rounding to the encoder's grid makes
     finest = max(step / np.sqrt(12), RECORDED_RESOLUTION)
     position = max(float(np.sqrt(part.variance(_whitened(ratios)[0]))), finest)
     jerk, vibration, scale = record.local(ratios, position)

@@ -149,6 +149,7 @@ def over_spans(series: DatedSeries) -> DatedSeries:
     columns = root * np.hstack([which, groups])
     coefficients = np.linalg.lstsq(columns, root[:, 0] * series.value)[0]
     residual = root[:, 0] * series.value - columns @ coefficients
+    # Σ 1 / σ² of each span
     weight = which.T @ root[:, 0] ** 2
     scatter = which.T @ residual**2 / np.maximum(which.sum(axis=0) - 1, 1)
     mean = which.T / which.sum(axis=0)[:, None]
@@ -263,6 +264,7 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
         (rows**2).sum(axis=1) - ((rows @ basis) ** 2).sum(axis=1), MIN_RELATIVE_DIVISOR
     )
     size, count = columns.shape
+    # log (1 - ρ²)^((n-1)/2) |XᵀX|^(1/2), with |XᵀX|^(1/2) = |R|
     volume = (size - 1) / 2 * np.log(1 - correlation**2) + np.log(abs(np.diag(triangle))).sum()
     result: Array = -volume - (size - count) / 2 * np.log(residual)
     return result
@@ -312,6 +314,7 @@ def variation(value: Array, std_error: Array) -> float:
     From the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁: neither a slow
     drift nor a few jumps add to it.
     """
+    # median of d² = (2 s² + 2 σ²) median of χ²₁
     difference = np.median(np.diff(value) ** 2) / MEDIAN_CHI2
     return float(max(0.0, difference / 2 - np.median(std_error**2)))
 
@@ -336,6 +339,7 @@ def _change(
     columns = problem.columns(chosen)
     value, std_error, freedom = _generalised_least_squares(columns, problem.value)
     column = problem.base.shape[1] + place
+    # Student's t of the residuals' degrees of freedom
     half = std_error[column] * float(stdtrit(freedom, 0.5 + BAND_COVERAGE / 2))
     is_drift = chosen[place] == 0
     when = (0, len(series.day) - 1) if is_drift else _jump_dates(problem, chosen, place)

@@ -65,6 +65,7 @@ def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
     Raftery 2007, Equation 43).
     """
     half = NORMAL95 * std
+    # width + 2 / α times what lies outside, α = 0.05
     missed = np.maximum(np.abs(reference - estimate) - half, 0.0)
     return np.nanmean(2 * half + 2 / 0.05 * missed, axis=0)
 

@@ -95,6 +95,7 @@ def group_by_path(runs: Iterable[PathStates]) -> Labels:
                 other for other, representative in representatives if representative.is_part_of(run)
             ]
             representatives.append((place, run))
+        # a run that is like several trajectories makes them one
         joined = {labels[other] for other in alike}
         label_of_run = min(joined, default=place)
         if len(joined) > 1:
