@@ -53,9 +53,9 @@ def test_fast_runs_of_one_trajectory_are_known_as_one(start: float) -> None:
     def fast(start: float, seconds: float = 6.0) -> PathStates:
         time = np.arange(start, start + seconds, 0.008)[:, None]
         angle = 4 * time + np.arange(6)
-        return PathStates.from_motion(0.8 * np.sin(angle), 3.2 * np.cos(angle), every=12)
+        return PathStates.from_motion(0.8 * np.sin(angle), 3.2 * np.cos(angle), stride=12)
 
-    slow = PathStates.from_motion(*wave(0), every=5)
+    slow = PathStates.from_motion(*wave(0), stride=5)
     runs = [fast(0.0), slow, fast(start), fast(start, seconds=2.0)]
     assert group_by_path(runs).tolist() == [0, 1, 0, 0]
 
@@ -115,6 +115,6 @@ def test_thousands_of_repetitions_take_one_comparison_each() -> None:
             asked.append(1)
             return super().within(other)
 
-    runs = (Counted.from_motion(*programs[k % 3], every=5) for k in range(300))
+    runs = (Counted.from_motion(*programs[k % 3], stride=5) for k in range(300))
     assert group_by_path(runs).tolist() == [0, 1, 2] * 100
     assert len(asked) < 310

@@ -170,8 +170,8 @@ def acceleration(
 
     q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. No angles, so no singularity of angles (erratum 1).
     """
-    free = velocity_product_acceleration(arm, q, qd, link, point)
-    return apply(jacobian(arm, q, link, point), qdd) + free
+    free_acceleration = velocity_product_acceleration(arm, q, qd, link, point)
+    return apply(jacobian(arm, q, link, point), qdd) + free_acceleration
 
 
 def velocity_product_acceleration(

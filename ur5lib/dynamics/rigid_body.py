@@ -81,13 +81,13 @@ def forward_dynamics(
 ) -> Tensor:
     """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, n) [rad/s²]; wrench as above."""
 
-    def solve(q: Tensor, free: Tensor) -> Tensor:
+    def solve(q: Tensor, net_torque: Tensor) -> Tensor:
         # D = L Lᵀ, positive definite
         root = torch.linalg.cholesky(inertia_matrix(arm, q))
-        return torch.cholesky_solve(free[..., None], root)[..., 0]
+        return torch.cholesky_solve(net_torque[..., None], root)[..., 0]
 
-    free = torque - inverse_dynamics(arm, q, qd, torch.zeros_like(q), wrench)
-    return in_batches(solve, batch_size(arm), q, free)
+    net_torque = torque - inverse_dynamics(arm, q, qd, torch.zeros_like(q), wrench)
+    return in_batches(solve, batch_size(arm), q, net_torque)
 
 
 def kinetic_energy(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
@@ -128,8 +128,8 @@ def _kinetic_energy(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any
 
 def _potential_energy(geometry: Geometry, parameters: Any, q: Any) -> Any:
     chain, (bodies, _) = recursion.joints(geometry, q), split(geometry, parameters)
-    whole, *_ = recursion.composite_inertias(chain, bodies)
-    energy = -recursion.dot(geometry.gravity, chain[0].inwards(whole.moment))
+    composite, *_ = recursion.composite_inertias(chain, bodies)
+    energy = -recursion.dot(geometry.gravity, chain[0].inwards(composite.moment))
     return stacked([energy], q[0])[0]
 
 

@@ -87,9 +87,9 @@ def random_path(task: Task, random: np.random.Generator, postures: Array) -> Pat
     postures: (M, n) [rad], of which one is drawn as the start; see `free_postures`.
     """
     basis = resting_series(task.seconds, task.harmonics)
-    drawn = basis @ random.normal(size=(basis.shape[1], postures.shape[1]))
+    coefficients = basis @ random.normal(size=(basis.shape[1], postures.shape[1]))
     posture = postures[random.integers(len(postures))]
-    path = Path(posture, drawn, task.seconds)
+    path = Path(posture, coefficients, task.seconds)
     speed = np.abs(path.sampled(COARSE_CHECK_RATE)[1].qd).max(axis=0)
     return feasible_path(
         task.cell, path.shrunk(task.cell.limits.velocity / speed), COARSE_CHECK_RATE
@@ -104,23 +104,25 @@ def free_postures(cell: WorkCell, random: np.random.Generator) -> Array:
     turned = np.minimum(MAX_POSTURE_ANGLE, cell.limits.position)
     q = cell.middle + random.uniform(-turned, turned, (POSTURE_TRIALS, len(turned)))
     broken = _broken_at_rest(cell, q)
-    free = ~np.any(list(broken.values()), axis=0)
-    if not free.any():
+    keeps_limits = ~np.any(list(broken.values()), axis=0)
+    if not keeps_limits.any():
         limit, where = max(broken.items(), key=lambda item: int(item[1].sum()))
         raise InputError(
             f"{cell.robot.name} has no room to move: in {where.mean():.0%} of "
             f"{POSTURE_TRIALS} random postures {limit}; move the table or "
             "the boxes, or mount the arm elsewhere"
         )
-    return q[free]
+    return q[keeps_limits]
 
 
 def _broken_at_rest(cell: WorkCell, q: Array) -> dict[str, Mask]:
     """Return by limit whether the arm exceeds it at rest in postures (N, n) [rad]."""
-    still, near = np.zeros_like(q), cell.capsules.near(q)
+    still, clearances = np.zeros_like(q), cell.capsules.near(q)
     torque = cell.model.inverse_dynamics(q, still, still)
     touched = dict[str, Mask]()
-    for sample, distance, pair in zip(near.sample, near.distance, near.pairs, strict=True):
+    for sample, distance, pair in zip(
+        clearances.sample, clearances.distance, clearances.pairs, strict=True
+    ):
         if distance < cell.limits.clearance:
             name = f"{' and '.join(pair)} come within {cell.limits.clearance:g} m"
             touched.setdefault(name, np.zeros(len(q), dtype=bool))[sample] = True
@@ -188,7 +190,7 @@ def _improved_point(
 
     done = 0
     while done < iterations:
-        before, remaining = lowest[0], iterations - done
+        lowest_before, remaining = lowest[0], iterations - done
         options = {"maxiter": remaining, "maxfun": 2 * remaining, "ftol": 0.0, "gtol": 0.0}
         run = minimize(
             seen,
@@ -199,7 +201,7 @@ def _improved_point(
             callback=lambda _: stepped(1),
         )
         done += run.nit
-        if run.status != LINE_SEARCH_FAILURE or lowest[0] >= before:
+        if run.status != LINE_SEARCH_FAILURE or lowest[0] >= lowest_before:
             break
     stepped(iterations - done)
     return lowest[1]

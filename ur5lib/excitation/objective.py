@@ -40,12 +40,14 @@ def d_optimality(estimated: Mask) -> Criterion:
     estimated: (P,), which parameters. log det M - log det M_oo, with o the others, which is the log
     det of the Schur complement (D_s-optimality).
     """
-    others = np.ix_(~estimated, ~estimated)
+    other_parameters = np.ix_(~estimated, ~estimated)
 
     def value_and_gradient(information: Array) -> tuple[float, Array]:
         gradient = np.asarray(np.linalg.inv(information), np.float64)
-        gradient[others] -= np.linalg.inv(information[others])
-        value = np.linalg.slogdet(information)[1] - np.linalg.slogdet(information[others])[1]
+        gradient[other_parameters] -= np.linalg.inv(information[other_parameters])
+        value = (
+            np.linalg.slogdet(information)[1] - np.linalg.slogdet(information[other_parameters])[1]
+        )
         return float(value), gradient
 
     return value_and_gradient
@@ -82,8 +84,10 @@ def conditioning(scale: Array) -> Criterion:
         if values[0] < MIN_EIGENVALUE_SHARE * values[-1]:
             return 0.0, gradient
         # ∂ log(λ_min / λ_max) / ∂M = v vᵀ / λ of both
-        least, most = (np.outer(vectors[:, k], vectors[:, k]) / values[k] for k in (0, -1))
-        gradient[scaled] = least - most
+        lowest_slope, highest_slope = (
+            np.outer(vectors[:, k], vectors[:, k]) / values[k] for k in (0, -1)
+        )
+        gradient[scaled] = lowest_slope - highest_slope
         return float(np.log(values[0] / values[-1])), weight * gradient
 
     return value_and_gradient
@@ -246,22 +250,24 @@ class Objective:
 
     def _nearness(self, q: Array) -> tuple[float, Array]:
         """Return the penalty for parts that are too close, over DISTANCE_REACH, and its slope."""
-        least = self._task.cell.limits.clearance / USED_LIMIT_SHARE
-        near = self._task.cell.capsules.near(q, gradient_below=least)
-        missing = np.maximum(least - near.distance, 0) / DISTANCE_REACH
+        min_distance = self._task.cell.limits.clearance / USED_LIMIT_SHARE
+        clearances = self._task.cell.capsules.near(q, gradient_below=min_distance)
+        missing = np.maximum(min_distance - clearances.distance, 0) / DISTANCE_REACH
         slope = np.zeros_like(q)
-        np.add.at(slope, near.sample, -2 / DISTANCE_REACH * missing[:, None] * near.gradient)
+        np.add.at(
+            slope, clearances.sample, -2 / DISTANCE_REACH * missing[:, None] * clearances.gradient
+        )
         return float(missing @ missing), slope
 
     def _singularity(self, q: Array) -> tuple[float, Array]:
         """Return the penalty of singular values that are too small, and its slope by q."""
-        least = self._task.cell.limits.singular_value / USED_LIMIT_SHARE
+        min_value = self._task.cell.limits.singular_value / USED_LIMIT_SHARE
         slope, missing = np.zeros_like(q), np.zeros(len(q))
-        low = self._task.cell.singular_value(q) < least
+        low = self._task.cell.singular_value(q) < min_value
         if low.any():
             value, pull_back = self._task.cell.differentiable_singular_value(q[low])
-            missing[low] = np.maximum(1 - value / least, 0)
-            (slope[low],) = pull_back(-2 / least * missing[low])
+            missing[low] = np.maximum(1 - value / min_value, 0)
+            (slope[low],) = pull_back(-2 / min_value * missing[low])
         return float(missing @ missing), slope
 
 

@@ -195,12 +195,12 @@ class WorkCell:
         parts = [*self.limited(states), torque]
         limited = zip(JOINT_LIMITS, parts, self.limits.of_joints(), strict=True)
         used = {name: np.abs(part).max(axis=0) / limit for name, part, limit in limited}
-        near = self.capsules.near(states.q)
-        nearest = int(np.argmin(near.distance)) if len(near.distance) else None
+        clearances = self.capsules.near(states.q)
+        nearest = int(np.argmin(clearances.distance)) if len(clearances.distance) else None
         return Margins(
             self.limits,
             used,
-            DISTANCE_REACH if nearest is None else float(near.distance[nearest]),
-            "" if nearest is None else " and ".join(near.pairs[nearest]),
+            DISTANCE_REACH if nearest is None else float(clearances.distance[nearest]),
+            "" if nearest is None else " and ".join(clearances.pairs[nearest]),
             float(self.singular_value(states.q).min()),
         )

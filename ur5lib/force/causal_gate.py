@@ -47,11 +47,16 @@ def _filtered(observations: Observations, starts_stretch: Mask) -> Array:
     noise = observations.noise
     worth = observations.worth
     measured = finite_rows(torque)
-    free, bank = np.stack(observations.free_covariances()), np.stack(observations.prior.bank())
+    free_covariances, bank = (
+        np.stack(observations.free_covariances()),
+        np.stack(observations.prior.bank()),
+    )
     touched = diagonal(
         noise.quick + noise.hidden
     )  # of the torque in contact, beside the contact's own
-    transitions, start = state_chain(len(free), len(bank), observations.period, observations.prior)
+    transitions, start = state_chain(
+        len(free_covariances), len(bank), observations.period, observations.prior
+    )
     decay = np.exp(-observations.period * observations.model.rate[observations.states])
     contact = np.empty(len(torque))
     for t in range(len(torque)):
@@ -66,15 +71,17 @@ def _filtered(observations: Observations, starts_stretch: Mask) -> Array:
             # p ∝ p⁻ N(τ - b⁻; 0, S + P⁻), in contact S + S_hidden + P⁻ + Jᵀ P_F J
             contact_covariances = touched[t] + jacobian[t].T @ bank @ jacobian[t]
             evidence = worth * log_density(
-                innovation, np.concatenate([free[:, t], contact_covariances]) + P
+                innovation, np.concatenate([free_covariances[:, t], contact_covariances]) + P
             )
             weight = np.maximum(weight * np.exp(evidence - evidence.max()), MIN_STATE_PROBABILITY)
             weight /= weight.sum()
             # correction: V = P⁻ + cov v, b = b⁻ + P⁻ V⁻¹ (τ - b⁻), P = P⁻ - P⁻ V⁻¹ P⁻
             noise_covariance = measurement_noise(
-                free[:, t, None], weight[None], weight[None, len(free) :].sum(1)
+                free_covariances[:, t, None],
+                weight[None],
+                weight[None, len(free_covariances) :].sum(1),
             )
             gain = np.linalg.solve(P + noise_covariance[0] / worth, P)
             b, P = b + innovation @ gain, P - P @ gain
-        contact[t] = weight[len(free) :].sum()
+        contact[t] = weight[len(free_covariances) :].sum()
     return contact

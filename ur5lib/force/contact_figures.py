@@ -108,8 +108,12 @@ def resampled_means(values: Array, force: Array) -> Array | None:
     sums = np.array([filled[a:b].sum(axis=0) for a, b in spans])  # (contacts, K)
     counts = np.array([finite_in_contact[a:b].sum() for a, b in spans])
     # mean = Σ sums / Σ counts of the contacts drawn
-    drawn = np.random.default_rng(0).integers(len(spans), size=(CONTACT_RESAMPLES, len(spans)))
-    return np.asarray(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None])
+    drawn_contacts = np.random.default_rng(0).integers(
+        len(spans), size=(CONTACT_RESAMPLES, len(spans))
+    )
+    return np.asarray(
+        sums[drawn_contacts].sum(axis=1) / counts[drawn_contacts].sum(axis=1)[:, None]
+    )
 
 
 @dataclass(frozen=True)

@@ -174,9 +174,9 @@ def _cost(parameters: Array, x: Array, detected: Mask) -> float:
     return float(likelihood + 0.5 * (steepness - LOG_STEEPNESS) ** 2)
 
 
-def contacts(force: Array, least: float = TOUCH_FORCE) -> list[Span]:
+def contacts(force: Array, least_force: float = TOUCH_FORCE) -> list[Span]:
     """Return contacts that reach a force. force: (N,) [N], of the sensor, NaN where unknown."""
-    return spans(np.nan_to_num(force), least, RELEASE_FORCE)
+    return spans(np.nan_to_num(force), least_force, RELEASE_FORCE)
 
 
 def in_contact(force: Array) -> Mask:
@@ -244,13 +244,13 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
     return float(lowest)
 
 
-def pushes_above(force: Array, sensed: Array, least: float, period: float) -> tuple[int, int]:
+def pushes_above(force: Array, sensed: Array, least_force: float, period: float) -> tuple[int, int]:
     """Return how many pushes reach a force at the sensor, and how many of them have an alarm of
     their own at this threshold.
 
-    force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least: [N];
-    period: [s].
+    force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least_force:
+    [N]; period: [s].
     """
-    pushes = spans(np.nan_to_num(np.abs(sensed)), least, RELEASE_FORCE)
-    detection = compare(force_alarms(np.abs(force), least), pushes, period)
+    pushes = spans(np.nan_to_num(np.abs(sensed)), least_force, RELEASE_FORCE)
+    detection = compare(force_alarms(np.abs(force), least_force), pushes, period)
     return detection.contacts, detection.found

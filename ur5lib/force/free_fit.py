@@ -96,14 +96,14 @@ Fit = tuple[Array, Mask, Array]  # parameters (P,), free samples (N,), their noi
 class SensorReadings:
     """Readings (N, 6), their terms (N, 6, P), which are complete (N,), and their period [s].
 
-    known: inverse variances (P,) of a prior about zero, 0 for none.
+    prior_precision: inverse variances (P,) of a prior about zero, 0 for none.
     """
 
     reading: Array
     terms: Array
     measured: Mask
     period: float
-    known: Array | float = 0.0
+    prior_precision: Array | float = 0.0
 
     @property
     def repeats(self) -> Array:
@@ -116,20 +116,22 @@ class SensorReadings:
         return agreement(parameters, self.terms[rows], self.reading[rows], tolerance)
 
 
-def settle(record: SensorReadings, free: Mask, weight: Array) -> Fit:
+def settle(record: SensorReadings, is_free: Mask, weight: Array) -> Fit:
     """Alternate the fit and the selection of free samples until the selection stays the same.
 
     Returns the parameters (P,), the free samples (N,), and their noise (6,), at least
     REPEATABILITY.
     """
     for _ in range(MAX_FIT_ROUNDS):
-        parameters, residual = fit(record, free, weight)
-        noise = np.maximum(STD_PER_MAD * np.median(np.abs(residual[free]), axis=0), record.repeats)
+        parameters, residual = fit(record, is_free, weight)
+        noise = np.maximum(
+            STD_PER_MAD * np.median(np.abs(residual[is_free]), axis=0), record.repeats
+        )
         quiet = free_samples(residual, noise, record.measured, record.period)
-        if (quiet == free).all() or not quiet.any():
+        if (quiet == is_free).all() or not quiet.any():
             break
-        free, weight = quiet, np.ones(len(quiet))
-    return parameters, free, noise
+        is_free, weight = quiet, np.ones(len(quiet))
+    return parameters, is_free, noise
 
 
 def free_samples(residual: Array, noise: Array, measured: Mask, period: float) -> Mask:
@@ -152,17 +154,17 @@ def least_deviations(record: SensorReadings) -> Array:
     return weight
 
 
-def fit(record: SensorReadings, free: Mask, weight: Array) -> tuple[Array, Array]:
+def fit(record: SensorReadings, is_free: Mask, weight: Array) -> tuple[Array, Array]:
     """Fit the free samples by weighted least squares, forces and moments in units of REPEATABILITY.
 
     Returns the parameters (P,) and the residuals of all readings (N, 6).
     """
-    scale = weight[free, None] / record.repeats
-    scaled = record.terms[free] * scale[..., None]
+    scale = weight[is_free, None] / record.repeats
+    scaled = record.terms[is_free] * scale[..., None]
     rows = scaled.reshape(-1, scaled.shape[2])
-    values = (record.reading[free] * scale).ravel()
+    values = (record.reading[is_free] * scale).ravel()
     # (Xᵀ W X + Λ) θ = Xᵀ W y
-    normal = rows.T @ rows + record.known * np.eye(rows.shape[1])
+    normal = rows.T @ rows + record.prior_precision * np.eye(rows.shape[1])
     parameters = np.linalg.pinv(normal, hermitian=True) @ (rows.T @ values)
     return parameters, record.reading - record.terms @ parameters
 

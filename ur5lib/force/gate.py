@@ -164,8 +164,8 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     period, noise, prior = observations.period, observations.noise, observations.prior
     measured_rows = finite_rows(observations.torque)
     filled = np.where(measured_rows[:, None], observations.torque, 0.0)
-    free = observations.free_covariances()
-    transitions, start = state_chain(len(free), len(prior.bank()), period, prior)
+    free_covariances = observations.free_covariances()
+    transitions, start = state_chain(len(free_covariances), len(prior.bank()), period, prior)
     slow = rest_background = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
     for rounds_left, share in zip(
         reversed(range(len(BACKGROUND_COVARIANCE_FACTORS))),
@@ -175,7 +175,7 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
         # log p(τ | state), and 0 where τ is unknown
         free_evidence = [
             log_density(filled - rest_background.mean, c + share * rest_background.covariance)
-            for c in free
+            for c in free_covariances
         ]
         # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
         residual = filled - slow.mean
@@ -188,9 +188,9 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
         evidence *= observations.worth * measured_rows[:, None]
         # p(contact) = Σ p(state | all τ) over the states in contact
         weight = posterior(evidence, transitions, start)  # (N, S)
-        contact = weight[:, len(free) :].sum(axis=1)  # (N,)
+        contact = weight[:, len(free_covariances) :].sum(axis=1)  # (N,)
         # background given all τ, each weighted by the probability of a free arm
-        measured = measurement_noise(free, weight, contact) / observations.worth
+        measured = measurement_noise(free_covariances, weight, contact) / observations.worth
         # a push at rest may renew the background: it changes what stiction holds
         renewed = noise.still * contact[:, None] / prior.duration
         rate = observations.model.rate[observations.states]
@@ -204,16 +204,19 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     return contact, slow
 
 
-def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Array) -> Array:
+def measurement_noise(
+    free_covariances: Array | Sequence[Array], weight: Array, contact: Array
+) -> Array:
     """Return the covariance (N, n, n) of the torque as a measurement of the background.
 
     Σ p(free state) cov / p(free); in contact, the sample hardly counts.
     """
-    share = weight[:, : len(free)] + 1e-12
+    share = weight[:, : len(free_covariances)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)
     # Σ p(k) cov_k over the free states k
     mean = sum(
-        state_weight[:, None, None] * c for state_weight, c in zip(share.T, free, strict=True)
+        state_weight[:, None, None] * c
+        for state_weight, c in zip(share.T, free_covariances, strict=True)
     )
     free_weight = np.where(
         contact > EXCLUSION_PROBABILITY,
@@ -224,25 +227,27 @@ def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Arr
 
 
 def state_chain(
-    free: int, contacts: int, period: float, prior: ContactPrior
+    free_states: int, contact_states: int, period: float, prior: ContactPrior
 ) -> tuple[Array, Array]:
     """Return transition (S, S) and start (S,) probabilities of the states.
 
-    They are `free` ones, undisturbed and then hunting, and some contacts; period: [s].
+    They are `free_states` ones, undisturbed and then hunting, and some contacts; period: [s].
     free → contact → hunting → free; a free arm rarely hunts, and one that hunts may be touched.
     """
     # probabilities per sample of leaving a state
     begins, ends = period / prior.pause, period / prior.duration
     settles, wanders = period / prior.settling, period * prior.unprovoked
-    hunting = free - 1
-    steps = np.zeros((free + contacts, free + contacts))
-    steps[:free, free:] = begins / contacts
-    steps[0, 0], steps[0, 1:free] = 1 - begins - wanders, wanders / hunting
-    steps[1:free, 1:free] = np.eye(hunting) * (1 - begins - settles)
-    steps[1:free, 0] = settles
-    steps[free:, free:] = np.eye(contacts) * (1 - ends)
-    steps[free:, 1:free] = ends / hunting
-    return steps, np.array([0.6, *[0.3 / hunting] * hunting, *[0.1 / contacts] * contacts])
+    hunting = free_states - 1
+    steps = np.zeros((free_states + contact_states, free_states + contact_states))
+    steps[:free_states, free_states:] = begins / contact_states
+    steps[0, 0], steps[0, 1:free_states] = 1 - begins - wanders, wanders / hunting
+    steps[1:free_states, 1:free_states] = np.eye(hunting) * (1 - begins - settles)
+    steps[1:free_states, 0] = settles
+    steps[free_states:, free_states:] = np.eye(contact_states) * (1 - ends)
+    steps[free_states:, 1:free_states] = ends / hunting
+    return steps, np.array(
+        [0.6, *[0.3 / hunting] * hunting, *[0.1 / contact_states] * contact_states]
+    )
 
 
 def diagonal(variance: Array) -> Array:

@@ -47,13 +47,16 @@ def probability_while_shut(
     return share * missed / (share * missed + 1 - share)
 
 
-def mixture_std(probability: Array, missed: Array, free: Array) -> Array:
+def mixture_std(probability: Array, missed_variance: Array, free_variance: Array) -> Array:
     """Return the standard deviation (N, K) whose ± 1.96 is the 95 % band of a mixture.
 
     With a probability (N, K) the value is that of a missed contact, otherwise that of a free arm;
-    missed, free: variances (N, K) and (K,) of both, whose means are zero.
+    missed_variance, free_variance: variances (N, K) and (K,) of both, whose means are zero.
     """
-    missed_std, free_std = np.sqrt(missed), np.broadcast_to(np.sqrt(free), missed.shape)
+    missed_std, free_std = (
+        np.sqrt(missed_variance),
+        np.broadcast_to(np.sqrt(free_variance), missed_variance.shape),
+    )
     low = NORMAL95 * np.minimum(missed_std, free_std)
     high = NORMAL95 * np.maximum(missed_std, free_std)
     for _ in range(BISECTION_STEPS):

@@ -132,19 +132,19 @@ def fit_residual_model(
         [_differences(stretch, lag) for stretch in stretches] for lag in (SHORT_LAG, LONG_LAG)
     )
     joints = len(breakaway)
-    whole, near, far = (
+    mean_square, short_variogram, long_variogram = (
         _moments(parts, joints) for parts in (stretches, short, long)
     )  # (S, n) each
-    if not np.isfinite(far).any():
+    if not np.isfinite(long_variogram).any():
         raise RefusalError("short recordings", seconds=LONG_LAG)
-    still = (np.flatnonzero(np.isnan(whole[JointState.MOVING])) + 1).tolist()
+    still = (np.flatnonzero(np.isnan(mean_square[JointState.MOVING])) + 1).tolist()
     if still:
         raise RefusalError("still joints", joints=still)
-    change = np.sqrt(_filled_moments(near))
+    change = np.sqrt(_filled_moments(short_variogram))
     return ResidualModel(
-        spread=np.maximum(np.sqrt(_filled_moments(whole)), change),
+        spread=np.maximum(np.sqrt(_filled_moments(mean_square)), change),
         change=change,
-        rate=_rates((far - near) / whole / (LONG_LAG - SHORT_LAG)),
+        rate=_rates((long_variogram - short_variogram) / mean_square / (LONG_LAG - SHORT_LAG)),
         independent=1 / (2 * cutoff),
         breakaway=breakaway,
     )

@@ -115,12 +115,12 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
         *_settled_agreement(record, offsets, tolerance),
     ]
     agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
-    parameters, free, noise = fits[agree.sum(axis=1).argmax()]
+    parameters, is_free, noise = fits[agree.sum(axis=1).argmax()]
     tolerance = np.maximum(tolerance, CONTACT_DEVIATIONS * noise)
     # who agrees with it, and who of the others with one of the candidates
     agree = record.agreement(np.concatenate([parameters[None], offsets]), tolerance)
     rival = (agree & ~agree[0]).mean(axis=1).max()
-    offset = _offset(record, parameters, free, float(agree[0].mean()), float(rival))
+    offset = _offset(record, parameters, is_free, float(agree[0].mean()), float(rival))
     if stride > 1:  # free samples of the whole record
         untouched = offset.reading(pull)[:, : reading.shape[1]]
         free_of_all = free_samples(reading - untouched, noise, measured, period)
@@ -136,21 +136,25 @@ def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
     """
     agreeing = offset.agreeing
     rival = offset.rival
-    free = round(offset.free.sum() / repeats)
+    free_readings = round(offset.free.sum() / repeats)
     if rival > MAX_RIVAL_SHARE * agreeing:
         return remark("two biases", share=agreeing, other=rival)
     if agreeing < MIN_AGREEING_SHARE:
         return remark("disputed bias", share=agreeing)
-    return remark("few free samples", count=free) if free < MIN_FREE_SAMPLES else None
+    return (
+        remark("few free samples", count=free_readings)
+        if free_readings < MIN_FREE_SAMPLES
+        else None
+    )
 
 
 def _settled_agreement(record: SensorReadings, offsets: Array, tolerance: Array) -> Iterator[Fit]:
     """Yield the fit that starts from the samples that agree with the best candidate of (K, 10)."""
     if len(offsets):
         best = record.agreement(offsets, tolerance).sum(axis=1).argmax()
-        free = agreement(offsets[[best]], record.terms, record.reading, tolerance)[0]
-        if free.any():
-            yield settle(record, free, np.ones(len(free)))
+        is_free = agreement(offsets[[best]], record.terms, record.reading, tolerance)[0]
+        if is_free.any():
+            yield settle(record, is_free, np.ones(len(is_free)))
 
 
 def _arm_turns(pull: Array) -> bool:
@@ -175,11 +179,11 @@ def _terms(pull: Array, weighed: bool, components: int) -> Array:
 
 
 def _offset(
-    record: SensorReadings, parameters: Array, free: Mask, agreeing: float, rival: float
+    record: SensorReadings, parameters: Array, is_free: Mask, agreeing: float, rival: float
 ) -> SensorOffset:
     """Return the fitted parameters (10,) with their standard errors."""
-    terms = record.terms[free]
-    residual = record.reading[free] - record.terms[free] @ parameters
+    terms = record.terms[is_free]
+    residual = record.reading[is_free] - record.terms[is_free] @ parameters
     noise = residual.std(axis=0)
     deviation = np.sqrt(np.diag(covariance(terms, residual, noise)).clip(0))
     observable = record.terms.any(
@@ -196,7 +200,7 @@ def _offset(
         noise=np.pad(noise, (0, 6 - len(noise)), constant_values=np.nan),
         agreeing=agreeing,
         rival=rival,
-        free=free,
+        free=is_free,
     )
 
 

@@ -158,8 +158,8 @@ def fit_free_reading(
     thin = SensorReadings(
         unexpected, terms, measured[stride], stride.step * period, prior_precision
     )
-    correction, free, _ = settle(thin, thin.measured, least_deviations(thin))
-    free_residual = (unexpected - terms @ correction)[free]
+    correction, is_free, _ = settle(thin, thin.measured, least_deviations(thin))
+    free_residual = (unexpected - terms @ correction)[is_free]
     response, bias, drift, inertia = np.split(expected + correction, [18, 24, 30])
     residual = reading - middle - bias - pull @ response.reshape(6, 3).T - np.outer(minutes, drift)
     residual[:, 3:] -= spin @ inertia.reshape(3, 3).T
@@ -167,26 +167,26 @@ def fit_free_reading(
         response=response.reshape(6, 3),
         bias=middle + bias,
         drift=drift,
-        covariance=_covariance(terms[free], free_residual, time[stride][free], prior_precision)[
-            :30, :30
-        ],
+        covariance=_covariance(
+            terms[is_free], free_residual, time[stride][is_free], prior_precision
+        )[:30, :30],
         residual=residual,
-        seconds=float(free.sum() * thin.period),
+        seconds=float(is_free.sum() * thin.period),
     )
 
 
 def _covariance(terms: Array, residual: Array, time: Array, prior_precision: Array) -> Array:
     """Return the covariance (39, 39) of the parameters; no two components share one of them."""
-    whole = np.zeros((39, 39))
+    covariance = np.zeros((39, 39))
     for component, repeats in enumerate(REPEATABILITY):
         columns = np.flatnonzero(
             np.abs(_terms(UNIT_PULL, UNIT_PULL, UNIT_PULL[:, 0]))[0, component]
         )
         part = terms[:, component][:, columns], residual[:, component], time
-        whole[np.ix_(columns, columns)] = slow_covariance(
+        covariance[np.ix_(columns, columns)] = slow_covariance(
             *part, repeats**-2, prior_precision[columns]
         )
-    return whole
+    return covariance
 
 
 def _expectation(tool: Payload | None) -> tuple[Array, Array]:
@@ -197,11 +197,11 @@ def _expectation(tool: Payload | None) -> tuple[Array, Array]:
         np.concatenate([np.zeros(3), np.ones(3), [mass], mass * center])
     ).ravel()
     about = DECLARED_MASS_SHARE_STD * mass + DECLARED_MASS_STD if tool else UNDECLARED_MASS_STD
-    free = np.full(6, np.inf)
+    undetermined = np.full(6, np.inf)
     spread = [
         np.full(9, about),
         np.full(9, about * CENTER_DISTANCE_STD),
-        free,
+        undetermined,
         DRIFT_STD,
         np.full(9, INERTIA_STD),
     ]
@@ -232,22 +232,24 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
     width = np.concatenate(
         [[TURN_STD] * 3, [widths[0]] * 3, [widths[1]], [FREE_MASS_STD * CENTER_DISTANCE_STD] * 3]
     )
-    free = width > 0
+    is_fitted = width > 0
     values, vectors = np.linalg.eigh(reading.covariance[RESPONSE_COLUMNS, RESPONSE_COLUMNS])
     # W with Wᵀ W = C⁻¹ of the response
     whiten = vectors.T / np.sqrt(np.maximum(values, 1e-12 * values.max()))[:, None]
 
     def misfit(moved: Array) -> Array:
         parameters = start.copy()
-        parameters[free] += moved * width[free]
+        parameters[is_fitted] += moved * width[is_fitted]
         difference = whiten @ (response_of(parameters) - reading.response).ravel()
         return np.concatenate([difference, moved])
 
-    solution = least_squares(misfit, np.zeros(free.sum()))
+    solution = least_squares(misfit, np.zeros(is_fitted.sum()))
     std = np.zeros(10)
     # cov = (Jᵀ J)⁻¹, in units of the widths
-    std[free] = width[free] * np.sqrt(np.diag(np.linalg.inv(solution.jac.T @ solution.jac)))
-    start[free] += width[free] * solution.x
+    std[is_fitted] = width[is_fitted] * np.sqrt(
+        np.diag(np.linalg.inv(solution.jac.T @ solution.jac))
+    )
+    start[is_fitted] += width[is_fitted] * solution.x
     turn, scale, (mass,), moment = np.split(start, [3, 6, 7])
     turn_std, scale_std, (mass_std,), moment_std = np.split(std, [3, 6, 7])
     center = moment / mass if mass else np.full(3, np.nan)
@@ -276,10 +278,10 @@ def shifts_after_contacts(reading: FreeReading, time: Array) -> Array:
     touched = np.zeros(len(force), dtype=bool)
     for first, last in (spans := contacts(force)):
         touched[first:last] = True
-    free = np.where(touched[:, None], np.nan, reading.residual)
+    free_residual = np.where(touched[:, None], np.nan, reading.residual)
     shifts = [
-        _mean_in(free, time, time[last - 1] + SPAN_AFTER_CONTACT)
-        - _mean_in(free, time, time[first] + SPAN_BEFORE_CONTACT)
+        _mean_in(free_residual, time, time[last - 1] + SPAN_AFTER_CONTACT)
+        - _mean_in(free_residual, time, time[first] + SPAN_BEFORE_CONTACT)
         for first, last in spans
     ]
     complete_shifts = np.array(shifts).reshape(-1, 6)

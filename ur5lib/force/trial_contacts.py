@@ -56,17 +56,20 @@ def felt_push(
     time: Array,
     states: States,
     gears: Gears | None,
-    most: Array,
+    largest_friction: Array,
     random: np.random.Generator,
 ) -> Array:
     """Return what the motors feel of the torque (N, 6) [Nm] of pushes: less what friction bears.
 
     In motion, gears lose a part of it; at rest, dry friction bears a share of what it can, drawn
-    for each push and joint. time: (N,) [s]; most: (6,) [Nm], that friction bears.
+    for each push and joint. time: (N,) [s]; largest_friction: (6,) [Nm], that friction bears.
     """
     push = (time // (PUSH_DURATION + PAUSE_DURATION)).astype(np.int64)
     # dry friction bears anything between nothing and all that it can
-    bears = random.uniform(size=(push.max(initial=0) + 1, len(most)))[push] * most
+    bears = (
+        random.uniform(size=(push.max(initial=0) + 1, len(largest_friction)))[push]
+        * largest_friction
+    )
     resting = torque - np.clip(torque, -bears, bears)
     moving = torque if gears is None else gears.where_moving(states).felt(torque)
     return np.where(states == JointState.STILL, resting, moving)
@@ -89,18 +92,20 @@ def try_each_place(
     """
     profile, places = trial_pushes(len(jacobian), period)
     means = [float(speed[slice(*place)].mean()) for place in places]
-    free = [
+    free_places = [
         (place, mean)
         for place, mean in zip(places, means, strict=True)
         if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
     ]
     # sizes evenly in their logarithm; axes as evenly as possible
-    peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, MAX_TRIAL_FORCE, len(free)))
-    axes = random.permutation((random.integers(3) + np.arange(len(free))) % 3)
+    peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, MAX_TRIAL_FORCE, len(free_places)))
+    axes = random.permutation((random.integers(3) + np.arange(len(free_places))) % 3)
     force = np.zeros((len(profile), 3))
-    for (place, _), peak, axis in zip(free, peaks, axes, strict=True):
+    for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):
         force[slice(*place), axis] = peak * profile[slice(*place)]
     torque = np.matvec(jacobian[:, :3].mT, force)
-    answers = alarms(log_odds_of(torque), threshold) if free else []
-    detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free]
-    return Trials(peaks, axes, np.array([mean for _, mean in free]), np.array(detected, bool))
+    answers = alarms(log_odds_of(torque), threshold) if free_places else []
+    detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
+    return Trials(
+        peaks, axes, np.array([mean for _, mean in free_places]), np.array(detected, bool)
+    )

@@ -207,5 +207,7 @@ def _std_while_shut(observations: Observations, contact_probability: Array, insi
     hidden = (model.doubt * MISSED_DEVIATIONS) ** 2 * observations.noise.hiding()
     share, variance = missed_contacts(observations.jacobian, hidden, prior)
     probability = probability_while_shut(share, inside, observations.period, prior)
-    free = np.diagonal(prior.when_free())
-    return mixture_std(np.maximum(probability, contact_probability[:, None]), variance, free)
+    free_variance = np.diagonal(prior.when_free())
+    return mixture_std(
+        np.maximum(probability, contact_probability[:, None]), variance, free_variance
+    )

@@ -94,9 +94,9 @@ class InertialEstimate:
 
     def determined(self, groups: Array) -> Mask:
         """Return which of groups π the data determine, (B,): a small error, not from the prior."""
-        before = np.linalg.norm(groups * self.width, axis=1)
+        prior_std = np.linalg.norm(groups * self.width, axis=1)
         share = prior_share(groups, self.spread, self.width)
-        narrow = self.standard_errors(groups) <= np.sqrt(MAX_PRIOR_VARIANCE_SHARE) * before
+        narrow = self.standard_errors(groups) <= np.sqrt(MAX_PRIOR_VARIANCE_SHARE) * prior_std
         return narrow & (share <= MAX_PRIOR_VARIANCE_SHARE)
 
 

@@ -237,8 +237,8 @@ class _JointLoop:
         """Return GRID_NODES logarithms of both gains (GRID_NODES, 2), by natural frequencies."""
         longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
-        least, most = np.log(np.stack([frequency**2, 2 * frequency], axis=1))
-        return np.linspace(least, most, GRID_NODES)
+        lowest, highest = np.log(np.stack([frequency**2, 2 * frequency], axis=1))
+        return np.linspace(lowest, highest, GRID_NODES)
 
     def noise(self, errors: Array) -> Array:
         """Return σ √t (2,) of errors (2, N) in position and velocity.
@@ -330,25 +330,25 @@ def _estimate(joint: _JointLoop) -> JointGains:
     first = _descend(joint, grid, squares, noise)
     noise = joint.noise(joint.errors(first.x))
     best = _descend(joint, grid, squares, noise)
-    free = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
-    least, stiff_cost = 2 * best.cost, _cost(stiff, noise)
+    freedom = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
+    min_cost, stiff_cost = 2 * best.cost, _cost(stiff, noise)
     # the best of so many gains fits noise: better by chance than a joint that follows exactly
-    by_chance = least * _cost_rise(1 - (1 - CONFIDENCE_LEVEL) / GRID_NODES**2, free)
-    reference = max(least, stiff_cost) if stiff_cost <= by_chance else least
-    limit = reference * _cost_rise(CONFIDENCE_LEVEL, free)
+    by_chance = min_cost * _cost_rise(1 - (1 - CONFIDENCE_LEVEL) / GRID_NODES**2, freedom)
+    reference = max(min_cost, stiff_cost) if stiff_cost <= by_chance else min_cost
+    limit = reference * _cost_rise(CONFIDENCE_LEVEL, freedom)
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
-    std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
+    std = np.sqrt(min_cost / freedom * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
     position, velocity = (
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], reference, limit, stiff_cost)
         for axis in (0, 1)
     )
-    return JointGains(position, velocity, True, noise, least, limit, stiff_cost)
+    return JointGains(position, velocity, True, noise, min_cost, limit, stiff_cost)
 
 
-def _cost_rise(level: float, free: float) -> float:
+def _cost_rise(level: float, freedom: float) -> float:
     """Return 1 + 2/(n - 2) F(2, n - 2), the cost at the end of a confidence region by the least."""
-    return float(1 + 2 / free * fdtri(2, free, level))
+    return float(1 + 2 / freedom * fdtri(2, freedom, level))
 
 
 def _descend(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> OptimizeResult:

@@ -52,18 +52,18 @@ def joint_conditions(record: CurrentSamples, smooth: Smooth, fit: CurrentFit) ->
 
 def _motion_estimates(moving: JointSamples, joint: JointFit) -> Estimates:
     """Return offset, friction and torque constant of samples in motion, with standard errors."""
-    torque, free = moving.columns[:, 0], moving.columns[:, [*FITTED_COLUMNS.values()]]
+    torque, fitted_columns = moving.columns[:, 0], moving.columns[:, [*FITTED_COLUMNS.values()]]
     current = moving.current - _held_current_of_fit(moving, joint)
     inverse = joint.estimate.coefficients[0]
     # offset, Coulomb and viscous friction with the torque constant held: k i = τ + τ_friction - b
-    value, error = _fitted_coefficients(free, current - torque * inverse, moving)
+    value, error = _fitted_coefficients(fitted_columns, current - torque * inverse, moving)
     values, errors = np.array([-1.0, 1.0, 1.0]) * value / inverse, error / inverse
     quantities = dict(
         zip(FITTED_COLUMNS, zip(values.tolist(), errors.tolist(), strict=True), strict=True)
     )
     # torque constant with the terms in FITTED_COLUMNS free
     (value, *_), (error, *_) = _fitted_coefficients(
-        np.column_stack([torque, free]), current, moving
+        np.column_stack([torque, fitted_columns]), current, moving
     )
     determined = value > error / MAX_CONSTANT_ERROR  # not where both are NaN
     constant = (float(1 / value), float(error / value**2)) if determined else UNKNOWN_ESTIMATE

@@ -110,7 +110,7 @@ def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate]
     """Return a prior as an estimate of each joint, and its covariance (P, P)."""
     joint_prior = prior.over(BASE_TERMS)
     covariance = np.asarray(np.linalg.inv(joint_prior.precision), dtype=np.float64)
-    drawn = np.random.default_rng(seed).multivariate_normal(
+    replicates = np.random.default_rng(seed).multivariate_normal(
         joint_prior.mean, covariance, REPLICATE_COUNT
     )
     size = len(joint_prior.mean) // len(prior.torque_max)
@@ -120,8 +120,8 @@ def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate]
         CoefficientEstimate(
             joint_prior.mean[columns],
             shares,
-            drawn[:, columns],
-            spread(physical(drawn[:, columns])),
+            replicates[:, columns],
+            spread(physical(replicates[:, columns])),
         )
         for columns in parts
     ]
@@ -151,9 +151,9 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
     """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
     # σ_k = σ_(1/k) k², by the delta method
-    far = 1 / inverse - 1 / known_inverse > CONTRADICTING_DEVIATIONS * std / known_inverse**2
-    vague = constants_doubt(fit) / np.abs(inverse) > std / known_inverse**2
-    return (inverse <= 0) | ((far | vague) & (inverse < known_inverse / CONTRADICTING_RATIO))
+    is_far = 1 / inverse - 1 / known_inverse > CONTRADICTING_DEVIATIONS * std / known_inverse**2
+    is_vague = constants_doubt(fit) / np.abs(inverse) > std / known_inverse**2
+    return (inverse <= 0) | ((is_far | is_vague) & (inverse < known_inverse / CONTRADICTING_RATIO))
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:

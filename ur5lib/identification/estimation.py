@@ -80,8 +80,8 @@ def estimate_together(
     # each joint's part, with standard errors in physical units
     estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
     for columns, equations in zip(map(slice, [0, *ends[:-1]], ends), sums, strict=True):
-        drawn = physical(by_unit[:, columns]), physical(by_block[:, columns])
-        error = standard_error(*drawn, units)
+        replicates = physical(by_unit[:, columns]), physical(by_block[:, columns])
+        error = standard_error(*replicates, units)
         evidence = prior_share[columns], covariance[columns, columns], equations, record, day
         shares = shares_of_knowledge(*evidence)
         estimates.append(
@@ -239,8 +239,11 @@ def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, 
     information, right = np.zeros((len(counts), size, size)), np.zeros((len(counts), size))
     start = 0
     for joint in sums:
-        drawn = np.tensordot(counts, joint, axes=1)  # (B, P_j, P_j + 1)
+        drawn_sums = np.tensordot(counts, joint, axes=1)  # (B, P_j, P_j + 1)
         columns = slice(start, start + joint.shape[1])
-        information[:, columns, columns], right[:, columns] = drawn[..., :-1], drawn[..., -1]
+        information[:, columns, columns], right[:, columns] = (
+            drawn_sums[..., :-1],
+            drawn_sums[..., -1],
+        )
         start = columns.stop
     return posterior_mean(information, right, prior), information[0] + prior.precision

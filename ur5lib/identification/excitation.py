@@ -57,9 +57,9 @@ def candidate_motions(
     q, qd, qdd = random.uniform(-1, 1, (3, count, joints)) * limits
     motions = {"Holding still": (q, 0 * qd, 0 * qdd)}
     for number in (1, 2, joints):
-        for chosen in combinations(range(joints), number):
-            moving = np.isin(np.arange(joints), chosen)
-            several = " and ".join(f"joint {k + 1}" for k in chosen)
+        for moving_joints in combinations(range(joints), number):
+            moving = np.isin(np.arange(joints), moving_joints)
+            several = " and ".join(f"joint {k + 1}" for k in moving_joints)
             name = "all joints" if number == joints else several
             name = f"Moving {name} at up to {speed:g} rad/s and {acceleration:g} rad/s²"
             motions[name] = q, moving * qd, moving * qdd
@@ -76,16 +76,18 @@ def check_excitation(
     comes from the prior. A fit may determine less, because its errors are correlated.
     """
     rows = total_factors(data)
-    before = ~_determined(rows, base, width, noise)
-    after = {
-        motion: _determined(np.concatenate([rows, _rows(regressor)], axis=1), base, width, noise)
+    undetermined = ~_determined_parameters(rows, base, width, noise)
+    determined = {
+        motion: _determined_parameters(
+            np.concatenate([rows, _rows(regressor)], axis=1), base, width, noise
+        )
         for motion, regressor in candidates.items()
     }
     return Excitation(
         condition=_condition(rows[..., :-1] / noise[:, None, None], base, width),
         combinations=_combinations(rows, base, width, noise),
-        undetermined=[base.parameters[column] for column in base.columns[before]],
-        advice=[*_advice(base, before, after)],
+        undetermined=[base.parameters[column] for column in base.columns[undetermined]],
+        advice=[*_advice(base, undetermined, determined)],
     )
 
 
@@ -94,7 +96,7 @@ def _rows(regressor: Array) -> Array:
     return np.pad(regressor.swapaxes(0, 1), ((0, 0), (0, 0), (0, 1)))
 
 
-def _determined(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
+def _determined_parameters(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
     """Return which base parameters (B,) rows (n, N, P + 1) determine."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     return prior_share(base.groups, spread, width) <= MAX_PRIOR_VARIANCE_SHARE
@@ -103,8 +105,8 @@ def _determined(rows: Array, base: BaseParameters, width: Array, noise: Array) -
 def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array) -> int:
     """Return the number of directions whose variance falls to a hundredth of the prior's."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
-    before, after = base.groups * width, base.groups @ spread
-    ratio = eigh(after @ after.T, before @ before.T, eigvals_only=True)
+    prior_root, posterior_root = base.groups * width, base.groups @ spread
+    ratio = eigh(posterior_root @ posterior_root.T, prior_root @ prior_root.T, eigvals_only=True)
     return int(np.sum(ratio <= MAX_PRIOR_VARIANCE_SHARE))
 
 
@@ -117,18 +119,18 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
     }
     members["all"] = list(base.columns)
     return {
-        group: float(np.linalg.cond(columns[:, chosen]))
-        for group, chosen in members.items()
-        if chosen
+        group: float(np.linalg.cond(columns[:, columns_of_group]))
+        for group, columns_of_group in members.items()
+        if columns_of_group
     }
 
 
-def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> Iterator[Remark]:
+def _advice(base: BaseParameters, unknown: Mask, determined: dict[str, Mask]) -> Iterator[Remark]:
     """Yield the motion that determines most of the unknown, then the next one."""
     undetermined = unknown
     while undetermined.any():
-        motion = max(after, key=lambda name: int(np.sum(undetermined & after[name])))
-        gained = undetermined & after[motion]
+        motion = max(determined, key=lambda name: int(np.sum(undetermined & determined[name])))
+        gained = undetermined & determined[motion]
         if not gained.any():
             yield remark("no motion determines", parameters=_by_owner(base, undetermined))
             return

@@ -20,11 +20,13 @@ def left_out_residuals(samples: JointSamples, prior: Prior) -> Array:
     present = np.unique(samples.path)
     for left_out in present:
         test = samples.path == left_out
-        others = samples.where(apart_from(test, samples.path, samples.day) | (len(present) == 1))
+        training = samples.where(apart_from(test, samples.path, samples.day) | (len(present) == 1))
         tested = samples.where(test)
-        coefficients = regress_samples(others, prior).coefficients
-        held = held_current(others, coefficients)
-        residual[test] = tested.current - tested.columns @ coefficients - held * tested.held
+        coefficients = regress_samples(training, prior).coefficients
+        held_friction = held_current(training, coefficients)
+        residual[test] = (
+            tested.current - tested.columns @ coefficients - held_friction * tested.held
+        )
     return residual
 
 

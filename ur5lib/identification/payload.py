@@ -198,11 +198,17 @@ def estimate_payload(
     generator, draws = np.random.default_rng(seed), []
     for _ in range(PAYLOAD_DRAWS):
         draw = generator.integers(len(fit.joints[0].estimate.replicates))  # alike for all joints
-        drawn = [joint.estimate.replicates[draw] for joint in fit.joints]
+        drawn_maps = [joint.estimate.replicates[draw] for joint in fit.joints]
         count = generator.multinomial(len(once), once / len(once))
         drawn_mean = generator.normal(no_load, PAYLOAD_PRIOR_STD)
         draws.append(
-            solve(drawn, _unexplained_current(fit, drawn, sources), solution, count, drawn_mean)
+            solve(
+                drawn_maps,
+                _unexplained_current(fit, drawn_maps, sources),
+                solution,
+                count,
+                drawn_mean,
+            )
         )
     remaining_current = _unexplained_current(fit, fitted, sources)
     block_parts = np.array_split(np.unique(block), RUN_PARTS)

@@ -102,7 +102,9 @@ class Prior:
         """
         inverse = self.inverse_constant.mean
         names = ["", OFFSET_NAME, *coefficient_names(terms)]  # "" of 1/k
-        widths = np.array([_expected(terms, most) for most in self.torque_max])  # (n, P)
+        widths = np.array(
+            [_expected(terms, torque_max) for torque_max in self.torque_max]
+        )  # (n, P)
         starts = len(names) * np.arange(len(inverse))
         mean, std = np.zeros(widths.size), (inverse[:, None] * widths).ravel()
         vague = np.tile([name not in ("", *self.typical) for name in names], len(inverse))
@@ -127,10 +129,12 @@ class Prior:
         """Return the precision (n, n) of 1/k; that of free joints regardless of the pinned."""
         if not self.pinned:
             return self.inverse_constant.precision
-        free = np.delete(np.arange(len(self.torque_max)), self.pinned)
+        free_joints = np.delete(np.arange(len(self.torque_max)), self.pinned)
         covariance = np.linalg.inv(self.inverse_constant.precision)
         precision = np.diag(self.std() ** -2.0)
-        precision[np.ix_(free, free)] = np.linalg.inv(covariance[np.ix_(free, free)])
+        precision[np.ix_(free_joints, free_joints)] = np.linalg.inv(
+            covariance[np.ix_(free_joints, free_joints)]
+        )
         return precision
 
 

@@ -73,8 +73,8 @@ def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, s
     `link_1` to the last one, and the plane `table`.
     """
     first = dict[tuple[str, str], int]()
-    near = Capsules(robot, Surroundings(table=table), reach=HOUSING_HEIGHT).near(q)
-    for sample, pair in zip(near.sample, near.pairs, strict=True):
+    clearances = Capsules(robot, Surroundings(table=table), reach=HOUSING_HEIGHT).near(q)
+    for sample, pair in zip(clearances.sample, clearances.pairs, strict=True):
         first.setdefault(pair, int(sample))
     return [(sample, *pair) for pair, sample in first.items()]
 
@@ -115,12 +115,12 @@ class Capsules:
         names = np.array([self._model.geom(k).name for k in range(self._model.ngeom)])
         return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
 
-    def _gradients(self, near: Mask) -> Array:
+    def _gradients(self, needs_gradient: Mask) -> Array:
         """Return the gradients (M, n) of the contacts' distances, zero for those not wanted."""
-        gradients = np.zeros((len(near), self._model.nv))
-        if near.any():
+        gradients = np.zeros((len(needs_gradient), self._model.nv))
+        if needs_gradient.any():
             mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
-        for k in np.flatnonzero(near):
+        for k in np.flatnonzero(needs_gradient):
             gradients[k] = self._gradient(self._data.contact[k])
         return gradients
 
@@ -144,13 +144,13 @@ def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.
     radii = RADIUS_SHARE * longest * np.array(factors)
     links = [body for body in spec.bodies if body.name.startswith("link_")]
     for body, radius in zip(links, radii, strict=True):
-        near = np.array(body.joints[0].pos)
+        near_end = np.array(body.joints[0].pos)
         body.add_geom(
             name=body.name,
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             size=[radius, 0, 0],
             # to the frame's origin, or 1 mm off where both coincide
-            fromto=[*near, 0, 0, 0 if np.linalg.norm(near) > 1e-3 else 1e-3],
+            fromto=[*near_end, 0, 0, 0 if np.linalg.norm(near_end) > 1e-3 else 1e-3],
         )
     _add_surroundings(spec, surroundings, _upright(robot))
     for first, second in _overlapping(robot, radii, surroundings.table):

@@ -381,8 +381,8 @@ def no_description(name: str) -> str:
     names_by_letters = {
         _letters(described_name): described_name for described_name in robot_names()
     } | SAME_LINKS
-    [near] = get_close_matches(_letters(name), names_by_letters, n=1, cutoff=0.8) or [""]
-    meant = f" (did you mean `{names_by_letters[near]}`?)" if near else ""
+    [nearest_name] = get_close_matches(_letters(name), names_by_letters, n=1, cutoff=0.8) or [""]
+    meant = f" (did you mean `{names_by_letters[nearest_name]}`?)" if nearest_name else ""
     described = ", ".join(robot_names())
     return f"no description of `{name}`{meant}; docs/robots.md shows how to add one to {described}"
 

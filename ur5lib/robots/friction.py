@@ -93,7 +93,7 @@ def rest_factor(qd: Array) -> Array:
 
 def extension_terms(shipped: Collection[str]) -> dict[str, Term]:
     """Return the terms that the lab adds. Raises InputError where one cannot be a friction term."""
-    rest = JointMotion(*np.zeros((4, 3)))
+    motion_at_rest = JointMotion(*np.zeros((4, 3)))
     terms = {}
     for source, name, term in additions("friction"):
         place = f"{source}: {name!r}"
@@ -102,7 +102,7 @@ def extension_terms(shipped: Collection[str]) -> dict[str, Term]:
         if not isinstance(term, Term):
             raise InputError(f"{place} is no Term; docs/extensions.md shows one")
         try:
-            sizes = [np.shape(column) for column in term.columns(rest)]
+            sizes = [np.shape(column) for column in term.columns(motion_at_rest)]
         except Exception as error:  # whatever the lab's code does
             raise failed(source, error) from error
         if sizes != [(3,)] * (len(term.parts) or 1):

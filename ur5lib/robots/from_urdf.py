@@ -183,8 +183,8 @@ def _joint_frames(
     names = {joint.name for joint in joints}
     standing = dict(_hanging(tree, base, np.eye(4), names))
     frames = []
-    for joint, before in zip(joints, [standing, *bodies], strict=False):
-        frames.append(before[joint.parent] @ _pose_matrix(joint.origin) @ _z_to(joint.axis))
+    for joint, poses in zip(joints, [standing, *bodies], strict=False):
+        frames.append(poses[joint.parent] @ _pose_matrix(joint.origin) @ _z_to(joint.axis))
     return [*frames, bodies[-1][tip]]
 
 

@@ -43,7 +43,7 @@ def calibrated(robot: Robot, path: str | Path) -> Robot:
     nominal = chain([link_matrix(pose) for pose in robot.link_poses()])
     frames = [_on_axis(*pair) for pair in zip(axes[:-1], nominal[:-1], strict=True)] + axes[-1:]
     _expect_near(frames, nominal, robot.name, path)
-    steps = [pose_of(np.linalg.inv(before) @ after) for before, after in pairwise(frames)]
+    steps = [pose_of(np.linalg.inv(frame) @ next_frame) for frame, next_frame in pairwise(frames)]
     return robot.model_copy(update={"calibration": tuple(steps)})
 
 
@@ -145,10 +145,10 @@ def _on_axis(axis: Array, nominal: Array) -> Array:
 def _expect_near(
     frames: Sequence[Array], nominal: Sequence[Array], name: str, path: str | Path
 ) -> None:
-    for k, (frame, near) in enumerate(zip(frames, nominal, strict=True)):
-        away = float(np.linalg.norm(frame[:3, 3] - near[:3, 3]))
+    for k, (frame, nominal_frame) in enumerate(zip(frames, nominal, strict=True)):
+        away = float(np.linalg.norm(frame[:3, 3] - nominal_frame[:3, 3]))
         # tr R = 1 + 2 cos of the angle between both frames
-        cosine = (np.trace(frame[:3, :3].T @ near[:3, :3]) - 1) / 2
+        cosine = (np.trace(frame[:3, :3].T @ nominal_frame[:3, :3]) - 1) / 2
         if away > MAX_FRAME_DISTANCE or math.acos(min(1.0, cosine)) > MAX_FRAME_TURN:
             raise InputError(
                 f"{path} puts frame {k} {1000 * away:.3g} mm from where {name} has it; name the "
@@ -180,7 +180,7 @@ def overridden(base: Any, changes: Any) -> Any:
         return changes
     if isinstance(base, list) and all(str(key).isdecimal() for key in changes):
         place = {int(key): change for key, change in changes.items()}
-        kept = [overridden(e, place.pop(k, e)) for k, e in enumerate(base, start=1)]
-        return kept + list(place.values())
+        changed_entries = [overridden(e, place.pop(k, e)) for k, e in enumerate(base, start=1)]
+        return changed_entries + list(place.values())
     entries = base if isinstance(base, Mapping) else {}
     return {**entries, **{key: overridden(entries.get(key), part) for key, part in changes.items()}}

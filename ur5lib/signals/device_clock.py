@@ -84,8 +84,10 @@ def interpolate(at: Array, time: Array, values: Array) -> Array:
     if len(time) < 2:
         return np.full((len(at), values.shape[1]), np.nan)
     result = interpolated(at, time, values, outside=np.nan)
-    after = np.searchsorted(time, at).clip(1, len(time) - 1)
-    result[(np.diff(time)[after - 1] > _longest_step(time)) & (at < time[after])] = np.nan
+    next_sample = np.searchsorted(time, at).clip(1, len(time) - 1)
+    result[(np.diff(time)[next_sample - 1] > _longest_step(time)) & (at < time[next_sample])] = (
+        np.nan
+    )
     return result
 
 
@@ -98,13 +100,13 @@ def _longest_step(time: Array) -> float:
 class _Pair:
     """Angular velocities of robot and device, low-passed alike.
 
-    time: (N,) and rate: (N, 3), the robot's, thinned as far as the band allows; own: (M,),
+    time: (N,) and rate: (N, 3), the robot's, thinned as far as the band allows; device_time: (M,),
     gyroscope: (M, 3) and its derivative slope: (M, 3), the device's on its own clock.
     """
 
     time: Array
     rate: Array
-    own: Array
+    device_time: Array
     gyroscope: Array
     slope: Array
 
@@ -136,7 +138,7 @@ def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
     clock: offset and drift. Rows are those of the robot's samples that both sides recorded.
     """
     device_time = (pair.time - clock[0]) / (1 + clock[1])
-    misfit = interpolate(device_time, pair.own, pair.gyroscope) - pair.rate
+    misfit = interpolate(device_time, pair.device_time, pair.gyroscope) - pair.rate
     rows = np.flatnonzero(np.isfinite(misfit).all(axis=1))
     return device_time[rows], misfit[rows], rows
 
@@ -145,7 +147,7 @@ def _linearise(pair: _Pair, clock: Array) -> tuple[Array, Array]:
     """Return columns (N', 3, 8) of offset, drift, θ (3) and b (3), and the misfit (N', 3)."""
     device_time, misfit, rows = _misfit(pair, clock)
     # -∂(gyroscope)/∂offset = g' / (1 + drift), -∂(gyroscope)/∂drift = t_device g' / (1 + drift)
-    slope = interpolate(device_time, pair.own, pair.slope)[:, :, None] / (
+    slope = interpolate(device_time, pair.device_time, pair.slope)[:, :, None] / (
         1 + clock[1]
     )  # (N', 3, 1)
     # ω × θ and b

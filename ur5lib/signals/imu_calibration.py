@@ -109,9 +109,9 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCal
         name: {other: part for other, part in sums.items() if other != name} for name in sums
     }
     return {
-        name: replace(_calibration([*chosen.values()], held_out), from_=tuple(chosen))
-        for name, chosen in choices.items()
-        if chosen
+        name: replace(_calibration([*contributing.values()], held_out), from_=tuple(contributing))
+        for name, contributing in choices.items()
+        if contributing
     }
 
 
@@ -169,7 +169,7 @@ def _left_out_squares(sums: "Sequence[_Sums]") -> float:
     reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
     others = np.sum(reduced, axis=0) - reduced
     parts = zip(sums, _solved(others), strict=True)
-    return float(sum(part.left(scale, shared)[0] for part, shared in parts))
+    return float(sum(part.unexplained_squares(scale, shared)[0] for part, shared in parts))
 
 
 def accelerometer_bias(record: ImuRecord, calibration: ImuCalibration) -> Array:
@@ -216,7 +216,7 @@ class _Sums:
         """Return the products (B, P + 1, P + 1), forces and rates divided by a scale (2,)."""
         return np.einsum("bkpq,k->bpq", self.products, scale**-2.0)
 
-    def left(self, scale: Array, shared: Array) -> Array:
+    def unexplained_squares(self, scale: Array, shared: Array) -> Array:
         """Return the squares (2,) that are left of forces and rates, given shared parameters."""
         normal = self.weighted(scale).sum(axis=0)
         z = np.append(-shared, 1.0)
@@ -282,7 +282,7 @@ def _scale(sums: Sequence[_Sums]) -> Array:
     for _ in range(2):
         reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
         shared = _solved(np.sum(reduced, axis=0))
-        squares = np.sum([part.left(scale, shared) for part in sums], axis=0)
+        squares = np.sum([part.unexplained_squares(scale, shared) for part in sums], axis=0)
         scale = np.sqrt(squares / count) + 1e-12  # root mean squares, never zero
     return scale
 

@@ -76,9 +76,9 @@ def linearise_imu(
     H[:, 3:, 6:12] = to_sensor @ J_w
     H[:, :, MOTION_STATES:] = np.eye(BIAS_STATES)
     # offset = R_mᵀ R_6ᵀ (−J̇_v q̇₀ − g0)
-    free = -(J_v_rate @ qd[..., None])[..., 0] + up
+    specific_force = -(J_v_rate @ qd[..., None])[..., 0] + up
     offset = np.zeros((len(J), 6))
-    offset[:, :3] = (to_sensor @ free[..., None])[..., 0]
+    offset[:, :3] = (to_sensor @ specific_force[..., None])[..., 0]
     return LinearImu(offset, H)
 
 
@@ -157,10 +157,10 @@ def joint_matrix(parts: Array) -> Array:
     The first six rows and columns belong to the first state of all joints, and so on.
     """
     count, joints, *size = parts.shape
-    whole = np.zeros((count, size[0], joints, size[1], joints))
-    each = np.arange(joints)
-    whole[:, :, each, :, each] = parts.swapaxes(0, 1)
-    return whole.reshape(count, joints * size[0], joints * size[1])
+    matrix = np.zeros((count, size[0], joints, size[1], joints))
+    joint = np.arange(joints)
+    matrix[:, :, joint, :, joint] = parts.swapaxes(0, 1)
+    return matrix.reshape(count, joints * size[0], joints * size[1])
 
 
 def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -> Array:

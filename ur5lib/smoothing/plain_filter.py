@@ -34,10 +34,10 @@ def filter_encoders(segment: Labels, q: Array, qd: Array, period: float) -> Filt
     noise = white_noise(z, segment)
     count = len(z) // TUNING_SAMPLES or 1
     parts = np.array_split(np.arange(len(z)), count)
-    most = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
+    busiest = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
 
     def likelihood(jerk: float) -> float:
-        return _filtered(z[most], starts(segment[most]), period, noise, jerk)[1]
+        return _filtered(z[busiest], starts(segment[busiest]), period, noise, jerk)[1]
 
     state, _ = _filtered(z, starts(segment), period, noise, max(CANDIDATE_JERKS, key=likelihood))
     return FilteredMotion(state[:, 6:12], state[:, 12:])

@@ -102,16 +102,16 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
     numpy.linalg.LinAlgError if a state has no uncertainty.
     """
     shape = system(slice(1)).F.shape
-    state, before = Gaussians(np.zeros((1, *shape[1:-1])), np.zeros(shape)), []
+    state, lane_starts = Gaussians(np.zeros((1, *shape[1:-1])), np.zeros(shape)), []
     for rows in _chunks(count, math.prod(shape)):
         starts = [state, *_lane_ends(system(rows), state)]
         state = starts.pop()
-        before.append((rows, Gaussians(*map(np.concatenate, zip(*starts, strict=True)))))
-    after: Later | None = None
-    for rows, starts in reversed(before):
+        lane_starts.append((rows, Gaussians(*map(np.concatenate, zip(*starts, strict=True)))))
+    next_sample: Later | None = None
+    for rows, starts in reversed(lane_starts):
         part = system(rows)
-        prior, states = _smooth(part, starts, after)
-        after = part.F[0].copy(), prior.at(0).copy(), states.at(0).copy()
+        prior, states = _smooth(part, starts, next_sample)
+        next_sample = part.F[0].copy(), prior.at(0).copy(), states.at(0).copy()
         yield Smoothed(rows, states, _innovations(part, prior))
 
 

@@ -25,9 +25,9 @@ def scaled_states(q: Array, qd: Array) -> Array:
     return np.concatenate([q / POSITION_TOLERANCE, qd / VELOCITY_TOLERANCE], axis=1)
 
 
-def nearest(places: Array, others: Array) -> tuple[Mask, NDArray[np.intp]]:
+def nearest(places: Array, other_places: Array) -> tuple[Mask, NDArray[np.intp]]:
     """Return whether each state (N, 12) is near one of others (M, 12), and the nearest (N,)."""
-    distance, index = cKDTree(others).query(places, distance_upper_bound=1.0)
+    distance, index = cKDTree(other_places).query(places, distance_upper_bound=1.0)
     return np.isfinite(distance), index
 
 
@@ -44,12 +44,12 @@ class PathStates:
     every: int = 1
 
     @classmethod
-    def from_motion(cls, q: Array, qd: Array, every: int = 1) -> "PathStates":
+    def from_motion(cls, q: Array, qd: Array, stride: int = 1) -> "PathStates":
         """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
         finite = np.isfinite(q + qd).all(axis=1)
         moving = finite & (np.abs(qd) > REST_SPEED).any(axis=1)
         rows = moving if moving.any() else finite
-        return cls(scaled_states(q[rows], qd[rows]), bool(moving.any()), every)
+        return cls(scaled_states(q[rows], qd[rows]), bool(moving.any()), stride)
 
     @cached_property
     def extent(self) -> Array:
