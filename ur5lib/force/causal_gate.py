@@ -47,13 +47,10 @@ def _filtered(observations: Observations, starts_stretch: Mask) -> Array:
     noise = observations.noise
     worth = observations.worth
     measured = finite_rows(torque)
-    free_covariances, bank = (
-        np.stack(observations.free_covariances()),
-        np.stack(observations.prior.bank()),
-    )
-    touched = diagonal(
-        noise.quick + noise.hidden
-    )  # of the torque in contact, beside the contact's own
+    free_covariances = np.stack(observations.free_covariances())
+    bank = np.stack(observations.prior.bank())
+    # of the torque in contact, beside the contact's own
+    touched = diagonal(noise.quick + noise.hidden)
     transitions, start = state_chain(
         len(free_covariances), len(bank), observations.period, observations.prior
     )

@@ -109,7 +109,7 @@ def contact_wrench(
     # torque noise, load friction, and a moment that is taken for a force
     variance = np.linalg.diagonal(estimate.covariance) + _load_friction_variance(
         estimate, jacobian, prior
-    )  # (n, 6)
+    )
     variance = variance + _lever_variance(estimate, jacobian, prior)
     # a low-pass blurs when the force changes
     measured, change = finite_rows(torque), np.zeros_like(wrench)

@@ -167,11 +167,8 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     free_covariances = observations.free_covariances()
     transitions, start = state_chain(len(free_covariances), len(prior.bank()), period, prior)
     slow = rest_background = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
-    for rounds_left, share in zip(
-        reversed(range(len(BACKGROUND_COVARIANCE_FACTORS))),
-        BACKGROUND_COVARIANCE_FACTORS,
-        strict=True,
-    ):
+    last_round = len(BACKGROUND_COVARIANCE_FACTORS) - 1
+    for number, share in enumerate(BACKGROUND_COVARIANCE_FACTORS):
         # log p(τ | state), and 0 where τ is unknown
         free_evidence = [
             log_density(filled - rest_background.mean, c + share * rest_background.covariance)
@@ -199,7 +196,7 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
         slow = smooth(*smoother_inputs, np.exp(-period * (rate + renewed)), *scaled)
         # without a push it stays: the background of the free states, of which the next round asks
         rest_background = slow
-        if rounds_left and noise.still.any():
+        if number < last_round and noise.still.any():
             rest_background = smooth(*smoother_inputs, np.exp(-period * rate), *scaled)
     return contact, slow
 

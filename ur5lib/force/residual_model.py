@@ -132,9 +132,10 @@ def fit_residual_model(
         [_differences(stretch, lag) for stretch in stretches] for lag in (SHORT_LAG, LONG_LAG)
     )
     joints = len(breakaway)
+    # (S, n) each
     mean_square, short_variogram, long_variogram = (
         _moments(parts, joints) for parts in (stretches, short, long)
-    )  # (S, n) each
+    )
     if not np.isfinite(long_variogram).any():
         raise RefusalError("short recordings", seconds=LONG_LAG)
     still = (np.flatnonzero(np.isnan(mean_square[JointState.MOVING])) + 1).tolist()

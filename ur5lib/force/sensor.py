@@ -186,9 +186,8 @@ def _offset(
     residual = record.reading[is_free] - record.terms[is_free] @ parameters
     noise = residual.std(axis=0)
     deviation = np.sqrt(np.diag(covariance(terms, residual, noise)).clip(0))
-    observable = record.terms.any(
-        axis=(0, 1)
-    )  # not by a sensor without moments, or an arm that rests
+    # not by a sensor without moments, or an arm that rests
+    observable = record.terms.any(axis=(0, 1))
     value, std = (np.where(observable, x, np.nan) for x in (parameters, deviation))
     return SensorOffset(
         bias=value[4:],

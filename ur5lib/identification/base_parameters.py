@@ -148,9 +148,8 @@ def stack(blocks: Blocks) -> Stack:
         rows = rows[np.isfinite(rows).all(axis=(1, 2))]
         if len(rows):
             by_joint = rows.swapaxes(0, 1)
-            full = np.zeros(
-                (len(by_joint), *by_joint.shape[2:] * 2)
-            )  # a full factor of short blocks, too
+            # a full factor of short blocks, too
+            full = np.zeros((len(by_joint), *by_joint.shape[2:] * 2))
             factors.append(_triangle(np.concatenate([full, by_joint], axis=1)))
             samples.append(len(rows))
         if len(samples) > MAX_BLOCKS:

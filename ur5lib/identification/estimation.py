@@ -68,10 +68,11 @@ def estimate_together(
     # replicates: the prior's mean is drawn, too
     free_prior = replace(prior, pinned=()).over(terms)
     root = np.linalg.cholesky(np.linalg.inv(free_prior.precision))
+    # (B, P)
     means = (
         free_prior.mean
         + generator.standard_normal((REPLICATE_COUNT, len(free_prior.mean))) @ root.T
-    )  # (B, P)
+    )
     drawn_prior = Normal(means, joint_prior.precision)
     by_unit, by_block = (  # (B, P) each
         _solve(sums, np.hstack([draw(part.unit, generator) for part in parts]), drawn_prior)[0]
@@ -101,13 +102,11 @@ def shares_of_knowledge(
     M⁻¹ I M⁻¹. covariance: M⁻¹ (P, P) of the joint; equations: `block_sums`; record, day: (count,)
     labels of the blocks.
     """
-    block_variance = np.einsum(
-        "ij,bjk,ki->bi", covariance, equations[..., :-1], covariance
-    )  # (count, P)
+    # (count, P)
+    block_variance = np.einsum("ij,bjk,ki->bi", covariance, equations[..., :-1], covariance)
     recordings = [record == label for label in np.unique(record)]
-    variance_share = np.array(
-        [block_variance[blocks].sum(axis=0) for blocks in recordings]
-    )  # (R, P)
+    # (R, P)
+    variance_share = np.array([block_variance[blocks].sum(axis=0) for blocks in recordings])
     total = variance_share.sum(axis=0)
     variance_share *= np.divide(1 - prior_share, total, out=np.zeros_like(total), where=total > 0)
     days = np.array([day[blocks].max() for blocks in recordings])

@@ -173,11 +173,9 @@ def estimate_payload(
     axes, along = _principal_axes(columns)
     unloaded = [*motions(record)]
 
-    def solve(
-        maps: Maps, unexplained: Array, start: Array, count: Labels, prior_mean: Array
-    ) -> Array:
+    def solve(maps: Maps, current: Array, start: Array, count: Labels, prior_mean: Array) -> Array:
         constants = 1 / np.array([coefficients[0] for coefficients in maps])
-        torque = (unexplained * constants / scale)[rows] + columns @ start
+        torque = (current * constants / scale)[rows] + columns @ start
         return np.asarray(axes.T @ _huber_solution(along, torque, block, count, axes @ prior_mean))
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
@@ -187,10 +185,8 @@ def estimate_payload(
     solution = no_load
     for _ in range(FRICTION_ROUNDS):
         loaded = _motions_under(unloaded, record.torque + regressor @ solution)
-        remaining_current = smooth(record.current - predicted_currents(fit, loaded), record)[
-            ::stride
-        ]
-        solution = solve(fitted, remaining_current, solution, once, no_load)
+        unexplained = smooth(record.current - predicted_currents(fit, loaded), record)[::stride]
+        solution = solve(fitted, unexplained, solution, once, no_load)
     # from here on, friction is that under this load: replicates only weight its columns anew
     loaded = _motions_under(unloaded, record.torque + regressor @ solution)
     sources = _low_passed_columns(fit, loaded, record, smooth)
@@ -201,19 +197,12 @@ def estimate_payload(
         drawn_maps = [joint.estimate.replicates[draw] for joint in fit.joints]
         count = generator.multinomial(len(once), once / len(once))
         drawn_mean = generator.normal(no_load, PAYLOAD_PRIOR_STD)
-        draws.append(
-            solve(
-                drawn_maps,
-                _unexplained_current(fit, drawn_maps, sources),
-                solution,
-                count,
-                drawn_mean,
-            )
-        )
-    remaining_current = _unexplained_current(fit, fitted, sources)
+        unexplained = _unexplained_current(fit, drawn_maps, sources)
+        draws.append(solve(drawn_maps, unexplained, solution, count, drawn_mean))
+    unexplained = _unexplained_current(fit, fitted, sources)
     block_parts = np.array_split(np.unique(block), RUN_PARTS)
     counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in block_parts]
-    parts = [solve(fitted, remaining_current, solution, count, no_load)[0] for count in counts]
+    parts = [solve(fitted, unexplained, solution, count, no_load)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 

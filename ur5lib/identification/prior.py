@@ -102,9 +102,8 @@ class Prior:
         """
         inverse = self.inverse_constant.mean
         names = ["", OFFSET_NAME, *coefficient_names(terms)]  # "" of 1/k
-        widths = np.array(
-            [_expected(terms, torque_max) for torque_max in self.torque_max]
-        )  # (n, P)
+        # (n, P)
+        widths = np.array([_expected(terms, torque_max) for torque_max in self.torque_max])
         starts = len(names) * np.arange(len(inverse))
         mean, std = np.zeros(widths.size), (inverse[:, None] * widths).ravel()
         vague = np.tile([name not in ("", *self.typical) for name in names], len(inverse))
@@ -114,9 +113,8 @@ class Prior:
         for name, coefficient in self.typical.items():
             # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
             places = starts + names.index(name)
-            value = coefficient.mean * (
-                -1 if name == OFFSET_NAME else 1
-            )  # k i = τ + τ_friction - b
+            # k i = τ + τ_friction - b
+            value = coefficient.mean * (-1 if name == OFFSET_NAME else 1)
             difference = np.zeros((len(starts), len(mean)))
             rows = np.arange(len(starts))
             difference[rows, places], difference[rows, starts] = 1.0, -value

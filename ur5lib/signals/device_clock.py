@@ -147,9 +147,7 @@ def _linearise(pair: _Pair, clock: Array) -> tuple[Array, Array]:
     """Return columns (N', 3, 8) of offset, drift, θ (3) and b (3), and the misfit (N', 3)."""
     device_time, misfit, rows = _misfit(pair, clock)
     # -∂(gyroscope)/∂offset = g' / (1 + drift), -∂(gyroscope)/∂drift = t_device g' / (1 + drift)
-    slope = interpolate(device_time, pair.device_time, pair.slope)[:, :, None] / (
-        1 + clock[1]
-    )  # (N', 3, 1)
+    slope = interpolate(device_time, pair.device_time, pair.slope)[:, :, None] / (1 + clock[1])
     # ω × θ and b
     turned = np.cross(pair.rate[rows, None], np.eye(3)).swapaxes(1, 2)  # (N', 3, 3)
     bias = np.broadcast_to(np.eye(3), turned.shape)

@@ -68,9 +68,8 @@ class PathStates:
         low, high = other.extent
         states = self.places[:: self.every]
         inside = ((states >= low - 1) & (states <= high + 1)).all(axis=1)
-        return (
-            bool(inside.mean() >= MIN_COMMON_SHARE) and self.within(other) >= MIN_COMMON_SHARE
-        )  # quick, then exact
+        # quick, then exact
+        return bool(inside.mean() >= MIN_COMMON_SHARE) and self.within(other) >= MIN_COMMON_SHARE
 
     def within(self, other: "PathStates") -> float:
         """Return the share of this run's states that the other contains."""
