@@ -32,7 +32,7 @@ from benchmarks.harness.prediction import (
     prediction_table,
 )
 from ur5lib.identification.samples import (
-    Record,
+    CurrentSamples,
     Smooth,
     record_paths,
     smoothed_moving,
@@ -54,7 +54,7 @@ from ur5lib.study.model import Settings
 from ur5lib.tables import read_record, write_csv
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
-from ur5lib.timeseries.trajectories import nearest, place
+from ur5lib.timeseries.trajectories import nearest, scaled_states
 
 RESULTS = Path("results")
 TABLE, FOR_FIGAROH = RESULTS / "current_prediction.csv", RESULTS / "figaroh"
@@ -67,7 +67,7 @@ class Own:
     [rad/s²], and the torque (N, 6) [Nm] of its payload, which differs between recordings.
     """
 
-    record: Record
+    record: CurrentSamples
     predicted: Array
     qdd: Array
     payload_torque: Array
@@ -283,7 +283,7 @@ def pair_rows(arm: Known, first: Own, second: Own) -> Iterator[dict[str, Any]]:
 
 def nearest_states(first: Own, second: Own) -> tuple[Mask, NDArray[np.intp]]:
     """Return whether the first run passes each state (N,) of the second, and where it is next."""
-    places = [place(own.record.q, own.record.qd) for own in (first, second)]
+    places = [scaled_states(own.record.q, own.record.qd) for own in (first, second)]
     known = [np.flatnonzero(np.isfinite(own).all(axis=1)) for own in places]
     near, at = np.zeros(len(places[1]), bool), np.zeros(len(places[1]), np.intp)
     found, index = nearest(places[1][known[1]], places[0][known[0]])

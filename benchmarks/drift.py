@@ -22,6 +22,11 @@ from ur5lib.steps.judge_joints import checkup
 from ur5lib.identification.current_samples import Smoother
 from ur5lib.steps.track_health import health_of as tracked
 from ur5lib.records.arm_state import JointChange
+from ur5lib.identification.samples import recorded_path
+from ur5lib.steps.judge_joints import checkup
+from ur5lib.identification.current_samples import Smoother
+from ur5lib.steps.track_health import health_of as tracked
+from ur5lib.records.arm_state import JointChange
 
 SEEDS, DATES, SECONDS = 20, 20, 20.0
 PATHS, APART = 3, 3  # days between dates
@@ -83,7 +88,7 @@ def health_of(recordings: list[Taken], days: list[date]) -> list[JointChange]:
         checkup(own.record, smooth, fit, day, own.intake.quality)
         for own, day in zip(recordings, days, strict=True)
     ]
-    return tracked(checkups, [passed(own.record) for own in recordings]).changes
+    return tracked(checkups, [recorded_path(own.record) for own in recordings]).changes
 
 
 def beside_truth(change: JointChange, jumped: date) -> dict[str, Any]:

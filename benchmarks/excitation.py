@@ -25,6 +25,10 @@ from ur5lib.excitation.problem import INDEPENDENT, Problem
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.lab.stand.plan import POSTURE, Movej
 from ur5lib.lab.stand.trajectories import INITIAL_REST, plan_targets
+from ur5lib.excitation.design import CHECK_RATE, Effort, design, free_postures, random_path
+from ur5lib.excitation.objective import STATE_STEP, Task, Worth
+from ur5lib.excitation.problem import INDEPENDENT_STEP, DesignProblem
+from ur5lib.excitation.trajectory import WorkCell
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
 from ur5lib.timeseries.arrays import Array
@@ -40,7 +44,7 @@ ROUNDS = 6  # of Gauss and Newton's
 CELL_SECONDS = 5.0
 
 
-States = tuple[Array, Array]  # of a recording every STEP: Y (N, n, 11 n), q̇ (N, n)
+States = tuple[Array, Array]  # of a recording every STATE_STEP: Y (N, n, 11 n), q̇ (N, n)
 
 
 def main() -> None:
@@ -108,17 +112,17 @@ def one_joint_after_the_other(task: Task) -> States:
     turned = [np.add(POSTURE, TURN * axis) for axis in np.eye(6)]
     turns = [point for own in turned for point in (POSTURE, own)]
     plan = Movej(kind="movej", way_points=[tuple(map(float, point)) for point in turns])
-    targets = plan_targets(plan, task.cell.robot, INITIAL_REST + np.arange(0, SECONDS, STEP))
+    targets = plan_targets(plan, task.cell.robot, INITIAL_REST + np.arange(0, SECONDS, STATE_STEP))
     return task.cell.model.regressor(targets.q, targets.qd, targets.qdd), targets.qd
 
 
 def read_motion(task: Task, path: File) -> States:
     """Return the states of a trajectory in a CSV without a header: time [s], q1 .. q6 [rad]."""
     clock, *angles = np.loadtxt(path, delimiter=",").T
-    at = np.arange(clock[0], clock[-1], STEP)
+    at = np.arange(clock[0], clock[-1], STATE_STEP)
     q = interpolated(at, clock, np.array(angles).T)
-    qd = np.gradient(q, STEP, axis=0)
-    return task.cell.model.regressor(q, qd, np.gradient(qd, STEP, axis=0)), qd
+    qd = np.gradient(q, STATE_STEP, axis=0)
+    return task.cell.model.regressor(q, qd, np.gradient(qd, STATE_STEP, axis=0)), qd
 
 
 def worth(task: Task, motion: States) -> Array:
@@ -147,11 +151,11 @@ def unseen_error(task: Task, motion: States) -> Array:
 
 def thinned(Y: Array, qd: Array) -> tuple[Array, Array]:
     """Return the samples whose errors are independent."""
-    every = round(INDEPENDENT / STEP)
+    every = round(INDEPENDENT_STEP / STATE_STEP)
     return Y[::every], qd[::every]
 
 
-def fit(problem: Problem, Y: Array, qd: Array, measured: Array) -> Array:
+def fit(problem: DesignProblem, Y: Array, qd: Array, measured: Array) -> Array:
     """Return the parameters (P,) by Gauss-Newton from measurements (N, 12) and the prior."""
     theta = problem.theta
     for _ in range(ROUNDS):
@@ -182,7 +186,7 @@ def keeps_limits(seed: int) -> bool:
     """Return whether the trajectory of a random cell keeps all limits at 1 kHz."""
     task = random_task(np.random.default_rng(seed))
     path = design(task, seed, OF_CELLS).path
-    return not task.cell.margins(path.sampled(RATE)[1]).broken()
+    return not task.cell.margins(path.sampled(CHECK_RATE)[1]).broken()
 
 
 def random_task(random: np.random.Generator) -> Task:
@@ -193,7 +197,7 @@ def random_task(random: np.random.Generator) -> Task:
         table=float(random.uniform(-0.3, 0.0)) if random.random() < 0.7 else None,
         boxes=[random_box(random) for _ in range(random.integers(4))],
     )
-    cell = Cell.around(load_robot(robot_path(robot)), things)
+    cell = WorkCell.around(load_robot(robot_path(robot)), things)
     limits = replace(
         cell.limits,
         velocity=cell.limits.velocity * random.uniform(0.2, 1.5),

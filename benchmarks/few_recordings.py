@@ -26,6 +26,9 @@ from ur5lib.force.detection import alarms, compare, contacts, in_contact
 from ur5lib.force.external_torque import SLOW
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.motion import Motion
+from ur5lib.force.external_torque import REST_SPEED
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.motion import Motion
 from ur5lib.tables import read_json
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
@@ -107,7 +110,7 @@ def result(fold: Fold, own: Recording) -> Result:
     raised = alarms(forces.log_odds["Fmap"], read_json(fold.shared("threshold.json"))["Fmap"])
     size = np.linalg.norm(sensed(own)[:, :3], axis=1)
     matched = compare(raised, contacts(size), forces.period)
-    rests = bool(np.nanmax(np.abs(Motion.read(own.file("motion.parquet")).qd)) < SLOW)
+    rests = bool(np.nanmax(np.abs(Motion.read(own.file("motion.parquet")).qd)) < REST_SPEED)
     return Result(error <= half, half, rests, matched.contacts, matched.found)
 
 

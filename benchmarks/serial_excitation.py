@@ -32,7 +32,12 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.design import design, free_postures, random_path
 from ur5lib.excitation.files import stand_study
 from ur5lib.excitation.objective import Task
-from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, Noise, Problem
+from ur5lib.excitation.problem import (
+    CORRELATION_TIME,
+    INDEPENDENT_STEP,
+    DesignProblem,
+    MeasurementNoise,
+)
 from ur5lib.excitation.trajectory import Path
 from ur5lib.identification.estimation import physical
 from ur5lib.robots.description import Robot
@@ -92,7 +97,9 @@ def figures(task: Task, arm: Robot, motion: str, path: Path, seed: int) -> Itera
     error = np.abs(in_units(problem, fitted.theta) - in_units(problem, true_parameters(task, own)))
     columns = {
         "predicted": problem.standard_errors(task.information(path)),
-        "stated": fitted.standard_errors(fitted.prior + fitted.information(Y, qd, INDEPENDENT)),
+        "stated": fitted.standard_errors(
+            fitted.prior + fitted.information(Y, qd, INDEPENDENT_STEP)
+        ),
         "found": error,
     }
     before = problem.standard_errors(problem.prior)
@@ -113,28 +120,28 @@ def recorded(arm: Robot, path: Path, seed: int) -> Taken:
 
 
 def samples(own: Taken) -> tuple[Array, Array, Array]:
-    """Return Y, q̇ and what the joints state, every INDEPENDENT of a recording."""
+    """Return Y, q̇ and what the joints state, every INDEPENDENT_STEP of a recording."""
     motion, stated = own.motion, own.signals.actual_current
     low = zero_phase_lowpass(stated, 1 / own.signals.period, *CUTOFF)
-    every = slice(None, None, round(INDEPENDENT / own.signals.period))
+    every = slice(None, None, round(INDEPENDENT_STEP / own.signals.period))
     q, qd, qdd = (part[every] for part in (motion.q, motion.qd, motion.qdd))
     return LinkModel(own.robot, own.robot.fullest_model()).regressor(q, qd, qdd), qd, low[every]
 
 
-def fitted_to(problem: Problem, Y: Array, qd: Array, stated: Array) -> Problem:
+def fitted_to(problem: DesignProblem, Y: Array, qd: Array, stated: Array) -> DesignProblem:
     """Return the problem at its estimate, with the noise that the recording has."""
-    slow = np.sqrt(CORRELATED / INDEPENDENT)
+    slow = np.sqrt(CORRELATION_TIME / INDEPENDENT_STEP)
     for _ in range(2):
         size = np.concatenate([np.full_like(problem.noise.torque, np.inf), problem.noise.current])
         measured = np.hstack([np.zeros_like(stated), stated]) / size
         found = replace(problem, theta=fit(problem, Y, qd, measured))
         left = measured - found.measured(found.theta, Y, qd)
         noise = slow * left[:, problem.joints :].std(axis=0) * problem.noise.current
-        problem = replace(problem, noise=Noise(problem.noise.torque, noise))
+        problem = replace(problem, noise=MeasurementNoise(problem.noise.torque, noise))
     return replace(found, noise=problem.noise)
 
 
-def in_units(problem: Problem, theta: Array) -> Array:
+def in_units(problem: DesignProblem, theta: Array) -> Array:
     """Return parameters with gains, offsets and friction in their own units."""
     return np.concatenate(
         [theta[: problem.count], physical(theta[problem.of_currents].reshape(-1, 5)).ravel()]

@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from benchmarks.harness.options import options_of
 from benchmarks.harness.prediction import FIGAROH
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.identification.base_parameters import Estimate, identify, prior_width, stack
+from ur5lib.identification.base_parameters import InertialEstimate, identify, prior_width, stack
 from ur5lib.leaderboard.tables import markdown, number
 from ur5lib.report.house_style import STYLES
 from ur5lib.robots.description import Robot
@@ -102,7 +102,7 @@ class Motors:
     friction: (N, 7) [Nm], that torque less sensor, rotor and offset.
     """
 
-    estimate: Estimate
+    estimate: InertialEstimate
     torque: Array
     friction: Array
 
@@ -198,13 +198,13 @@ def by_joint(terms: Array) -> Array:
     return own.reshape(*terms.shape[:2], -1)
 
 
-def solved(columns: Array, torque: Array, prior: Array, width: Array) -> Estimate:
+def solved(columns: Array, torque: Array, prior: Array, width: Array) -> InertialEstimate:
     """Return the estimate from blocks of half a second, which tell the standard errors."""
     parts = np.array_split(np.arange(len(torque)), len(torque) // BLOCK)
     return identify(stack((columns[part], torque[part]) for part in parts), prior, width)
 
 
-def fitted(log: Log, rows: Mask) -> Estimate:
+def fitted(log: Log, rows: Mask) -> InertialEstimate:
     """Return the parameters of a recording's slow samples in a mask."""
     links = log.model.parameters
     others = log.columns.shape[2] - len(links)
@@ -254,7 +254,7 @@ def figaroh(log: Log) -> dict[str, Array]:
         return {title: log.slow(log.torque - found[key]) for key, title in FIGAROH.items()}
 
 
-def friction_curves(log: Log, motors: Motors, alone: Estimate) -> pd.DataFrame:
+def friction_curves(log: Log, motors: Motors, alone: InertialEstimate) -> pd.DataFrame:
     """Return each joint's friction [Nm] over its speeds, with standard errors: as seen, as fitted
     to it in the first half, and as fitted there to motor torque alone.
     """
@@ -282,7 +282,7 @@ def friction_curves(log: Log, motors: Motors, alone: Estimate) -> pd.DataFrame:
     return pd.concat(parts)
 
 
-def of_terms(speed: Array, estimate: Estimate, first: int) -> Array:
+def of_terms(speed: Array, estimate: InertialEstimate, first: int) -> Array:
     """Return the rows (N, P) of Coulomb and viscous friction, of which one is parameter `first`."""
     rows = np.zeros((len(speed), len(estimate.parameters)))
     rows[:, first : first + 2] = friction(speed)[:, 1:]

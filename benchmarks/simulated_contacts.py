@@ -33,6 +33,7 @@ from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
 from ur5lib.force.detection import CONTACT, is_free
 from ur5lib.lab.stand.plan import POSTURE
+from ur5lib.force.detection import CONTACT_FORCE, is_free
 from ur5lib.leaderboard.board import RESULTS, estimates, learnt
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED
@@ -212,7 +213,7 @@ def figures(
     true = {place: force_at(place, time, contacts) for place in PLACES}
     common = known_to_all(found)
     touched = {
-        place: common & (np.linalg.norm(own, axis=1) > CONTACT) for place, own in true.items()
+        place: common & (np.linalg.norm(own, axis=1) > CONTACT_FORCE) for place, own in true.items()
     }
     whole = np.hstack([sum(true.values()), np.zeros_like(time)[:, None].repeat(3, axis=1)])
     free = common & is_free(np.linalg.norm(whole[:, :3], axis=1), run.period)

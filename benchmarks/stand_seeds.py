@@ -41,6 +41,25 @@ from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.steps.fit_residuals import residual_models
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.steps.compute_torques import joint_torques, rotor_samples
+from ur5lib.identification.samples import CurrentSamples
+from ur5lib.records.carried import carried
+from ur5lib.steps.read_recording import own_clocks
+from ur5lib.steps.predict_currents import predicted_currents
+from ur5lib.identification.current_samples import Smoother, controllers_ratio, current_record, prior_of
+from ur5lib.force.problem import fmap_problem
+from ur5lib.steps.fit_friction import fitted_friction
+from ur5lib.signals.imu_samples import imu_samples
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Rotors
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.records.truth import TrueParameters, Truth
+from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
+from ur5lib.steps.compute_torques import joint_torques, rotor_samples
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.currents import Currents
@@ -143,7 +162,7 @@ class Taken:
         return joint_torques(self.robot, carried(None, self.signals), self.signals, self.motion)
 
     @cached_property
-    def record(self) -> Record:
+    def record(self) -> CurrentSamples:
         """Smoothed motion, its torque under the true model, the measured current."""
         name, model = f"seed {self.summary.plan.seed}", self.summary.model
         record = current_record(name, self.signals, self.motion, self.torques, model)

@@ -36,7 +36,7 @@ from ur5lib.force.detection import alarm_threshold, alarms, compare, contacts, i
 from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import diagonal
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
+from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
 from ur5lib.leaderboard.tables import markdown
 from ur5lib.force import force_input
 from ur5lib.force.problem import fmap_problem
@@ -98,9 +98,13 @@ PARTS = {
     "load friction of gears": Part(without_gears("loss")),
     "background": Part({f"{GATE}.smooth": unknown_background}),
     "hunting": Part(prior={"hunting": (0.0,)}),
-    "stiction given back": Part({f"{ESTIMATE}.held": lambda torque, *_: 0 * torque}),
-    "margin and hysteresis": Part({f"{ESTIMATE}.MARGIN": 0.0, f"{ESTIMATE}.CLOSES": OPENS}),
-    "friction at rest": Part({f"{GATE}.HELD": 0.0}, {"stiction": 0.01}),
+    "stiction given back": Part(
+        {f"{ESTIMATE}.mean_stiction_torque": lambda torque, *_: 0 * torque}
+    ),
+    "margin and hysteresis": Part(
+        {f"{ESTIMATE}.CONTACT_MARGIN": 0.0, f"{ESTIMATE}.CLOSING_PROBABILITY": OPENING_PROBABILITY}
+    ),
+    "friction at rest": Part({f"{GATE}.MIN_REST_STD": 0.0}, {"stiction": 0.01}),
     "mixture band": Part({f"{ESTIMATE}.mixture_std": of_a_free_arm}),
     "cross-fitting": Part(
         {"ur5lib.records.friction.Friction.fit_for": lambda own, _: own.fit}, refits=True
@@ -121,14 +125,17 @@ CONSTANTS = {  # a field of the prior, or the places of a constant
     "in motion": "rubbing",
     "hunting": "hunting",
     "settling [s]": "settling",
-    "mean of what stiction takes": ["ur5lib.force.force_input.MEAN", f"{ESTIMATE}.MEAN"],
-    "least deviation at rest": [f"{GATE}.HELD"],
-    "weight of the typical lever": ["ur5lib.force.contact_wrench.LEVERS"],
-    "weight of the typical contact": ["ur5lib.force.contact_wrench.WEIGHT"],
-    "gate closes": [f"{ESTIMATE}.CLOSES"],
-    "margin [s]": [f"{ESTIMATE}.MARGIN"],
-    "κ": [f"{ESTIMATE}.MISSED_TO"],
-    "blur [s]": ["ur5lib.force.contact_wrench.BLUR"],
+    "mean of what stiction takes": [
+        "ur5lib.force.force_input.MEAN_STICTION",
+        f"{ESTIMATE}.MEAN_STICTION",
+    ],
+    "least deviation at rest": [f"{GATE}.MIN_REST_STD"],
+    "weight of the typical lever": ["ur5lib.force.contact_wrench.TYPICAL_LEVER_WEIGHT"],
+    "weight of the typical contact": ["ur5lib.force.contact_wrench.TYPICAL_SIZE_WEIGHT"],
+    "gate closes": [f"{ESTIMATE}.CLOSING_PROBABILITY"],
+    "margin [s]": [f"{ESTIMATE}.CONTACT_MARGIN"],
+    "κ": [f"{ESTIMATE}.MISSED_DEVIATIONS"],
+    "blur [s]": ["ur5lib.force.contact_wrench.LOWPASS_BLUR"],
 }
 
 

@@ -40,6 +40,22 @@ from ur5lib.steps.judge_sensor import sensor_wrenches
 from ur5lib.steps.sensor_reading import by_own_clock, moved_tool
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.steps.compute_torques import joint_torques
+from ur5lib.identification.samples import CurrentSamples, Smooth
+from ur5lib.records.carried import carried
+from ur5lib.steps.predict_currents import predicted_currents
+from ur5lib.identification.current_samples import Smoother, controllers_ratio, current_record, prior_of
+from ur5lib.force.problem import Problem, fmap_problem
+from ur5lib.steps.fit_friction import fitted_friction
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.steps.judge_sensor import sensor_wrenches
+from ur5lib.steps.sensor_reading import by_own_clock, moved_tool
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
+from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.recordings.intake import Intake
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
@@ -47,7 +63,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clock import Clock, SettledClock
+from ur5lib.signals.clock import ClockRelation, SettledClock
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
@@ -72,7 +88,7 @@ class RealRecording:
     arm_file: Path
     motion_file: Path
     built: Path | None = None
-    sensor_clock: Clock | None = None
+    sensor_clock: ClockRelation | None = None
 
     @property
     def name(self) -> str:
@@ -122,7 +138,7 @@ class RealRecording:
         return Kinematics.of(self.signals.time, *frames)
 
     @cached_property
-    def record(self) -> Record:
+    def record(self) -> CurrentSamples:
         """What its currents are fitted on."""
         model = self.robot.fullest_model()
         record = current_record(self.name, self.signals, self.motion, self.torques, model)
@@ -187,7 +203,7 @@ class RealStudy:
         return RealRecording(entry, settings, arm, motion, None, self.sensor_clocks.get(name))
 
     @cached_property
-    def sensor_clocks(self) -> dict[str, Clock]:
+    def sensor_clocks(self) -> dict[str, ClockRelation]:
         """How each force sensor's clock runs: by stamps and by its host."""
         if not self.study.hosts:
             return {}

@@ -106,11 +106,11 @@ def rule() -> dict[str, str]:
         "latency": f"{1000 * tuning.MOST:.0f} ms",
         "reached": f"{tuning.REACHED:.0%}".replace("%", " %"),
         "push": f"{tuning.PUSH:g} N",
-        "contact": f"{detection.CONTACT:g} N",
-        "free": f"{detection.FREE:g} N",
-        "apart": f"{detection.CLEAR:g} s",
-        "touch": f"{detection.TOUCH:g} N",
-        "draws": f"{contact_figures.DRAWS}",
+        "contact": f"{detection.CONTACT_FORCE:g} N",
+        "free": f"{detection.FREE_FORCE:g} N",
+        "apart": f"{detection.CONTACT_CLEARANCE:g} s",
+        "touch": f"{detection.TOUCH_FORCE:g} N",
+        "draws": f"{contact_figures.CONTACT_RESAMPLES}",
     }
 
 

@@ -20,7 +20,7 @@ from benchmarks.harness.pushes import PLACES
 from benchmarks.harness.sections import detection_tables
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
 from benchmarks.simulated_contacts import force_at
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import CurrentSamples
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.robots.description import Robot
 from ur5lib.tables import write_csv
@@ -178,7 +178,7 @@ def test_the_floor_is_half_the_square_of_what_repeats_differ_by(ur5: Robot) -> N
     phase = np.linspace(0, 6, COUNT)[:, None] + np.arange(6)
     q, qd = np.sin(phase), np.cos(phase) * 6 / (COUNT * PERIOD)
     zeros, segment = np.zeros((COUNT, 6)), np.zeros(COUNT, int)
-    record = Record("first", PERIOD, segment, q, qd, zeros, zeros)
+    record = CurrentSamples("first", PERIOD, segment, q, qd, zeros, zeros)
     first = Own(record, zeros, zeros, zeros, np.ones(6), fitted=True)
     second = replace(first, record=replace(record, name="second", current=zeros + 0.2))
     arm = Known("arm", Path(), ur5, lambda values, _: values, [first, second], np.zeros(2, int))

@@ -15,8 +15,8 @@ from tests.library.synthetic_run import COUNT, PERIOD, STIFFNESS, synthetic_run
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import regularised_wrench
-from ur5lib.force.external_torque import STATES
-from ur5lib.force.gate import Noise, diagonal
+from ur5lib.force.external_torque import FITTED_STATE_COUNT
+from ur5lib.force.gate import TorqueVariances, diagonal
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard import tuning
 from ur5lib.leaderboard.estimator import Learned
@@ -266,9 +266,9 @@ def test_our_causal_force_is_in_its_band(learned: dict[str, Learned]) -> None:
 
 def test_our_causal_force_shows_large_pushes_better_than_a_usual_prior() -> None:
     run, push = synthetic_run(3), np.array([0.0, 0.0, 90.0, 0, 0, 0])
-    noise = Noise.of(run.states, unsure(5.0), ContactPrior(), np.zeros((COUNT, 6)))
+    noise = TorqueVariances.of(run.states, unsure(5.0), ContactPrior(), np.zeros((COUNT, 6)))
     torque = (run.jacobian.mT @ push)[:1]
-    few = Noise(*(getattr(noise, own.name)[:1] for own in fields(noise)))
+    few = TorqueVariances(*(getattr(noise, own.name)[:1] for own in fields(noise)))
     spread = diagonal(few.spread)
     usual = regularised_wrench(torque, run.jacobian[:1], spread, ContactPrior().usual()).mean
     assert usual[0, 2] < mixed_wrench(torque, run.jacobian[:1], few).mean[0, 2] < push[2] / 0.9
@@ -276,8 +276,8 @@ def test_our_causal_force_shows_large_pushes_better_than_a_usual_prior() -> None
 
 def unsure(spread: float) -> ResidualModel:
     """Return a residual model with one standard deviation [Nm] for all joints and states."""
-    deviation = np.full((STATES, 6), spread)
-    return ResidualModel(deviation, deviation, np.ones(STATES), 0.1, np.zeros(6))
+    deviation = np.full((FITTED_STATE_COUNT, 6), spread)
+    return ResidualModel(deviation, deviation, np.ones(FITTED_STATE_COUNT), 0.1, np.zeros(6))
 
 
 def test_the_same_data_give_the_same_numbers(learned: dict[str, Learned]) -> None:

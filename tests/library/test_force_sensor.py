@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import Remark, remark
-from ur5lib.force.detection import pushes
+from ur5lib.force.detection import trial_pushes
 from ur5lib.force.sensor import (
     SensorOffset,
     bias,
@@ -37,7 +37,7 @@ def orientations(seconds: float, turning: float) -> np.ndarray:
 def pushed(rotation: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """What a sensor reads of a tool and of pushes in turn; and the wrenches, base axes."""
     random = np.random.default_rng(seed)
-    profile, places = pushes(len(rotation), PERIOD)
+    profile, places = trial_pushes(len(rotation), PERIOD)
     wrench = np.zeros((len(rotation), 6))
     for first, last in places:
         direction = random.normal(0, [10, 10, 10, 0.5, 0.5, 0.5])

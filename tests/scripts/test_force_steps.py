@@ -18,7 +18,12 @@ from ur5lib.force.flange_contact import lever
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
-from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, judged_load
+from ur5lib.identification.payload import (
+    SCALED_TORQUE_ERROR,
+    JudgedLoad,
+    PayloadEstimate,
+    judged_load,
+)
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.records.carried import Carried
 from ur5lib.force.estimators import GATED
@@ -169,7 +174,7 @@ class Predicted:
     def taken_torque(self) -> np.ndarray:
         """Of the load that the prediction contains, (N, 6) [Nm], times how each motor feels it."""
         assert self.currents.load_doubt is not None
-        return self.currents.load_doubt / LEFT
+        return self.currents.load_doubt / SCALED_TORQUE_ERROR
 
     def left_on_joint_2(self) -> float:
         """Median external torque [Nm]."""

@@ -21,7 +21,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.signals import SENSOR_COLUMNS
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, robot_path
-from ur5lib.signals.clock import BY_STAMPS, SettledClock
+from ur5lib.signals.clock import STAMPS_METHOD, SettledClock
 from ur5lib.tables import read_json, write_json, write_table
 
 PERIOD, COUNT = 0.008, 2500
@@ -97,7 +97,7 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     names = (*records, "force", "published")
     inputs = {name: str(folder / f"{name}.parquet") for name in names}
     write_json(Quality(starts={"force": StartOffset(START, 0.001)}), folder / "quality.json")
-    clock = SettledClock(START, 0.001, None, None, BY_STAMPS, warning=None, end_std=0.001)
+    clock = SettledClock(START, 0.001, None, None, STAMPS_METHOD, warning=None, end_std=0.001)
     write_json({"force": clock}, folder / "clocks.json")
     write_json(Contradictions(), folder / "contradictions.json")
     write_json(Friction(), folder / "friction.json")

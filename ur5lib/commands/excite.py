@@ -14,12 +14,19 @@ from rich.progress import Progress
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError, unknown
-from ur5lib.excitation.design import USUAL, Design, Effort, design
+from ur5lib.excitation.design import USUAL_EFFORT, Design, Effort, design
 from ur5lib.excitation.files import write_files
-from ur5lib.excitation.objective import QUESTIONS, STEP, Task, Worth
-from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces, problem_after
-from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
-from ur5lib.excitation.trajectory import Cell
+from ur5lib.excitation.objective import QUESTIONS, STATE_STEP, Task, Worth
+from ur5lib.excitation.outlook import (
+    Bands,
+    Earlier,
+    Outlook,
+    RecordedStates,
+    feels_forces,
+    problem_after,
+)
+from ur5lib.excitation.problem import DesignProblem, build_problem, nominal_maps
+from ur5lib.excitation.trajectory import WorkCell
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification
@@ -60,7 +67,7 @@ class ExciteOptions:
     payload: Payload | None = None
 
 
-def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iterator[str]:
+def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL_EFFORT) -> Iterator[str]:
     """Design a trajectory, write its files into a folder, and yield its predicted errors.
 
     Raises InputError for a wrong option, missing results, and limits that allow no motion.
@@ -128,7 +135,9 @@ def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
 
 def task_of(options: ExciteOptions, arm: Robot, known: Earlier | None) -> Task:
     """Return the task of the design: limits, problem, question, information so far, duration."""
-    cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
+    cell = WorkCell.around(
+        arm.carrying(options.payload), surroundings(options.table, options.boxes)
+    )
     bare, seeks_load = LinkModel(arm, arm.fullest_model()), options.question == "payload"
     if known is None:
         problem = build_problem(arm, bare, nominal_maps(arm), seeks_load)
@@ -150,7 +159,7 @@ def outlook_of(arm: Robot, known: Earlier | None, found: Design) -> list[Bands]:
         return []
     outlook, task = Outlook(arm, known), found.task
     problem = outlook.problem.of_model(task.cell.model.parameters)
-    told = problem.information(*task.regressor(found.path), STEP)
+    told = problem.information(*task.regressor(found.path), STATE_STEP)
     return outlook.ranked([("this motion", told), *outlook.candidates(task.seconds)])
 
 
@@ -186,7 +195,7 @@ def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
         ) from error
 
 
-def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
+def _worth_lines(problem: DesignProblem, worth: Worth) -> Iterator[str]:
     """Yield the information of a trajectory, and the least determined parameters' errors."""
     whole = f", of the whole problem {worth.condition:.0f}" if np.isfinite(worth.condition) else ""
     yield (
@@ -211,9 +220,9 @@ def _band_lines(outlook: Sequence[Bands], sensed: bool) -> Iterator[str]:
         yield f"  {row.after:<46}{row.force:>7.2f} N {row.current:>7.4f} {unit} {row.mass:>6.3f} kg"
 
 
-def _recorded(arm: Robot, study: FinishedStudy, name: str) -> Recorded:
+def _recorded(arm: Robot, study: FinishedStudy, name: str) -> RecordedStates:
     """Return the states of a recording."""
     gravity = study.recording(name).known_gravity()
     motion = study.record(Motion, name)
     robot = arm.carrying(study.payload(name)).mounted(gravity)
-    return Recorded.along(robot, motion.time, motion.q, motion.qd, motion.qdd)
+    return RecordedStates.along(robot, motion.time, motion.q, motion.qd, motion.qdd)

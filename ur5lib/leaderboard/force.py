@@ -7,7 +7,7 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import least_squares_wrench
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.force.residual_model import ResidualModel, TorqueStretch, few_paths, fit_residual_model
 from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array
@@ -30,7 +30,7 @@ def learned_noise(
     Raises InputError if a joint never moves.
     """
     stretches = [
-        Stretch(estimate[rows], run.states[rows], run.period)
+        TorqueStretch(estimate[rows], run.states[rows], run.period)
         for run in runs
         for estimate in [torque(run)]
         for rows in unbroken(run.segment)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.force.contact_figures import TAILS, figures_by_contact, resampled_means
-from ur5lib.force.detection import CONTACT, contacts, in_contact
+from ur5lib.force.contact_figures import INTERVAL_ENDS, figures_by_contact, resampled_means
+from ur5lib.force.detection import CONTACT_FORCE, contacts, in_contact
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import coverage, interval_score
@@ -27,7 +27,7 @@ def sensed_rows(run: Run, found: Estimates, ours: str) -> Iterator[dict[str, Any
     assert run.sensor is not None
     size = np.linalg.norm(run.sensor[:, :3], axis=1)
     common = known_to_all(found)
-    count = len(contacts(size, CONTACT))
+    count = len(contacts(size, CONTACT_FORCE))
     same = {name: masked(own, common) for name, own in found.items()}
     beside = compared(run.sensor, size, same, ours)
     for name, own in same.items():
@@ -95,7 +95,9 @@ def _resampled(
         return found
     drawn, reference = scale(draws), [*values].index(ours)
     more = drawn - drawn[:, [reference]]
-    ends = np.concatenate([np.quantile(drawn, TAILS, axis=0), np.quantile(more, TAILS, axis=0)])
+    ends = np.concatenate(
+        [np.quantile(drawn, INTERVAL_ENDS, axis=0), np.quantile(more, INTERVAL_ENDS, axis=0)]
+    )
     for name, low, high, more_low, more_high in zip(values, *ends, strict=True):
         own = found[name]
         own |= {f"{label}_low": low, f"{label}_high": high}

@@ -13,7 +13,7 @@ from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Labels
-from ur5lib.timeseries.segments import extrapolated, unbroken
+from ur5lib.timeseries.segments import extrapolated_samples, unbroken
 
 MOVES = 0.05  # rad/s; slower joints do not show their velocities nor their friction
 DERIVATIVES = [  # a channel, and the channel that should be its derivative
@@ -77,7 +77,7 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
     segment: (N,) labels; period: [s]; cutoff: of the low-pass of the currents [Hz].
     """
     longest = max(part.stop - part.start for part in unbroken(segment))
-    least = 2 * extrapolated(cutoff, period) + 1
+    least = 2 * extrapolated_samples(cutoff, period) + 1
     if longest >= least:
         return []
     values = {"seconds": longest * period, "samples": longest, "least_s": least * period}

@@ -23,7 +23,7 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding, add_finding
-from ur5lib.robots.realtime_message import SOFTWARE, fields
+from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE, fields
 from ur5lib.strict import expect_file
 from ur5lib.tables import columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -33,12 +33,12 @@ BLOCK = 1 << 21  # bytes that are searched at a time; no line may be twice as lo
 HEAD = 12  # bytes: size and timestamp
 RUN = 1024  # messages processed together, so that they stay in the cache
 EVIDENCE = 16  # messages whose timestamps decide between size words
-MARGIN = (EVIDENCE + 2) * max(SOFTWARE)  # bytes that such a comparison may look at
+MARGIN = (EVIDENCE + 2) * max(SOFTWARE_BY_SIZE)  # bytes that such a comparison may look at
 SHORTEST, LONGEST = 1e-4, 60.0  # s, between consecutive messages, unless the timestamp is stale
 SETTLED = 1.0  # s, longest step where no earlier message confirms the first
 AGES = 1e9  # s; longer than any controller runs
 
-SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE))
+SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE_BY_SIZE))
 
 
 @dataclass(frozen=True)
@@ -149,8 +149,8 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
         add_finding(findings, "robot", "damaged lines", "warning", *damage, line=damaged[0])
     if not messages.runs:
         raise InputError(
-            f"{path} has no complete message of a known layout ({min(SOFTWARE)} to "
-            f"{max(SOFTWARE)} bytes); capture port 30003 again, with one line "
+            f"{path} has no complete message of a known layout ({min(SOFTWARE_BY_SIZE)} to "
+            f"{max(SOFTWARE_BY_SIZE)} bytes); capture port 30003 again, with one line "
             "`received_s,payload_hex` per recv"
         )
     size = _layout(messages.counts, findings)
@@ -204,7 +204,7 @@ def _seek(stream: bytes, at: int, end: int, last: float) -> int:
     if _follows(np.array([last]), _stamps(stream, at, end, 1)[1]).any():
         return at
     while word := SIZE_WORD.search(stream, at, end):
-        at = min(word.start() + max(SOFTWARE), end)
+        at = min(word.start() + max(SOFTWARE_BY_SIZE), end)
         words = [word.start() for word in SIZE_WORD.finditer(stream, word.start(), at)]
         trusts = [_trust(_stamps(stream, word, end, EVIDENCE)[1], last) for word in words]
         if max(trusts) > 0:
@@ -220,7 +220,7 @@ def _stamps(stream: bytes, at: int, end: int, most: int) -> tuple[int, Array]:
     there is no size word.
     """
     size = int.from_bytes(stream[at : at + 4], "big")
-    if size not in SOFTWARE or at + HEAD > end:
+    if size not in SOFTWARE_BY_SIZE or at + HEAD > end:
         return 0, np.zeros(0)
     count = min(most, (end - at - HEAD) // size + 1)
     agree = np.ndarray(count, ">i4", stream, at, (size,)) == size
@@ -312,5 +312,5 @@ def _frame(messages: _Messages, size: int) -> pd.DataFrame:
         count = place.stop - place.start
         names += columns(name, count) if count > 1 else [name]
     frame = pd.DataFrame(table.T, columns=names, copy=False)
-    frame.attrs = {"message_bytes": size, "software": SOFTWARE[size]}
+    frame.attrs = {"message_bytes": size, "software": SOFTWARE_BY_SIZE[size]}
     return frame

@@ -14,7 +14,7 @@ from ur5lib.dynamics.flange import link_frames
 from ur5lib.excitation.design import Design
 from ur5lib.excitation.objective import Worth
 from ur5lib.excitation.outlook import Bands
-from ur5lib.excitation.problem import Problem
+from ur5lib.excitation.problem import DesignProblem
 from ur5lib.excitation.trajectory import Margins, Path
 from ur5lib.report.document import (
     Cell,
@@ -148,7 +148,7 @@ def excitation_page(
     ).numbered()
 
 
-def _worst(problem: Problem, worth: Worth) -> str:
+def _worst(problem: DesignProblem, worth: Worth) -> str:
     """Return how much the recording would lower the error of the least determined parameter."""
     names, order = problem.names(), worth.least_determined()
     left = [f"{share:.0%}" for share in worth.after / worth.before]
@@ -169,7 +169,7 @@ def _worst(problem: Problem, worth: Worth) -> str:
     )
 
 
-def _parameters(problem: Problem, worth: Worth) -> Table:
+def _parameters(problem: DesignProblem, worth: Worth) -> Table:
     """Return the table of all parameters, the least determined first."""
     names, units, left = problem.names(), problem.units(), 100 / worth.prior
     rows = [

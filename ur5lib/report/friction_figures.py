@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from ur5lib.identification.currents import CurrentFit, Parameter, predict
-from ur5lib.identification.samples import Record, Smooth, smoothed_moving
+from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
 from ur5lib.report.charts import residual_panels, scatter_panels
 from ur5lib.report.house_style import Drawing, house_style, nothing_to_draw
 from ur5lib.robots.description import CurrentToTorque
@@ -32,7 +32,7 @@ class MovingSamples:
     predicted: Array
 
     @classmethod
-    def from_record(cls, record: Record, fit: CurrentFit, smooth: Smooth) -> Self:
+    def from_record(cls, record: CurrentSamples, fit: CurrentFit, smooth: Smooth) -> Self:
         """Return a recording's samples where each joint moves."""
         every = max(1, round(STEP / record.period))
         moving = smoothed_moving(record, smooth)[::every]

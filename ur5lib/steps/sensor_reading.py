@@ -11,7 +11,7 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.signals.end_effector import ToolMotion, expected, tool_motion
+from ur5lib.signals.end_effector import ToolMotion, expected_values, tool_motion
 from ur5lib.steps.read_recording import by_stamps
 from ur5lib.timeseries.arrays import Array
 
@@ -58,10 +58,10 @@ def sensor_reading(
     values, known = in_frame_6(signals.force_sensor, robot), (signals.segment, signals.period)
     moment = np.zeros_like(values)
     if tool is not None:  # n = ... - I α - ω × I ω
-        moment[:, 3:] = -expected(moved.gyration(tool.inertia), *known, clock_std)
+        moment[:, 3:] = -expected_values(moved.gyration(tool.inertia), *known, clock_std)
     origin, center = np.array(robot.mounting.force_sensor), np.zeros(3)
     for _ in range(ROUNDS):
-        pull = expected(moved.pull_at(origin + center), *known, clock_std)
+        pull = expected_values(moved.pull_at(origin + center), *known, clock_std)
         offset = fit_offset(values - moment, pull, signals.period)
         center = within_reach(offset.center())
     placed = values if by_stamps is None else in_frame_6(by_stamps, robot)

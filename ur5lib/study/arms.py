@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
 from ur5lib.robots.description import (
-    FOLDER,
+    DESCRIPTION_FOLDER,
     PROJECT_FOLDER,
     Gravity,
     Payload,
@@ -50,7 +50,9 @@ Name = Annotated[  # becomes the name of a folder
 def _described(name: str) -> str:
     if name not in robot_names():
         raise PydanticCustomError("no_description", "{message}", {"message": no_description(name)})
-    if (FOLDER / f"{name}.yaml").is_file() and (PROJECT_FOLDER / f"{name}.yaml").is_file():
+    if (DESCRIPTION_FOLDER / f"{name}.yaml").is_file() and (
+        PROJECT_FOLDER / f"{name}.yaml"
+    ).is_file():
         file = PROJECT_FOLDER / f"{name}.yaml"
         raise ValueError(f"another name to {file}: ur5lib describes a {name} too")
     if not re.match(NAME, name):

@@ -15,7 +15,12 @@ from scipy.spatial.transform import Rotation
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder.commanded_motion import MIN_POINTS, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import SINGULAR_VALUE, geometric_jacobian, link_frames, solutions
+from ur5lib.robots.statics import (
+    MIN_SINGULAR_VALUE,
+    geometric_jacobian,
+    link_frames,
+    solutions,
+)
 from ur5lib.robots.urscript import (
     MOVE_ARGUMENTS,
     Command,
@@ -203,11 +208,12 @@ def _expect_regular(move: Move, robot: Robot, q: Array) -> None:
     """Raise InputError where angles (M, 6) [rad] are near a singularity."""
     least = np.linalg.svd(geometric_jacobian(robot, q), compute_uv=False)[:, -1]
     worst = least.argmin()
-    if least[worst] < SINGULAR_VALUE:
+    if least[worst] < MIN_SINGULAR_VALUE:
         where = ", ".join(f"{angle:.2f}" for angle in q[worst])
         raise InputError(
             f"{move.place}: the straight line passes a singularity at q = ({where}) rad (smallest "
-            f"singular value {least[worst]:.3f}, below {SINGULAR_VALUE}); change it, or use movej"
+            f"singular value {least[worst]:.3f}, below {MIN_SINGULAR_VALUE}); "
+            "change it, or use movej"
         )
 
 

@@ -14,8 +14,8 @@ import pandas as pd
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.detection import spans
-from ur5lib.force.external_torque import STILL
-from ur5lib.force.force_input import MEAN, held
+from ur5lib.force.external_torque import JointState
+from ur5lib.force.force_input import MEAN_STICTION, mean_stiction_torque
 from ur5lib.force.gate import diagonal
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard.estimator import Estimator, Learned
@@ -41,13 +41,16 @@ def estimate(run: Run, noise: ResidualModel) -> Estimate:
     """Return wrench and standard deviation of a run; noise: of its low-passed torque."""
     median = partial(running_median, samples=round(WINDOW / run.period))
     rest = run.smoothed - by_segment(median, run.smoothed, run.segment)
-    still, deviation = run.states == STILL, noise.change[run.states, np.arange(6)]
+    still, deviation = run.states == JointState.STILL, noise.change[run.states, np.arange(6)]
     size = np.nan_to_num(np.linalg.norm(rest / deviation, axis=1))
     touched = marked(spans(size, BEGINS, ENDS), len(size))
     # gears and stiction
     carried, _ = run.gears.where_moving(run.states).contact_torque(rest)
-    carried += still * held(carried, noise.breakaway, PRIOR.stiction)
-    taken = np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN**2), PRIOR.rubbing) * noise.breakaway
+    carried += still * mean_stiction_torque(carried, noise.breakaway, PRIOR.stiction)
+    taken = (
+        np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
+        * noise.breakaway
+    )
     lost = PRIOR.load_friction * carried
     # ridge
     covariance = diagonal(deviation**2 + taken**2 + lost**2)

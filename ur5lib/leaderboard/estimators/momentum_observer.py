@@ -23,7 +23,7 @@ from ur5lib.leaderboard.momentum import LinearObserver
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned, untuned
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import extrapolated, unbroken
+from ur5lib.timeseries.segments import extrapolated_samples, unbroken
 
 GAINS = (10.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 40.0, 60.0)  # 1/s
 
@@ -88,7 +88,7 @@ def learn_gated(runs: Sequence[Run]) -> Learned:
 
     def observed(run: Run) -> Array:
         found = observe(run.momentum, run.rate, run.segment, run.period, CUTOFF)
-        return without_edges(found, run.segment, extrapolated(CUTOFF, run.period))
+        return without_edges(found, run.segment, extrapolated_samples(CUTOFF, run.period))
 
     noise = learned_noise(observed, runs, breakaway_of(runs))
     return Learned(lambda run: most_probable(run, observed(run), noise), {})

@@ -17,9 +17,9 @@ import numpy as np
 from scipy.special import softmax
 
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
-from ur5lib.force.contact_wrench import Wrench, contact_wrench
+from ur5lib.force.contact_wrench import ContactWrench, contact_wrench
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.gate import Noise, diagonal, log_density
+from ur5lib.force.gate import TorqueVariances, diagonal, log_density
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard.estimator import Estimator, Learned
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
@@ -48,7 +48,9 @@ class CausalMap:
         torque = FirstOrder(self.gain).torque(run)
         known = finite_rows(torque) & finite_rows(run.jacobian.reshape(-1, 36))
         wrench, std = np.full_like(torque, np.nan), np.full_like(torque, np.nan)
-        noise = Noise.of(run.states[known], self.model, PRIOR, np.zeros_like(torque[known]))
+        noise = TorqueVariances.of(
+            run.states[known], self.model, PRIOR, np.zeros_like(torque[known])
+        )
         gears = run.gears.at(known).where_moving(run.states[known])
         carried, _ = gears.contact_torque(torque[known])
         own = mixed_wrench(carried, run.jacobian[known], noise)
@@ -60,7 +62,7 @@ class CausalMap:
         return (run.jacobian.mT @ self.estimate(run).wrench[..., None])[..., 0]
 
 
-def mixed_wrench(torque: Array, jacobian: Array, noise: Noise) -> Wrench:
+def mixed_wrench(torque: Array, jacobian: Array, noise: TorqueVariances) -> ContactWrench:
     """Return mean and variance (n, 6) of the wrench over the sizes of contacts, sample by sample.
 
     torque: (n, 6) [Nm]; jacobian: (n, 6, 6).
@@ -75,7 +77,7 @@ def mixed_wrench(torque: Array, jacobian: Array, noise: Noise) -> Wrench:
     pairs = [*zip(likely[..., None], found, strict=True)]
     mean = sum(p * own.mean for p, own in pairs)
     square = sum(p * (own.variance + own.mean**2) for p, own in pairs)
-    return Wrench(mean, square - mean**2)
+    return ContactWrench(mean, square - mean**2)
 
 
 def learn(runs: Sequence[Run]) -> Learned:

@@ -6,7 +6,11 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
+from ur5lib.force.contact_wrench import (
+    BREAKAWAY_SHARE,
+    MIN_CONSTANT_ERROR,
+    STATIC_SPEED,
+)
 from ur5lib.force.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.baseline import BETTER, ZERO, Rival, error_bar, state
 from ur5lib.report.document import MOST_SHOWN, Number, Verdict
@@ -220,7 +224,12 @@ def readings(results: Results) -> Iterator[str]:
 def uncalibrated(results: Results) -> Iterator[str]:
     """Report the assumptions of the static estimate, which replaces a fit."""
     if len(results.rows("force_mae", estimate="static")):
-        yield say("sensed.uncalibrated", error=LEAST_ERROR, breakaway=BREAKAWAY, slow=SLOW)
+        yield say(
+            "sensed.uncalibrated",
+            error=MIN_CONSTANT_ERROR,
+            breakaway=BREAKAWAY_SHARE,
+            slow=STATIC_SPEED,
+        )
 
 
 def errors_in_contact(results: Results) -> pd.DataFrame:

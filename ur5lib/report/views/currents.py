@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.identification.currents import UNDETERMINED
+from ur5lib.identification.currents import MAX_PRIOR_SHARE
 from ur5lib.report.baseline import HELD, WIDE, AgainstBaseline, Rival, bars
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import AT_REST, Results
@@ -43,7 +43,7 @@ def constants(results: Results) -> pd.DataFrame:
         moving.setdefault(arms[name], set()).update(results.moving(name))
     pairs = zip(rows["robot"], rows["joint"], strict=True)
     moved = [robot not in moving or joint in moving[robot] for robot, joint in pairs]
-    by_prior = np.where(rows["prior_share"] > UNDETERMINED, "prior", "undetermined")
+    by_prior = np.where(rows["prior_share"] > MAX_PRIOR_SHARE, "prior", "undetermined")
     return rows.assign(
         moved=np.array(moved, dtype=bool) | (rows["parameter"] == "torque_constant"),
         source=np.where(rows["determined"] == "yes", "data", by_prior),

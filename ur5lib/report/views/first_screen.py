@@ -6,8 +6,8 @@ from itertools import chain, islice
 import pandas as pd
 from scipy.special import bdtr, bdtrc
 
-from ur5lib.force.trial_contacts import MOST as MOST_TRIED
-from ur5lib.identification.samples import FEW
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE as MOST_TRIED
+from ur5lib.identification.samples import MIN_UNITS
 from ur5lib.report.document import MOST_SHOWN, Verdict
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.sentences import say
@@ -124,7 +124,7 @@ def missing_recordings(results: Results) -> Iterator[str]:
         yield say("steps.advised", robot=row.robot, motion=motion)
     remarks = results.rows("remarks", code=ASKING)
     for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
-        yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=FEW)
+        yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=MIN_UNITS)
     for role in ("fit", "validate"):
         if not results.with_role(role):
             yield say(f"steps.{role}", held=results.with_role(AT_REST))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.force.estimators import GATED, NEW, PUBLISHED
-from ur5lib.force.trial_contacts import MOST
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
@@ -74,7 +74,13 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
     for prefix, state in (("", "in motion"), ("rest_", "at rest")):
         for axis in "xyz":
             force, std = (rows[f"smallest_force_{of}_{prefix}{axis}"] for of in ("95", "std"))
-            part = {"state": state, "axis": axis, "force": force, "std": std, "most": MOST}
+            part = {
+                "state": state,
+                "axis": axis,
+                "force": force,
+                "std": std,
+                "most": MAX_TRIAL_FORCE,
+            }
             parts.append(rows[["recording"]].assign(**part))
     return pd.concat([part for part in parts if part["force"].notna().any()] or parts[:1])
 
