@@ -15,7 +15,7 @@ import pandas as pd
 import yaml
 
 from tests.conftest import PROJECT
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from ur5lib.commands.check import look_through, settled
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
@@ -80,7 +80,7 @@ class RealRecording:
     @cached_property
     def intake(self) -> Intake:
         max_gap = self.settings.frames.max_gap_s
-        return read_and_repair(self.entry, self.robot, max_gap)
+        return read_and_check(self.entry, self.robot, max_gap)
 
     @cached_property
     def signals(self) -> Signals:

@@ -11,7 +11,7 @@ import pytest
 
 from tests.conftest import PROJECT
 
-ROOMS = {"recordings", "signals", "dynamics", "identification", "force", "stand"}
+ROOMS = {"recordings", "checks", "signals", "dynamics", "identification", "force", "stand"}
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 ARROWS = {  # what each part of ur5lib may import, besides itself
     "timeseries": set(),
@@ -25,6 +25,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "robots": {"errors", "lab", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recordings": BASE | {"lab"},
+    "checks": BASE | {"recordings"},
     "smoothing": BASE | {"signals"},
     "recorder": BASE,
     "doubles": BASE | {"recorder", "stand"},
@@ -37,7 +38,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | ROOMS
     | {"datasets", "doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},
     "leaderboard": BASE | ROOMS | {"lab", "pipeline"},
-    "importing": BASE | {"commands", "dynamics", "recordings", "study"},
+    "importing": BASE | {"checks", "commands", "dynamics", "recordings", "study"},
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "lab", "leaderboard", "study"},
 }

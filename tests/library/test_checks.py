@@ -6,7 +6,9 @@ import pytest
 
 from tests.conftest import said
 from tests.synthetic import PERIOD
-from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot, touched
+from ur5lib.checks.channels import check_robot
+from ur5lib.checks.contacts import touched
+from ur5lib.checks.devices import check_force_sensor, check_imu
 from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import FullScale
 

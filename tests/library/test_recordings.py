@@ -10,7 +10,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from tests.conftest import said
-from tests.entries import read_and_repair, read_recording
+from tests.entries import read_and_check, read_recording
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.channels import SIX, SUFFIXES
@@ -103,7 +103,7 @@ def test_a_long_recording_is_in_memory_about_once(
     entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "long.csv"}
     tracemalloc.start()
     try:
-        robot = read_and_repair(entry, ur5, 0.1).robot
+        robot = read_and_check(entry, ur5, 0.1).robot
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -199,7 +199,7 @@ def test_rtde_names_in_other_units(tmp_path: Path, ur5: Robot) -> None:
     entry: dict[str, Any] = {"format": "rtde-csv", "folder": str(tmp_path), "file": "log.csv"}
     for units, likely in (({}, "degrees"), ({"actual_q": "deg"}, "mA")):
         with pytest.raises(InputError, match=f"is it in {likely}"):
-            read_and_repair(entry | {"units": units}, ur5, 0.1)
+            read_and_check(entry | {"units": units}, ur5, 0.1)
     units = {"actual_q": "deg", "actual_current": "mA"}
     robot = read_recording(entry | {"units": units}).robot.table
     assert robot["actual_current_5"].eq(1.5).all()
@@ -241,7 +241,7 @@ def test_a_log_without_a_clock_has_the_rate_that_the_study_states(
     lines[100] = lines[200] = "torn"
     (tmp_path / "log.txt").write_text("\n".join(lines) + "\n")
     entry = TABLE | {"folder": str(tmp_path), "file": "log.txt", "columns": ["actual_q"]}
-    taken = read_and_repair(entry | {"rate": rate}, ur5, 0.1)
+    taken = read_and_check(entry | {"rate": rate}, ur5, 0.1)
     np.testing.assert_allclose(taken.robot["time"], np.arange(400) / rate, atol=1e-9)
     assert np.flatnonzero(taken.robot["interpolated"]).tolist() == [100, 200]
     np.testing.assert_allclose(channel(taken.robot, "actual_q"), q, atol=1e-5)
@@ -394,7 +394,7 @@ CUT = {"torn last line", "channels of unequal length"}
 
 
 def intake(entry: dict, arm: Robot) -> Intake:
-    return read_and_repair(entry, arm, max_gap=0.1)
+    return read_and_check(entry, arm, max_gap=0.1)
 
 
 def test_every_defect_of_the_thesis_is_found_and_no_other(thesis_data: Path, ur5: Robot) -> None:

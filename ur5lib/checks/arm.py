@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.errors import remark
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.current_checks import (
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.currents import (
     BEARING,
     BRAKES,
     ERRORS,
@@ -27,9 +27,9 @@ from ur5lib.recordings.current_checks import (
     holding,
     moving,
 )
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.checks.readings import exchanged, in_order, readings
+from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.recordings.readings import exchanged, in_order, readings
 from ur5lib.robots.description import Robot
 
 SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 31
@@ -93,7 +93,7 @@ def likeliest(causes: Iterable[Cause]) -> Iterator[Finding]:
 
 def of_measured(means: BlockMeans, sign: int = 1) -> BlockMeans:
     """Return the means with the measured current, or its opposite, as the only effort."""
-    return replace(means, currents={CURRENT: sign * means.currents[CURRENT]})
+    return replace(means, currents={MEASURED_CURRENT: sign * means.currents[MEASURED_CURRENT]})
 
 
 def gain_of_sign(means: BlockMeans, arm: Robot) -> float:
@@ -157,7 +157,7 @@ def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[C
         by_sign = turned and not any(one > BRAKES for one in friction)
         code = "other mounting or sign" if by_sign else "other mounting"
         fitting = [remark("mounting as cause", value=[*one]) for one in likely]
-        finding = contradiction(code, causes=fitting, name=CURRENT)
+        finding = contradiction(code, causes=fitting, name=MEASURED_CURRENT)
         yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
 
 
@@ -196,7 +196,7 @@ class Constants:
         return abs(math.log(self.ratio[joint]))
 
 
-def constants(means: BlockMeans, arm: Robot, name: str = CURRENT) -> Constants:
+def constants(means: BlockMeans, arm: Robot, name: str = MEASURED_CURRENT) -> Constants:
     """Return the torque constants by gravity of the joints that bear something.
 
     At rest, friction may hold a part of gravity; name: of the channel that holds currents.

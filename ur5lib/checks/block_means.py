@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import CURRENTS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
@@ -18,7 +19,6 @@ FILLED = 0.6  # share of a block's frames that may have been lost; in some recor
 SLOW = 0.02  # rad/s; faster joints have their full friction
 TINY = 1e-300
 SHORT = 1e-4  # of the regressor's square; keeps first moments small that nothing determines
-CURRENTS = ("actual_current", "target_current")
 WHOLE = slice(None)
 
 

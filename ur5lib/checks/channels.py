@@ -1,6 +1,5 @@
 """Checks that the channels of a recording agree with one another and with the arm."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
@@ -10,7 +9,6 @@ import pandas as pd
 from ur5lib.channels import joint_count
 from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Labels
 from ur5lib.timeseries.segments import extrapolated, unbroken
@@ -35,13 +33,6 @@ RATIOS = [
 ]
 SWAPPED = 0.3  # two joints count as swapped if swapping them cuts their deviation to this share
 LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
-REACHED = 0.999  # share of the full scale at which a sample counts as clipped
-TOUCH = 15.0  # N; a sensor's drift and the weight of its own half stay below
-TOUCHED = 0.5  # s
-GRAVITY = 9.81  # m/s²
-STUCK = 10  # samples at exactly the same extreme value indicate saturation
-UPRIGHT = (8.0, 12.0)  # m/s², the median specific force that an IMU may measure
-TURNED = 3.0  # m/s²; a component of gravity changes at least this much where an IMU turns
 
 
 def check_robot(
@@ -66,11 +57,6 @@ def check_robot(
     ]
 
 
-def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
-    """Check for saturation and for an IMU file read by mistake. table: `time` and ft_* as read."""
-    return [*_saturation(table), *_looks_like_imu(table)]
-
-
 def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
     """Return a warning where no stretch is long enough for low-passed currents, and thus forces.
 
@@ -82,78 +68,6 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
         return []
     values = {"seconds": longest * period, "samples": longest, "least_s": least * period}
     return [Finding("robot", "too short", "warning", 1, values)]
-
-
-def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
-    """Find contacts at the force sensor of a recording that should be free of them.
-
-    table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
-    """
-    if "ft_fx" not in table:
-        return []
-    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy(float)
-    size = np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)
-    time = table["time"].to_numpy()
-    beyond = size > TOUCH + 2 * GRAVITY * mass
-    if not beyond.sum() * np.median(np.diff(time)) > TOUCHED:
-        return []
-    force_n = {"force_n": float(np.nanmax(size))}
-    return [Finding("force", "contact", "warning", int(beyond.sum()), force_n)]
-
-
-def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
-    channels = table.drop(columns="time")
-    stuck = {
-        name: int((column.abs() == column.abs().max()).sum()) for name, column in channels.items()
-    }
-    saturated = {name: count for name, count in stuck.items() if count >= STUCK}
-    if saturated:
-        names = {"names": [*saturated]}
-        yield Finding("force", "saturation", "warning", max(saturated.values()), names)
-
-
-def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
-    """Find a force that rotates at the magnitude of gravity: an acceleration, or a 1 kg tool."""
-    if "ft_fx" not in table:
-        return
-    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy()
-    low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
-    if UPRIGHT[0] <= low and high <= UPRIGHT[1] and np.ptp(force, axis=0).max() > TURNED:
-        force_n = {"force_n": float(low + high) / 2}
-        yield Finding("force", "size of gravity", "warning", len(table), force_n)
-
-
-def check_imu(table: pd.DataFrame, full_scale: FullScale | None) -> list[Finding]:
-    """Check for saturation, and that the accelerometer measures gravity.
-
-    table: `time` and imu_* as read; full_scale: of the IMU, None if it is not known.
-    """
-    clipped = _clipped(table, full_scale) if full_scale else ()
-    return [*clipped, *_gravity(table)]
-
-
-def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
-    """Find samples at the full scale of accelerometer or gyroscope."""
-    rate = math.radians(full_scale.angular_rate_deg)
-    limits = {"imu_a": full_scale.acceleration, "imu_g": rate}
-    channels = {name: limits[name[:5]] for name in table if name[:5] in limits}
-    reached = table[[*channels]].abs() >= REACHED * pd.Series(channels, dtype=float)
-    if reached.any(axis=None):
-        values = {
-            "names": [*reached.columns[reached.any()]],
-            "acceleration": full_scale.acceleration,
-            "angular_rate_deg": full_scale.angular_rate_deg,
-        }
-        count = int(reached.any(axis=1).sum())
-        yield Finding("imu", "saturation", "warning", count, values, "full scale")
-
-
-def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
-    if "imu_ax" not in table:
-        return
-    norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
-    if not UPRIGHT[0] <= norm <= UPRIGHT[1]:
-        yield Finding("imu", "no gravity", "warning", len(table), {"specific_force": norm})
 
 
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:

@@ -5,12 +5,12 @@ from functools import cache, cached_property
 
 import pandas as pd
 
-from ur5lib.recordings.block_means import BlockMeans, block_means
-from ur5lib.recordings.current_checks import Answers, answers, is_driven, moving
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import BlockMeans, block_means
+from ur5lib.checks.contacts import felt_contact
+from ur5lib.checks.currents import Answers, answers, is_driven, moving
+from ur5lib.checks.targets import odd_targets
 from ur5lib.recordings.quality import Finding
-from ur5lib.recordings.target_checks import odd_targets
-from ur5lib.recordings.touch_checks import felt_contact
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.timeseries.segments import period
 
@@ -64,7 +64,7 @@ class Checked:
 
         A torque sensor beyond the gear shows no friction, by which motions explain a current.
         """
-        known = len(self.means.q) >= FEWEST and CURRENT in self.means.currents
+        known = len(self.means.q) >= FEWEST and MEASURED_CURRENT in self.means.currents
         if not known or self.arm.senses_torque():
             return None
         if moving(self.means).sum() < (1 if self.driven else LED):
@@ -80,7 +80,7 @@ class Checked:
     @cached_property
     def contact(self) -> Finding | None:
         """Return a warning of the strongest contact that the currents show."""
-        known = len(self.means.q) >= FEWEST and CURRENT in self.means.currents
+        known = len(self.means.q) >= FEWEST and MEASURED_CURRENT in self.means.currents
         return felt_contact(self.means, self.loaded) if known else None
 
     def tells_by_gravity(self) -> bool:
@@ -88,7 +88,7 @@ class Checked:
 
         A push against an arm at rest looks like gravity.
         """
-        if CURRENT not in self.means.currents:
+        if MEASURED_CURRENT not in self.means.currents:
             return False
         return bool(moving(self.means).any()) or (self.fitted and self.contact is None)
 

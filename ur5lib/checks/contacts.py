@@ -6,11 +6,12 @@ hardly changes. What lasts for half a second and exceeds that is a contact, or a
 """
 
 import numpy as np
+import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ur5lib.recordings.block_means import SLOW, BlockMeans
-from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import SLOW, BlockMeans
+from ur5lib.checks.channels import MOVES
 from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Mask
@@ -22,6 +23,26 @@ LEAST = 100  # blocks in which a joint moves, which its friction is fitted to
 TOUCH = 0.1  # of the motor's largest torque; right ones leave 0.071, without the worst arm 0.061
 ROUNDS = 10  # of the regression
 OUTLYING = 1.5  # robust standard deviations from which on a block counts less
+TOUCH_FORCE = 15.0  # N; a sensor's drift and the weight of its own half stay below
+TOUCHED_TIME = 0.5  # s
+GRAVITY = 9.81  # m/s²
+
+
+def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
+    """Find contacts at the force sensor of a recording that should be free of them.
+
+    table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
+    """
+    if "ft_fx" not in table:
+        return []
+    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy(float)
+    size = np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)
+    time = table["time"].to_numpy()
+    beyond = size > TOUCH_FORCE + 2 * GRAVITY * mass
+    if not beyond.sum() * np.median(np.diff(time)) > TOUCHED_TIME:
+        return []
+    force_n = {"force_n": float(np.nanmax(size))}
+    return [Finding("force", "contact", "warning", int(beyond.sum()), force_n)]
 
 
 def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
@@ -54,7 +75,7 @@ def deviations(means: BlockMeans, arm: Robot) -> Array:
     """
     assert means.time is not None
     assert means.segment is not None
-    gravity, current = means.gravity(arm), means.currents[CURRENT]
+    gravity, current = means.gravity(arm), means.currents[MEASURED_CURRENT]
     steps = np.diff(means.time, prepend=means.time[0])
     same = np.diff(means.segment, prepend=means.segment[0]) == 0
     follows = same & (steps < 1.5 * np.median(steps))  # directly after the block before
@@ -83,7 +104,7 @@ def _unexplained(means: BlockMeans, gravity: Array, joint: int, moving: Mask) ->
     friction, speed = means.friction(joint), means.qd[:, joint]
     terms = [gravity, friction, np.abs(gravity) * friction[:, 0], np.abs(speed) * speed, means.qdd]
     columns = np.column_stack([*terms, np.ones(len(gravity))])
-    current = means.currents[CURRENT][:, joint]
+    current = means.currents[MEASURED_CURRENT][:, joint]
     weight = moving.astype(float)
     left = current
     for _ in range(ROUNDS):

@@ -13,9 +13,10 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from ur5lib.recordings.block_means import INDEPENDENT, BlockMeans, combination, fitted_load, size
-from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.innovations import CURRENT, innovation_likelihoods
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import INDEPENDENT, BlockMeans, combination, fitted_load, size
+from ur5lib.checks.channels import MOVES
+from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, load_torque
@@ -129,7 +130,9 @@ def braking(means: BlockMeans, arm: Robot) -> dict[int, float]:
     speed, found = np.sqrt((means.qd**2).mean(axis=0)), {}
     for joint in np.flatnonzero(moving(means)).tolist():
         columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
-        value, error = combination(columns, means.currents[CURRENT][:, joint], [1.0, speed[joint]])
+        value, error = combination(
+            columns, means.currents[MEASURED_CURRENT][:, joint], [1.0, speed[joint]]
+        )
         found[joint] = value / (error + 1e-9)
     return found
 
@@ -152,7 +155,7 @@ def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags:
     robot: a repaired table with a period `step` [s]; lags: in blocks of `count` frames.
     """
     # means over blocks, from positions and currents alone
-    q, current = (_means(channel(robot, name), count) for name in ("actual_q", CURRENT))
+    q, current = (_means(channel(robot, name), count) for name in ("actual_q", MEASURED_CURRENT))
     received = 1 - _means(robot[["interpolated"]].to_numpy(float), count)[:, 0]
     step *= count
     qd = np.gradient(q, step, axis=0)
@@ -182,7 +185,7 @@ def _left(means: BlockMeans, arm: Robot) -> Array:
     """
     targets = means.currents.get("target_current")
     expected = means.gravity(arm) if targets is None else targets
-    current = means.currents[CURRENT]
+    current = means.currents[MEASURED_CURRENT]
     joints = range(current.shape[1])
     columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in joints]
     sizes = np.array([[nnls(own, current[:, j])[1] for own in columns] for j in joints])

@@ -8,11 +8,11 @@ changes of its own joint's position and velocity more than from those of any oth
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.block_means import TINY
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import TINY
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-CURRENT = "actual_current"
 SLOWEST = 0.02  # s between frames; slower ones show the motion of all joints more than disturbances
 FRESH = 0.9  # share of frames whose currents differ from the previous ones; fewer were held
 RAW = 0.3  # share of the currents' changes that is new; 0.5 to 1 as recorded, 0.2 if smoothed
@@ -34,7 +34,7 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
     most = max(NEAR, *np.abs(shifts))
     rows = np.flatnonzero(_received(robot)[most : len(robot) - most]) + most
     rows = rows[:: 1 + len(rows) // MOST]
-    changes = _changes(channel(robot, CURRENT))
+    changes = _changes(channel(robot, MEASURED_CURRENT))
     count = changes.shape[1]
     innovations = _innovations(changes)
     if len(rows) < FEWEST or step > SLOWEST or not _as_sampled(changes[rows], innovations[rows]):

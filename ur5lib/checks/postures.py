@@ -4,23 +4,25 @@ from collections.abc import Iterator
 from itertools import islice
 
 import numpy as np
+import pandas as pd
 
-from ur5lib.errors import Remark, remark
-from ur5lib.recordings.arm_checks import SURE as UNLIKE
-from ur5lib.recordings.arm_checks import (
+from ur5lib.channels import CURRENTS, MEASURED_CURRENT
+from ur5lib.checks.arm import SURE as UNLIKE
+from ur5lib.checks.arm import (
     exchanged_joints,
     foreign_arms,
     gains_of_arms,
     likeliest,
     of_measured,
 )
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.checked import FEWEST, arms_alike
-from ur5lib.recordings.current_checks import foreign_currents
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import FEWEST, arms_alike
+from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.torques import foreign_torque
+from ur5lib.errors import Remark, remark
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.recordings.stop_signs import foreign_torque
 from ur5lib.robots.description import Payload, Robot
+from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
 SURE = 5.0  # standard errors by which gravity shows in a current
@@ -31,6 +33,15 @@ PRECISE, RATIO = 0.1, 1.75
 # of the motor's largest torque, the static friction of a joint; 0.04 to 0.06 on the measured arms
 FRICTION = 0.06
 UNEXPLAINED = 0.3  # share of such a current's variance that may be left; friction leaves 0.1
+
+
+def posture_means(postures: pd.DataFrame) -> BlockMeans:
+    """Return postures as blocks without motion; friction at rest may have a mean."""
+    q = channel(postures, "actual_q")
+    moment = channel(postures, "target_moment") if "target_moment_0" in postures else None
+    currents = {name: channel(postures, name) for name in CURRENTS if f"{name}_0" in postures}
+    still = np.zeros_like(q)
+    return BlockMeans(q, still, still, moment, currents, offset=True, independent=1.0)
 
 
 def posture_stop_signs(
@@ -103,7 +114,7 @@ def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[
 
 def _correlation(means: BlockMeans, arm: Robot) -> Array:
     """Return the correlation (n,) of each current with gravity, NaN where chance would do."""
-    pairs = zip(means.gravity(arm).T, means.currents[CURRENT].T, strict=True)
+    pairs = zip(means.gravity(arm).T, means.currents[MEASURED_CURRENT].T, strict=True)
     found = np.array([_correlated(*pair) for pair in pairs])
     error = np.sqrt((1 - found**2) / max(1, len(means.q) - 2))
     return np.where(np.abs(found) > SURE * error, found, np.nan)
@@ -135,7 +146,7 @@ def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Rem
     """
     if len(means.q) < FEWEST:
         return
-    torque, current = means.gravity(arm), means.currents[CURRENT]
+    torque, current = means.gravity(arm), means.currents[MEASURED_CURRENT]
     correlation, known = _correlation(means, arm), np.array(arm.family_torque_constants())
     bears = torque.std(axis=0) > FRICTION * np.array(arm.torque_limits())
     for joint in np.flatnonzero(bears & np.isfinite(correlation * known)).tolist():

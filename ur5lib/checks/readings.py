@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.current_checks import CONSTANTS
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.currents import CONSTANTS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array, Labels

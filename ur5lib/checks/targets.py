@@ -7,14 +7,13 @@ from collections.abc import Container, Iterator
 
 import numpy as np
 
-from ur5lib.recordings.arm_checks import constants
-from ur5lib.recordings.block_means import BlockMeans, combination
-from ur5lib.recordings.current_checks import moving
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
+from ur5lib.checks.arm import constants
+from ur5lib.checks.block_means import BlockMeans, combination
+from ur5lib.checks.currents import moving
 from ur5lib.recordings.quality import ODD_TARGET, Finding, contradiction
 from ur5lib.robots.description import Robot
 
-TARGET = "target_current"
 WEAK, STRONG = 0.8, 2.0  # current per target; 0.87 to 1.5 in right recordings, loads included
 BEARS = 1.0  # A, root mean square of the target of a joint that bears something
 
@@ -37,7 +36,7 @@ def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
     unlike = dict(unlike_targets(means))
     if not unlike:
         return {}
-    own, its = constants(means, arm), constants(means, arm, TARGET)
+    own, its = constants(means, arm), constants(means, arm, TARGET_CURRENT)
     nearer = {j for j in own.ratio.keys() & its.ratio.keys() if own.away(j) < its.away(j)}
     return {
         joint: Finding(
@@ -60,11 +59,11 @@ def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
 
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
     """Yield joints, from 0, whose current is a fraction or multiple of its target, and which."""
-    if {CURRENT, TARGET} - means.currents.keys():
+    if {MEASURED_CURRENT, TARGET_CURRENT} - means.currents.keys():
         return
     moves = moving(means)
     for joint in range(min(3, len(moves))):  # wrists hardly bear anything
-        own, friction = means.currents[TARGET][:, joint], means.friction(joint)
+        own, friction = means.currents[TARGET_CURRENT][:, joint], means.friction(joint)
         # without friction, which targets of some arms contain, and inertia: only a load shows it
         others = np.column_stack([friction, means.qdd[:, joint]])
         borne = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
@@ -73,6 +72,6 @@ def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
             continue
         load = np.abs(own) * friction[:, 0]
         columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
-        slope, error = combination(columns, means.currents[CURRENT][:, joint], [1.0])
+        slope, error = combination(columns, means.currents[MEASURED_CURRENT][:, joint], [1.0])
         if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
             yield joint, slope

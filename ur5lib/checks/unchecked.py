@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from ur5lib.channels import columns
-from ur5lib.recordings.arm_checks import (
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT, columns
+from ur5lib.checks.arm import (
     SURE_JOINTS,
     Pair,
     constants,
@@ -13,8 +13,8 @@ from ur5lib.recordings.arm_checks import (
     is_shown,
     of_measured,
 )
-from ur5lib.recordings.checked import FEWEST, Checked
-from ur5lib.recordings.current_checks import (
+from ur5lib.checks.checked import FEWEST, Checked
+from ur5lib.checks.currents import (
     BEARING,
     BRAKES,
     DELAYED,
@@ -22,11 +22,10 @@ from ur5lib.recordings.current_checks import (
     Answers,
     braking,
 )
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.checks.readings import exchanged, in_order
+from ur5lib.checks.tool import tool_off_flange
+from ur5lib.checks.torques import is_foreign
 from ur5lib.recordings.quality import Finding, Severity
-from ur5lib.recordings.readings import exchanged, in_order
-from ur5lib.recordings.stop_signs import is_foreign, tool_off_flange
-from ur5lib.recordings.target_checks import TARGET
 from ur5lib.tables import channel, named
 
 POSE, TORQUE = "actual_TCP_pose", "target_moment"
@@ -54,7 +53,9 @@ def _arm(checked: Checked) -> Iterator[Finding]:
         fitting = fitting_arms(checked.means, checked.loaded, others)
         others = [one for one in others if one.name in fitting]
     if others:
-        absent = [name for name in (TORQUE, POSE, CURRENT) if f"{name}_0" not in checked.robot]
+        absent = [
+            name for name in (TORQUE, POSE, MEASURED_CURRENT) if f"{name}_0" not in checked.robot
+        ]
         names = [one.name for one in others]
         yield _note("arm not checked", arm=checked.arm.name, others=names, absent=absent)
 
@@ -109,12 +110,12 @@ def _told_by_gravity(checked: Checked) -> Iterator[Pair]:
 def _currents(checked: Checked) -> Iterator[Finding]:
     """Yield what is open about the columns of currents, their units, signs and clock."""
     means, joints = checked.means, range(len(checked.arm.joints))
-    if CURRENT not in means.currents:
+    if MEASURED_CURRENT not in means.currents:
         severity: Severity = "warning" if checked.fitted else "note"
         yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
         return
     bearing = constants(means, checked.loaded).ratio
-    if not bearing and TARGET not in means.currents:
+    if not bearing and TARGET_CURRENT not in means.currents:
         yield _note("unit not checked", torque=BEARING)
     if checked.answers is None:
         yield _note("currents not checked")

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.channels import columns as columns_of
+from ur5lib.checks.checked import described
 from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
@@ -20,7 +21,6 @@ from ur5lib.importing.blocks import (
 from ur5lib.importing.clocks import ROWS, Clocks, clocks_of, equally_spaced
 from ur5lib.importing.spellings import NAMES_OF_JOINTS
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
-from ur5lib.recordings.checked import described
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
 from ur5lib.recordings.entries import SKIPPED, expand
 from ur5lib.recordings.quality import Finding, Log

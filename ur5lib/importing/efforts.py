@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.channels import CHANNELS as CHANNELS_OF_RTDE
+from ur5lib.checks.arm import constants
+from ur5lib.checks.block_means import TINY, BlockMeans, combination
+from ur5lib.checks.exchanged_channels import SMOOTHER, roughness
+from ur5lib.checks.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
 from ur5lib.importing.blocks import JOINTS_OF_UR, Block
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.spellings import named_unit
-from ur5lib.recordings.arm_checks import constants
-from ur5lib.recordings.block_means import TINY, BlockMeans, combination
-from ur5lib.recordings.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
-from ur5lib.recordings.stop_signs import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.arm import constants
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import described
+from ur5lib.checks.readings import CLEAR_LEAD, OR_FREE, Order, Reading, readings, usual_orders
 from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.recordings.arm_checks import constants
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.checked import described
-from ur5lib.recordings.readings import CLEAR_LEAD, OR_FREE, Order, Reading, readings, usual_orders
 from ur5lib.recordings.rosbag import JOINT_NAMES
 from ur5lib.robots.description import Robot, robot_names
 from ur5lib.robots.statics import link_frames

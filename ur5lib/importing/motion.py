@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.channels import MOVES
+from ur5lib.checks.torques import DEGREES
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.clocks import ASSUMED_RATE, ROWS, alternatives, are_postures, irregularity
 from ur5lib.importing.contents import Contents, held
 from ur5lib.importing.spellings import named_unit, names_command
-from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.stop_signs import DEGREES
 from ur5lib.timeseries.arrays import Array
 
 MIN_CORRELATION = 0.9  # of a slope with its velocity

@@ -4,17 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.channels import check_robot
+from ur5lib.checks.postures import (
+    large_constants,
+    posture_means,
+    posture_stop_signs,
+    what_gravity_shows,
+)
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.postures import Postures
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.entries import Files
-from ur5lib.recordings.innovations import CURRENT
-from ur5lib.recordings.posture_checks import (
-    large_constants,
-    posture_stop_signs,
-    what_gravity_shows,
-)
-from ur5lib.recordings.postures import posture_means, read_postures
+from ur5lib.recordings.postures import read_postures
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.robots.description import Payload, Robot, Six
 from ur5lib.robots.statics import gravity_torque
@@ -35,7 +37,7 @@ def checked_postures(
     load = carried(declared, signals)
     postures = Postures(
         q=means.q,
-        current=means.currents[CURRENT],
+        current=means.currents[MEASURED_CURRENT],
         gravity=[*arm.gravity],
         payload=load.payload,
         contradictions=Contradictions(
@@ -43,7 +45,8 @@ def checked_postures(
             disagreements(declared, tcp, signals),
         ),
     )
-    shown = what_gravity_shows(means, arm, load.payload)
+    shown = check_robot(table, 1.0, arm.position_limits(), arm.velocity_limits())
+    shown += what_gravity_shows(means, arm, load.payload)
     if not postures.contradictions.stop_signs:
         shown += large_constants(means, arm.carrying(load.payload))
     return postures, replace(quality, findings=[*quality.findings, *shown])

@@ -1,4 +1,4 @@
-"""Intake of a recording: read, repair and check it, find channels that it lacks from others."""
+"""Intake of a recording: read and repair it, find channels that it lacks from others."""
 
 import re
 import warnings
@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import columns, is_unused, joint_count, meant
+from ur5lib.channels import MEASURED_CURRENT, columns, is_unused, joint_count, meant
 from ur5lib.errors import InputError, some
-from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
@@ -27,7 +26,7 @@ from ur5lib.tables import channel, checksum, has_unit, named
 from ur5lib.timeseries.arrays import Array
 
 RAW, FREED = "ft_raw_wrench", "actual_TCP_force"
-TORQUE, CURRENT = "actual_current_as_torque", "actual_current"
+TORQUE = "actual_current_as_torque"
 SENSED = "actual_torque"
 FREE = "actual_torque_less_gravity"
 
@@ -39,7 +38,7 @@ warnings.filterwarnings(
 
 @dataclass(frozen=True)
 class Intake:
-    """The data of a recording, and the findings about it.
+    """The data of a recording, and the findings of reading and repairing it.
 
     robot: on a uniform time grid; sensors: each on its own clock.
     """
@@ -73,9 +72,6 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
         add_finding(findings, "force", "no moments", "note", len(sensed))
-    limits = arm.position_limits(), arm.velocity_limits()
-    findings += check_robot(robot, timing.period, *limits)
-    findings += [one for device, (own, _) in placed.items() for one in _doubts(device, own, arm)]
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -123,13 +119,6 @@ def _on_one_zero(
     return robot
 
 
-def _doubts(device: Device, record: DeviceRecord, arm: Robot) -> list[Finding]:
-    """Return what contradicts that a sensor's file is of this sensor."""
-    if device == "force":
-        return check_force_sensor(record.table)
-    return check_imu(record.table, arm.mounting.imu_full_scale)
-
-
 def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
     """Raise InputError where a recording has not the positions of an arm's joints."""
     positions = [name for name in robot.table if name.startswith("actual_q_")]
@@ -152,7 +141,7 @@ def unbounded(arm: Robot) -> list[str]:
     """
     joints = [joint - 1 for joint in arm.endless_joints or []]
     endless = [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
-    return endless + (columns(CURRENT, len(arm.joints)) if arm.senses_torque() else [])
+    return endless + (columns(MEASURED_CURRENT, len(arm.joints)) if arm.senses_torque() else [])
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:
@@ -250,7 +239,7 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
         table = table.assign(**named(channel(table, FREE) + gravity, TORQUE))
         add_finding(findings, "robot", "gravity added", "note", len(table), arm=arm.name)
     name = next((name for name in (TORQUE, SENSED) if f"{name}_0" in table), None)
-    if name is None or f"{CURRENT}_0" in table:
+    if name is None or f"{MEASURED_CURRENT}_0" in table:
         return table
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
@@ -259,4 +248,4 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
     if name == TORQUE:
         known = {"constants": constants.tolist(), "arm": arm.name}
         add_finding(findings, "robot", "currents from torques", "note", len(table), **known)
-    return table.assign(**named(channel(table, name) / constants, CURRENT))
+    return table.assign(**named(channel(table, name) / constants, MEASURED_CURRENT))

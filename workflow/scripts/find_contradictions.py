@@ -2,12 +2,13 @@
 
 from typing import Any
 
+from ur5lib.checks.channels import too_short
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.stop_signs import CHECKED, stop_signs
+from ur5lib.checks.torques import given_load
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.checked import Checked
-from ur5lib.recordings.checks import too_short
 from ur5lib.recordings.quality import Contradictions
-from ur5lib.recordings.stop_signs import CHECKED, given_load, stop_signs
 from ur5lib.robots.description import Payload, load_robot
 from ur5lib.tables import read_footer, read_table, write_json
 

@@ -1,0 +1,85 @@
+"""Checks of measured channels beside their targets: whether they are exchanged, or simulated."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.checks.channels import MOVES, recorded
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array, Mask
+
+FRAMES = 20  # in which a joint moves, from which its channels are compared
+CLOSER = 0.5  # a pair closer by this factor than the targets; in right recordings, none is by 0.95
+SMOOTHER = 0.3  # actual_current is at least 15 times as rough as target_current in right recordings
+EQUAL = 0.5  # share of changing values that equal their targets; in right recordings, 0.002 at most
+EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targets
+    ("actual_q", "target_qd"): ("q",),
+    ("target_q", "actual_qd"): ("qd",),
+    ("actual_q", "actual_qd"): ("q", "qd"),
+}
+
+
+def names_equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
+    """Yield what equals its targets to the last bit: positions of moving joints, and currents.
+
+    At rest, coarse positions of a real arm may do so. step: between frames [s].
+    """
+    for name, least in (("q", MOVES * step), ("current", 0.0)):
+        if recorded(robot, f"actual_{name}", f"target_{name}"):
+            actual, target = (_received(robot, f"{kind}_{name}") for kind in ("actual", "target"))
+            changes = (np.abs(np.diff(target, axis=0)) > least) & (target[1:] != 0)
+            if changes.sum() >= FRAMES and np.mean((actual == target)[1:][changes]) > EQUAL:
+                yield f"actual_{name}"
+
+
+def exchanged_motion(robot: pd.DataFrame) -> tuple[str, ...]:
+    """Return which of q and qd are exchanged: another pair is closer than that of the targets."""
+    if not recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
+        return ()
+    measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
+    moves = (measured > MOVES) & (target > MOVES)
+    moving = moves.sum(axis=0) >= FRAMES
+    if not moving.any():
+        return ()
+    own = _apart(robot, moves, "target_q", "target_qd")[moving]
+    others = {pair: _apart(robot, moves, *pair)[moving] for pair in EXCHANGED}
+    best = min(others, key=lambda pair: float(np.median(others[pair])))
+    return EXCHANGED[best] if np.mean(others[best] < CLOSER * own) > 0.5 else ()
+
+
+def exchanged_current(robot: pd.DataFrame) -> Iterator[str]:
+    """Yield "current" where the measured currents are smoother than their targets."""
+    if recorded(robot, "actual_current", "target_current"):
+        kinds = ("actual", "target")
+        measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
+        known = (measured > 0) | (target > 0)
+        if known.any() and np.mean(measured[known] < SMOOTHER * target[known]) > 0.5:
+            yield "current"
+
+
+def roughness(values: Array) -> Array:
+    """Return the median size (6,) of third differences of (N, 6), noise more than motion; NaN of
+    fewer than four samples.
+    """
+    if len(values) < 4:
+        return np.full(values.shape[1], np.nan)
+    return np.asarray(np.nanmedian(np.abs(np.diff(values, 3, axis=0)), axis=0))
+
+
+def _apart(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
+    """Return the median difference (6,) [rad/s] between a position's slope and a velocity.
+
+    moves: (N, 6), the frames that count; NaN for joints without any.
+    """
+    step = np.diff(robot["time"].to_numpy()[~robot["interpolated"].to_numpy()])[:, None]
+    rate = _received(robot, velocity)
+    slope = np.diff(_received(robot, position), axis=0) / step
+    apart = np.where(moves[1:], np.abs(slope - (rate[1:] + rate[:-1]) / 2), np.nan)
+    apart[:, ~moves[1:].any(axis=0)] = 0.0
+    return np.asarray(np.nanmedian(apart, axis=0))
+
+
+def _received(robot: pd.DataFrame, name: str) -> Array:
+    """Return a channel of the frames that were received."""
+    return channel(robot, name)[~robot["interpolated"].to_numpy()]
