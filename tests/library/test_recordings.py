@@ -95,8 +95,8 @@ def test_a_long_recording_is_in_memory_about_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ur5: Robot
 ) -> None:
     """Not as text, and not once more for each step of the repair; pyarrow's memory is not seen."""
-    monkeypatch.setattr(text_blocks, "SIZE", 1 << 17)
-    monkeypatch.setattr(text_blocks, "SHORT", 1 << 12)
+    monkeypatch.setattr(text_blocks, "BLOCK_BYTES", 1 << 17)
+    monkeypatch.setattr(text_blocks, "MIN_BLOCK_BYTES", 1 << 12)
     time = 0.008 * np.arange(10_000)
     columns = {f"{name}_{k}": 0.1 * np.sin(time + k) for name in LONG_CHANNELS for k in range(6)}
     pd.DataFrame({"timestamp": time, **columns}).to_csv(tmp_path / "long.csv", index=False)

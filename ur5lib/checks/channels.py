@@ -13,13 +13,14 @@ from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Labels
 from ur5lib.timeseries.segments import extrapolated, unbroken
 
-MOVES = 0.05  # rad/s; slower joints do not show their velocities nor their friction
+MIN_MOVING_SPEED = 0.05  # rad/s; slower joints do not show their velocities nor their friction
 DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("actual_q", "actual_qd"),
     ("target_q", "target_qd"),
     ("target_qd", "target_qdd"),
 ]
-MISREAD = (0.5, 2.0)  # a velocity this far from its position's slope is misread
+# a velocity this far from its position's slope is misread
+MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO = 0.5, 2.0
 TWINS = [  # channels that follow each other, and the largest median difference between them
     ("actual_q", "target_q", 0.05),
     ("actual_current", "target_current", 2.5),
@@ -27,12 +28,13 @@ TWINS = [  # channels that follow each other, and the largest median difference 
 # Allowed ratios of the overall levels of two channels. In all recordings seen so far, of two arms
 # of different sizes, the ratios are 0.95 to 1.3 and 9.9 to 11.7 Nm/A. The bounds are wide because
 # the targets contain neither friction nor loads; a unit wrong by 57 or 1000 still exceeds them.
-RATIOS = [
+LEVEL_RATIOS = [
     ("actual_current", "target_current", 0.05, 20.0),
     ("target_moment", "target_current", 0.5, 200.0),
 ]
-SWAPPED = 0.3  # two joints count as swapped if swapping them cuts their deviation to this share
-LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
+# two joints count as swapped if swapping them cuts their deviation to this share
+MAX_SWAPPED_DEVIATION = 0.3
+MIN_LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
 
 
 def check_robot(
@@ -90,7 +92,8 @@ def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     for below, above in DERIVATIVES[:2]:
         if recorded(robot, below, above):
             slopes = [*_slopes(robot, below, above, period).values()]
-            wrong = [slope for slope in slopes if slope <= MISREAD[0] or slope >= MISREAD[1]]
+            low, high = MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO
+            wrong = [slope for slope in slopes if slope <= low or slope >= high]
             if len(wrong) > len(slopes) / 2:
                 values = {"name": above, "position": below, "ratio": float(np.median(wrong))}
                 yield contradiction("no velocity", **values)
@@ -109,7 +112,7 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
         slope = np.diff(value)[whole[1:]] / period
         mean = (rate[1:] + rate[:-1])[whole[1:]] / 2
         moves, rests = (np.sqrt(np.nanmean(each**2)) for each in (slope, mean))
-        if max(moves, rests) > MOVES:
+        if max(moves, rests) > MIN_MOVING_SPEED:
             with np.errstate(invalid="ignore", divide="ignore"):
                 found[joint] = float(np.nansum(slope * mean) / np.nansum(mean**2))
     return found
@@ -127,10 +130,10 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
 
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
     """Find channels whose overall level shows that their unit is wrong."""
-    for one, other, least, most in RATIOS:
+    for one, other, least, most in LEVEL_RATIOS:
         if recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)
-            if max(level, its) > LEVEL and not least * its <= level <= most * its:
+            if max(level, its) > MIN_LEVEL and not least * its <= level <= most * its:
                 values = {"one": one, "level": level, "other": other, "its": its}
                 yield _inconsistent(joint_count(robot), values, "levels")
 
@@ -145,7 +148,7 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     )
     for j, k in combinations(range(values.shape[1]), 2):
         own, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
-        if own > LEVEL and crossed < SWAPPED * own:
+        if own > MIN_LEVEL and crossed < MAX_SWAPPED_DEVIATION * own:
             joints = {"one": one, "other": other, "joint": j + 1, "its": k + 1}
             yield _inconsistent(2, joints, "swapped")
 

@@ -14,8 +14,9 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.timeseries.segments import period
 
-FEWEST = 30  # blocks of a recording that can contradict an arm
-LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
+MIN_BLOCKS = 30  # blocks of a recording that can contradict an arm
+# joints that move at least where a hand leads an arm; a strong push turns one
+MIN_JOINTS_LED_BY_HAND = 3
 
 
 @dataclass(frozen=True)
@@ -64,10 +65,10 @@ class Checked:
 
         A torque sensor beyond the gear shows no friction, by which motions explain a current.
         """
-        known = len(self.means.q) >= FEWEST and MEASURED_CURRENT in self.means.currents
+        known = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
         if not known or self.arm.senses_torque():
             return None
-        if moving(self.means).sum() < (1 if self.driven else LED):
+        if moving(self.means).sum() < (1 if self.driven else MIN_JOINTS_LED_BY_HAND):
             return None
         return answers(self.robot, self.means, self.loaded, self.step)
 
@@ -80,7 +81,7 @@ class Checked:
     @cached_property
     def contact(self) -> Finding | None:
         """Return a warning of the strongest contact that the currents show."""
-        known = len(self.means.q) >= FEWEST and MEASURED_CURRENT in self.means.currents
+        known = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
         return felt_contact(self.means, self.loaded) if known else None
 
     def tells_by_gravity(self) -> bool:

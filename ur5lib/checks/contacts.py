@@ -10,22 +10,23 @@ import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.channels import MEASURED_CURRENT
-from ur5lib.checks.block_means import SLOW, BlockMeans
-from ur5lib.checks.channels import MOVES
+from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
+from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
-WINDOW = 5  # blocks, 0.5 s; shorter deviations are those of friction
-SETTLED = 5  # blocks after a stop until friction holds what it will
-LEAST = 100  # blocks in which a joint moves, which its friction is fitted to
-TOUCH = 0.1  # of the motor's largest torque; right ones leave 0.071, without the worst arm 0.061
-ROUNDS = 10  # of the regression
-OUTLYING = 1.5  # robust standard deviations from which on a block counts less
-TOUCH_FORCE = 15.0  # N; a sensor's drift and the weight of its own half stay below
-TOUCHED_TIME = 0.5  # s
-GRAVITY = 9.81  # m/s²
+WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
+SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
+MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
+# of the motor's largest torque; right ones leave 0.071, without the worst arm 0.061
+CONTACT_TORQUE_SHARE = 0.1
+REGRESSION_ROUNDS = 10  # of the regression
+OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less
+CONTACT_FORCE = 15.0  # N; a sensor's drift and the weight of its own half stay below
+CONTACT_TIME = 0.5  # s
+STANDARD_GRAVITY = 9.81  # m/s²
 
 
 def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
@@ -38,8 +39,8 @@ def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
     force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy(float)
     size = np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)
     time = table["time"].to_numpy()
-    beyond = size > TOUCH_FORCE + 2 * GRAVITY * mass
-    if not beyond.sum() * np.median(np.diff(time)) > TOUCHED_TIME:
+    beyond = size > CONTACT_FORCE + 2 * STANDARD_GRAVITY * mass
+    if not beyond.sum() * np.median(np.diff(time)) > CONTACT_TIME:
         return []
     force_n = {"force_n": float(np.nanmax(size))}
     return [Finding("force", "contact", "warning", int(beyond.sum()), force_n)]
@@ -53,7 +54,7 @@ def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
     assert means.time is not None
     largest = np.array(arm.torque_limits())
     shares = deviations(means, arm) * np.array(arm.maker_torque_constants()) / largest
-    if not (shares > TOUCH).any():
+    if not (shares > CONTACT_TORQUE_SHARE).any():
         return None
     window, joint = np.unravel_index(np.nanargmax(shares), shares.shape)
     torque = float(shares[window, joint] * largest[joint])
@@ -64,7 +65,7 @@ def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
 
 def unfelt(arm: Robot) -> Finding:
     """Return a note of the contacts that would not be felt."""
-    torques = [TOUCH * torque for torque in arm.torque_limits()]
+    torques = [CONTACT_TORQUE_SHARE * torque for torque in arm.torque_limits()]
     return Finding("robot", "contact not checked", "note", 1, {"torques": torques})
 
 
@@ -80,19 +81,19 @@ def deviations(means: BlockMeans, arm: Robot) -> Array:
     same = np.diff(means.segment, prepend=means.segment[0]) == 0
     follows = same & (steps < 1.5 * np.median(steps))  # directly after the block before
     whole = np.asarray(_windows(follows)[:, 1:].all(axis=1))
-    moves = np.abs(means.qd) > MOVES
+    moves = np.abs(means.qd) > MIN_MOVING_SPEED
     found = np.full((len(whole), current.shape[1]), np.nan)
     for joint, moving in enumerate(moves.T):
-        if np.count_nonzero(moving) >= LEAST:
+        if np.count_nonzero(moving) >= MIN_MOVING_BLOCKS:
             left = _unexplained(means, gravity[:, joint], joint, moving)
             rows = whole & _windows(moving).all(axis=1)
             found[rows, joint] = np.abs(_windows(left).mean(axis=1)[rows])
-    resting = (np.abs(means.qd) < SLOW).all(axis=1)
+    resting = (np.abs(means.qd) < FULL_FRICTION_SPEED).all(axis=1)
     for start, end in runs(resting & follows):
-        changes = current[start + SETTLED : end]
-        if len(changes) > WINDOW:
-            mean = sliding_window_view(changes, WINDOW, axis=0).mean(axis=2)
-            found[start + SETTLED :][: len(mean)] = mean - mean.min(axis=0)
+        changes = current[start + SETTLING_BLOCKS : end]
+        if len(changes) > WINDOW_BLOCKS:
+            mean = sliding_window_view(changes, WINDOW_BLOCKS, axis=0).mean(axis=2)
+            found[start + SETTLING_BLOCKS :][: len(mean)] = mean - mean.min(axis=0)
     return found
 
 
@@ -107,14 +108,14 @@ def _unexplained(means: BlockMeans, gravity: Array, joint: int, moving: Mask) ->
     current = means.currents[MEASURED_CURRENT][:, joint]
     weight = moving.astype(float)
     left = current
-    for _ in range(ROUNDS):
+    for _ in range(REGRESSION_ROUNDS):
         scaled = columns * weight[:, None]
         left = current - columns @ np.linalg.lstsq(scaled, current * weight, rcond=None)[0]
-        spread = OUTLYING * 1.48 * np.median(np.abs(left[moving])) + 1e-9
+        spread = OUTLIER_DISTANCE * 1.48 * np.median(np.abs(left[moving])) + 1e-9
         weight = moving * np.sqrt(1 / np.maximum(1, np.abs(left) / spread))
     return np.asarray(left)
 
 
 def _windows(values: Array | Mask) -> Array:
-    """Return the windows (W, WINDOW) of consecutive blocks of (M,)."""
-    return sliding_window_view(values, WINDOW)
+    """Return the windows (W, WINDOW_BLOCKS) of consecutive blocks of (M,)."""
+    return sliding_window_view(values, WINDOW_BLOCKS)

@@ -14,8 +14,8 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from ur5lib.channels import MEASURED_CURRENT
-from ur5lib.checks.block_means import INDEPENDENT, BlockMeans, combination, fitted_load, size
-from ur5lib.checks.channels import MOVES
+from ur5lib.checks.block_means import DECORRELATION_TIME, BlockMeans, combination, fitted_load, size
+from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -23,30 +23,37 @@ from ur5lib.robots.statics import gravity_torque, load_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-SURE = 20.0  # difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
-SURE_PAIR = 60.0  # the same of two joints before all others; in right recordings, at most 5
-SURE_BY_HAND = 40.0  # likewise of a led arm, before shorter delays; in right ones, at most 1
-NOISE = 0.02  # A; nothing is explained better
-RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
-BRAKES = 4.0  # standard errors by which friction drives; in right recordings, at most 2
-STEP, LONGEST = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
-DELAYED = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
-BEARING = 3.0  # Nm; a joint with less gravity torque does not show the unit of its current
-CONSTANTS = (2.5, 40.0)  # Nm/A; the torque constants of all arms lie between
-IN_MA = ("current in mA", "current not in mA")
-OPPOSITE = "opposite current"
-UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
+# difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
+MIN_LEAD_OF_DELAY = 20.0
+# the same of two joints before all others; in right recordings, at most 5
+MIN_LEAD_OF_EXCHANGE = 60.0
+# likewise of a led arm, before shorter delays; in right ones, at most 1
+MIN_LEAD_OF_DELAY_BY_HAND = 40.0
+CURRENT_NOISE = 0.02  # A; nothing is explained better
+MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
+# standard errors by which friction drives; in right recordings, at most 2
+MIN_ERRORS_OF_FRICTION = 4.0
+DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
+MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
+# Nm; a joint with less gravity torque does not show the unit of its current
+MIN_GRAVITY_TORQUE = 3.0
+MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
+MILLIAMPERE_CODES = ("current in mA", "current not in mA")
+OPPOSITE_CODE = "opposite current"
+CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
     "torque as current": (0.5, 2.0),
-    IN_MA[0]: (1e-3 * CONSTANTS[0], 1e-3 * CONSTANTS[1]),
-    IN_MA[1]: (1e3 * CONSTANTS[0], 1e3 * CONSTANTS[1]),
-    OPPOSITE: (-CONSTANTS[1], -CONSTANTS[0]),
+    MILLIAMPERE_CODES[0]: (1e-3 * MIN_CONSTANT, 1e-3 * MAX_CONSTANT),
+    MILLIAMPERE_CODES[1]: (1e3 * MIN_CONSTANT, 1e3 * MAX_CONSTANT),
+    OPPOSITE_CODE: (-MAX_CONSTANT, -MIN_CONSTANT),
 }
-OTHER = "no current"  # the code of any other unit
-ERRORS = 5.0  # standard errors that are no chance
-UNEXPLAINED = 0.5  # share of a current's square that gravity, friction and inertia may leave
-UNDECLARED = 1.0  # kg; right recordings show up to 0.3 kg, all of it friction
-LEAST = 30  # blocks of a joint in motion that show a load
-SEEN = 0.2  # least share of the difference of the currents that such a load explains
+OTHER_UNIT_CODE = "no current"  # the code of any other unit
+MIN_STANDARD_ERRORS = 5.0  # standard errors that are no chance
+# share of a current's square that gravity, friction and inertia may leave
+MAX_SHARE_UNEXPLAINED = 0.5
+MIN_UNDECLARED_LOAD = 1.0  # kg; right recordings show up to 0.3 kg, all of it friction
+MIN_MOVING_BLOCKS = 30  # blocks of a joint in motion that show a load
+# least share of the difference of the currents that such a load explains
+MIN_SHARE_EXPLAINED_BY_LOAD = 0.2
 
 
 class Answers(NamedTuple):
@@ -73,13 +80,13 @@ class Answers(NamedTuple):
 
     def late(self) -> Mask:
         """Return which delays matter; none at 1 Hz, where steps are longer than all of these."""
-        return np.asarray(np.abs(self.delays) >= DELAYED)
+        return np.asarray(np.abs(self.delays) >= MIN_DELAY)
 
     def longest_unnoticed(self) -> float:
         """Return the longest delay [s] that is hardly less likely than none."""
         if not self.late().any():
-            return LONGEST
-        return float(np.abs(self.delays[self.behind() <= SURE]).max())
+            return MAX_DELAY
+        return float(np.abs(self.delays[self.behind() <= MIN_LEAD_OF_DELAY]).max())
 
 
 def answers(robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float) -> Answers:
@@ -87,12 +94,12 @@ def answers(robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float) -> 
 
     robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
     """
-    count = max(1, round(STEP / step))
-    most = round(LONGEST / (count * step))
+    count = max(1, round(DELAY_STEP / step))
+    most = round(MAX_DELAY / (count * step))
     lags = np.arange(-most, most + 1)
     likelihoods = innovation_likelihoods(robot, step, lags * count)
     motion, own = delay_scores(robot, arm, step, count, lags), np.einsum("ljj->l", likelihoods)
-    of_joints = likelihoods[most] + means.log_likelihood(_left(means, arm) + NOISE**2)
+    of_joints = likelihoods[most] + means.log_likelihood(_left(means, arm) + CURRENT_NOISE**2)
     return Answers(np.asarray(lags * count * step), motion + own, of_joints)
 
 
@@ -100,12 +107,12 @@ def is_driven(robot: pd.DataFrame) -> bool:
     """Return whether a joint is to move; friction does not brake a joint that a contact moves."""
     if "target_qd_0" not in robot:
         return True
-    return bool((np.nanmean(channel(robot, "target_qd") ** 2, axis=0) > MOVES**2).any())
+    return bool((np.nanmean(channel(robot, "target_qd") ** 2, axis=0) > MIN_MOVING_SPEED**2).any())
 
 
 def moving(means: BlockMeans) -> Mask:
     """Return which joints (6,) move."""
-    return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MOVES)
+    return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MIN_MOVING_SPEED)
 
 
 def exchanged_currents(found: Answers) -> Iterator[Finding]:
@@ -113,14 +120,14 @@ def exchanged_currents(found: Answers) -> Iterator[Finding]:
     ahead = found.ahead()
     gains = np.triu(ahead + ahead.T, 1)
     j, k = np.argwhere(gains == gains.max())[0].tolist()
-    if gains[j, k] > SURE_PAIR:
+    if gains[j, k] > MIN_LEAD_OF_EXCHANGE:
         yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
 
 
 def turned(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find currents whose friction drives the motion instead of braking it."""
     for joint, friction in braking(means, arm).items():
-        if friction < -BRAKES:
+        if friction < -MIN_ERRORS_OF_FRICTION:
             yield contradiction("turned current", joint=joint + 1)
 
 
@@ -143,7 +150,8 @@ def delayed(found: Answers, driven: bool) -> Iterator[Finding]:
     if not late.any():
         return
     most, shorter = behind[late].min(), behind[~late].min()
-    if most < -SURE and shorter - most > (0.0 if driven else SURE_BY_HAND):
+    least = 0.0 if driven else MIN_LEAD_OF_DELAY_BY_HAND
+    if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
         delay = float(found.delays[late][np.argmin(behind[late])])
         code = "late current" if delay > 0 else "early current"
         yield contradiction(code, seconds=abs(delay))
@@ -165,16 +173,17 @@ def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags:
     rows = np.arange(most, len(q) - most)
     later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
     rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]
-    rows = rows[received[rows] >= RECEIVED]
+    rows = rows[received[rows] >= MIN_SHARE_RECEIVED]
     # the log-likelihood of each delay
-    scores = np.zeros(len(lags))
-    for joint in np.flatnonzero((qd[rows] ** 2).sum(axis=0) > MOVES**2 * max(len(rows), most)):
-        friction = np.tanh(qd[:, joint] / MOVES)
+    scores, independent = np.zeros(len(lags)), len(rows) * step / DECORRELATION_TIME
+    moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
+    for joint in np.flatnonzero(moves):
+        friction = np.tanh(qd[:, joint] / MIN_MOVING_SPEED)
         own = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
         basis, _ = np.linalg.qr(np.column_stack(own)[rows])
         currents = later[rows - most, joint]
         left = currents - basis @ (basis.T @ currents)
-        scores -= len(rows) * step / INDEPENDENT / 2 * np.log((left**2).mean(axis=0) + NOISE**2)
+        scores -= independent / 2 * np.log((left**2).mean(axis=0) + CURRENT_NOISE**2)
     return scores
 
 
@@ -221,17 +230,18 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
         return
     gravity = means.gravity(arm)
     joint = int(np.argmax((gravity**2).mean(axis=0)))
-    if np.sqrt((gravity[:, joint] ** 2).mean()) < BEARING:
+    if np.sqrt((gravity[:, joint] ** 2).mean()) < MIN_GRAVITY_TORQUE:
         return
     for name, current in means.currents.items():
         held = holding(means, gravity, current, joint)
-        away = ERRORS * held.error
-        if held.left < UNEXPLAINED and not (
-            1 / CONSTANTS[1] < held.slope + away and held.slope - away < 1 / CONSTANTS[0]
+        away = MIN_STANDARD_ERRORS * held.error
+        if held.left < MAX_SHARE_UNEXPLAINED and not (
+            held.slope + away > 1 / MAX_CONSTANT and held.slope - away < 1 / MIN_CONSTANT
         ):
             constant = 1 / (held.slope or 1e-9)
-            shown = UNITS if abs(held.slope) > away else {}
-            code = next((c for c, (low, high) in shown.items() if low <= constant <= high), OTHER)
+            shown = CONSTANTS_OF_UNITS if abs(held.slope) > away else {}
+            codes = (c for c, (low, high) in shown.items() if low <= constant <= high)
+            code = next(codes, OTHER_UNIT_CODE)
             yield contradiction(code, name=name, joint=joint + 1, constant=constant)
 
 
@@ -249,7 +259,8 @@ def undeclared_load(
     if len(torque):
         mass, left = fitted_load(columns, torque)
         _, error = combination(columns, torque, [1.0])  # large where only a wrist moves
-        if mass > max(UNDECLARED, ERRORS * error) and left**2 < (1 - SEEN) * size(torque) ** 2:
+        explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_LOAD) * size(torque) ** 2
+        if mass > max(MIN_UNDECLARED_LOAD, MIN_STANDARD_ERRORS * error) and explained:
             yield contradiction("undeclared load", mass=mass)
 
 
@@ -277,11 +288,11 @@ def _unexpected(
     measured, target = means.currents["actual_current"], means.currents["target_current"]
     rows = [np.empty((0, 5))]
     for joint in range(gravity.shape[1]):
-        own = np.abs(means.qd[:, joint]) > MOVES
-        if joint in odd or np.count_nonzero(own) < LEAST:
+        own = np.abs(means.qd[:, joint]) > MIN_MOVING_SPEED
+        if joint in odd or np.count_nonzero(own) < MIN_MOVING_BLOCKS:
             continue
         held = holding(means, gravity, target, joint)
-        if held.left < UNEXPLAINED and 1 / CONSTANTS[1] < held.slope < 1 / CONSTANTS[0]:
+        if held.left < MAX_SHARE_UNEXPLAINED and 1 / MAX_CONSTANT < held.slope < 1 / MIN_CONSTANT:
             torque = (measured - target)[own, joint] / held.slope - declared[own, joint]
             pair = np.column_stack([loads[own, joint], torque])
             friction = means.friction(joint)[own]

@@ -12,10 +12,11 @@ from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.robots.description import FullScale, Robot
 
-REACHED = 0.999  # share of the full scale at which a sample counts as clipped
-STUCK = 10  # samples at exactly the same extreme value indicate saturation
-UPRIGHT = (8.0, 12.0)  # m/s², the median specific force that an IMU may measure
-TURNED = 3.0  # m/s²; a component of gravity changes at least this much where an IMU turns
+CLIPPING_SHARE = 0.999  # share of the full scale at which a sample counts as clipped
+MIN_SATURATED_SAMPLES = 10  # samples at exactly the same extreme value indicate saturation
+MIN_GRAVITY, MAX_GRAVITY = 8.0, 12.0  # m/s², the median specific force that an IMU may measure
+# m/s²; a component of gravity changes at least this much where an IMU turns
+MIN_GRAVITY_CHANGE = 3.0
 
 
 def checked_intake(intake: Intake, arm: Robot) -> Intake:
@@ -53,7 +54,7 @@ def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
     stuck = {
         name: int((column.abs() == column.abs().max()).sum()) for name, column in channels.items()
     }
-    saturated = {name: count for name, count in stuck.items() if count >= STUCK}
+    saturated = {name: count for name, count in stuck.items() if count >= MIN_SATURATED_SAMPLES}
     if saturated:
         names = {"names": [*saturated]}
         yield Finding("force", "saturation", "warning", max(saturated.values()), names)
@@ -65,7 +66,8 @@ def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
         return
     force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy()
     low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
-    if UPRIGHT[0] <= low and high <= UPRIGHT[1] and np.ptp(force, axis=0).max() > TURNED:
+    turns = np.ptp(force, axis=0).max() > MIN_GRAVITY_CHANGE
+    if low >= MIN_GRAVITY and high <= MAX_GRAVITY and turns:
         force_n = {"force_n": float(low + high) / 2}
         yield Finding("force", "size of gravity", "warning", len(table), force_n)
 
@@ -75,7 +77,7 @@ def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
     rate = math.radians(full_scale.angular_rate_deg)
     limits = {"imu_a": full_scale.acceleration, "imu_g": rate}
     channels = {name: limits[name[:5]] for name in table if name[:5] in limits}
-    reached = table[[*channels]].abs() >= REACHED * pd.Series(channels, dtype=float)
+    reached = table[[*channels]].abs() >= CLIPPING_SHARE * pd.Series(channels, dtype=float)
     if reached.any(axis=None):
         values = {
             "names": [*reached.columns[reached.any()]],
@@ -90,5 +92,5 @@ def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
     if "imu_ax" not in table:
         return
     norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
-    if not UPRIGHT[0] <= norm <= UPRIGHT[1]:
+    if not MIN_GRAVITY <= norm <= MAX_GRAVITY:
         yield Finding("imu", "no gravity", "warning", len(table), {"specific_force": norm})

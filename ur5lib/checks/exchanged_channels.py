@@ -5,15 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.checks.channels import MOVES, recorded
+from ur5lib.checks.channels import MIN_MOVING_SPEED, recorded
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
-FRAMES = 20  # in which a joint moves, from which its channels are compared
-CLOSER = 0.5  # a pair closer by this factor than the targets; in right recordings, none is by 0.95
-SMOOTHER = 0.3  # actual_current is at least 15 times as rough as target_current in right recordings
-EQUAL = 0.5  # share of changing values that equal their targets; in right recordings, 0.002 at most
-EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targets
+MIN_MOVING_FRAMES = 20  # in which a joint moves, from which its channels are compared
+# a pair closer by this factor than the targets; in right recordings, none is by 0.95
+MAX_DEVIATION_RATIO = 0.5
+# actual_current is at least 15 times as rough as target_current in right recordings
+MAX_ROUGHNESS_RATIO = 0.3
+# share of changing values that equal their targets; in right recordings, 0.002 at most
+MIN_SHARE_EQUAL = 0.5
+EXCHANGED_QUANTITIES = {  # which quantities are exchanged, by the pair that fits like targets
     ("actual_q", "target_qd"): ("q",),
     ("target_q", "actual_qd"): ("qd",),
     ("actual_q", "actual_qd"): ("q", "qd"),
@@ -25,11 +28,12 @@ def names_equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
 
     At rest, coarse positions of a real arm may do so. step: between frames [s].
     """
-    for name, least in (("q", MOVES * step), ("current", 0.0)):
+    for name, least in (("q", MIN_MOVING_SPEED * step), ("current", 0.0)):
         if recorded(robot, f"actual_{name}", f"target_{name}"):
             actual, target = (_received(robot, f"{kind}_{name}") for kind in ("actual", "target"))
             changes = (np.abs(np.diff(target, axis=0)) > least) & (target[1:] != 0)
-            if changes.sum() >= FRAMES and np.mean((actual == target)[1:][changes]) > EQUAL:
+            equal = (actual == target)[1:][changes]
+            if len(equal) >= MIN_MOVING_FRAMES and np.mean(equal) > MIN_SHARE_EQUAL:
                 yield f"actual_{name}"
 
 
@@ -38,14 +42,15 @@ def exchanged_motion(robot: pd.DataFrame) -> tuple[str, ...]:
     if not recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
         return ()
     measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
-    moves = (measured > MOVES) & (target > MOVES)
-    moving = moves.sum(axis=0) >= FRAMES
+    moves = (measured > MIN_MOVING_SPEED) & (target > MIN_MOVING_SPEED)
+    moving = moves.sum(axis=0) >= MIN_MOVING_FRAMES
     if not moving.any():
         return ()
     own = _apart(robot, moves, "target_q", "target_qd")[moving]
-    others = {pair: _apart(robot, moves, *pair)[moving] for pair in EXCHANGED}
+    others = {pair: _apart(robot, moves, *pair)[moving] for pair in EXCHANGED_QUANTITIES}
     best = min(others, key=lambda pair: float(np.median(others[pair])))
-    return EXCHANGED[best] if np.mean(others[best] < CLOSER * own) > 0.5 else ()
+    closer = others[best] < MAX_DEVIATION_RATIO * own
+    return EXCHANGED_QUANTITIES[best] if np.mean(closer) > 0.5 else ()
 
 
 def exchanged_current(robot: pd.DataFrame) -> Iterator[str]:
@@ -54,7 +59,7 @@ def exchanged_current(robot: pd.DataFrame) -> Iterator[str]:
         kinds = ("actual", "target")
         measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
         known = (measured > 0) | (target > 0)
-        if known.any() and np.mean(measured[known] < SMOOTHER * target[known]) > 0.5:
+        if known.any() and np.mean(measured[known] < MAX_ROUGHNESS_RATIO * target[known]) > 0.5:
             yield "current"
 
 

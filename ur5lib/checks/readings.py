@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.checks.block_means import BlockMeans
-from ur5lib.checks.currents import CONSTANTS
+from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array, Labels
@@ -20,17 +20,19 @@ Order = tuple[int, ...]  # the column of each joint, from 0
 Units = Mapping[str, tuple[float, float]]  # bounds of effort per Nm, by unit
 
 ELBOW_FIRST = (2, 1, 0, 3, 4, 5)  # elbow, shoulder lift, shoulder pan, wrists: by the alphabet
-SLOPES = {"A": (1 / CONSTANTS[1], 1 / CONSTANTS[0]), "Nm": (0.8, 1.25)}  # effort per Nm
-SLOPES["mA"] = (1e3 / CONSTANTS[1], 1e3 / CONSTANTS[0])
-OR_FREE = SLOPES | {"neither": (0.0, 0.0)}  # or a torque without gravity
-NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
+SLOPE_BOUNDS = {  # effort per Nm
+    "A": (1 / MAX_CONSTANT, 1 / MIN_CONSTANT),
+    "Nm": (0.8, 1.25),
+    "mA": (1e3 / MAX_CONSTANT, 1e3 / MIN_CONSTANT),
+}
+SLOPE_BOUNDS_OR_NONE = SLOPE_BOUNDS | {"neither": (0.0, 0.0)}  # or a torque without gravity
+EFFORT_NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 SPREAD_OF_CONSTANTS = 0.2  # of torque constants around those of the joints' sizes
 CLEAR_LEAD = 8.0  # difference of log-likelihoods from which on a reading is proven
-LEVEL = 1e-4  # of the mean square of all efforts; no joint's is explained better
-FASTEST = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
-FARTHEST = 1.05  # times the range of a joint, which a controller enforces
+MAX_SPEED_RATIO = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
+MAX_RANGE_RATIO = 1.05  # times the range of a joint, which a controller enforces
 IMPOSSIBLE_MOTION_PENALTY = 100.0  # on the log-likelihood of an arm that cannot move so
-LOADED = 0.5  # Nm, root mean square; less gravity tells no torque constant
+MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm, root mean square; less gravity tells no torque constant
 
 
 def in_order(arm: Robot) -> Order:
@@ -59,7 +61,7 @@ class Reading(NamedTuple):
 
 
 def readings(
-    means: BlockMeans, arms: Sequence[Robot], orders: Sequence[Order], units: Units = SLOPES
+    means: BlockMeans, arms: Sequence[Robot], orders: Sequence[Order], units: Units = SLOPE_BOUNDS
 ) -> list[Reading]:
     """Return the readings of some arms and orders, the likeliest first, with each effort's unit.
 
@@ -76,9 +78,9 @@ def readings(
         constants = arm.maker_torque_constants()
         scores = [_scores(means, effort, torque, columns, constants, units) for effort in free]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
-        beyond = speed[columns] > FASTEST * np.array(arm.velocity_limits())
+        beyond = speed[columns] > MAX_SPEED_RATIO * np.array(arm.velocity_limits())
         low, high = np.transpose(arm.position_limits())
-        slack = (FARTHEST - 1) / 2 * (high - low)
+        slack = (MAX_RANGE_RATIO - 1) / 2 * (high - low)
         beyond |= (lowest[columns] < low - slack) | (highest[columns] > high + slack)
         total -= IMPOSSIBLE_MOTION_PENALTY * beyond.any(axis=1)
         for place, order in enumerate(orders):
@@ -94,7 +96,7 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
     """
     free, columns = _without_motion(means, means.currents[effort]), np.array([in_order(arm)])
     unknown = [math.nan] * len(arm.joints)
-    scores = _scores(means, free, means.gravity(arm)[None], columns, unknown, OR_FREE)
+    scores = _scores(means, free, means.gravity(arm)[None], columns, unknown, SLOPE_BOUNDS_OR_NONE)
     return {unit: float(score[0]) for unit, score in scores.items()}
 
 
@@ -139,7 +141,7 @@ def _scores(
             for unit, (low, high) in units.items():
                 bounded = np.clip(slope, low, high)
                 left = ((effort[:, column] - bounded[:, None] * own) ** 2).mean(axis=1)
-                total[unit][rows] += means.log_likelihood(left + NOISE**2)
+                total[unit][rows] += means.log_likelihood(left + EFFORT_NOISE**2)
                 total[unit][rows] -= _surprise(bounded, known.get(unit, math.nan), own)
     return total
 
@@ -148,5 +150,5 @@ def _surprise(slope: Array, constant: float, torque: Array) -> Array:
     """Return how unlikely slopes (K,) are for a torque constant [Nm/A], where gravity is large."""
     if math.isnan(constant):
         return np.zeros(len(slope))
-    loaded = np.linalg.norm(torque, axis=1) > LOADED * math.sqrt(torque.shape[1])
+    loaded = np.linalg.norm(torque, axis=1) > MIN_TORQUE_FOR_CONSTANT * math.sqrt(torque.shape[1])
     return np.where(loaded, (np.log(slope * constant) / SPREAD_OF_CONSTANTS) ** 2 / 2, 0.0)

@@ -11,7 +11,7 @@ from ur5lib.checks.arm import (
     likeliest,
 )
 from ur5lib.checks.channels import misread_velocities
-from ur5lib.checks.checked import FEWEST, Checked
+from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
     delayed,
     exchanged_currents,
@@ -29,7 +29,7 @@ from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.recordings.quality import Finding, contradiction
 
-CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
+CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
@@ -37,7 +37,7 @@ CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recor
 
 
 def stop_signs(checked: Checked) -> list[Finding]:
-    """Return the stop signs of a recording, of which the columns CHECKED are enough."""
+    """Return the stop signs of a recording, of which the columns CHECKED_COLUMNS are enough."""
     if copied := [*names_equal_to_targets(checked.robot, checked.step)]:
         return [contradiction("simulated", names=copied)]  # nothing else follows from it
     channels = [*exchanged_motion(checked.robot), *exchanged_current(checked.robot)]
@@ -50,7 +50,7 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     robot, arm, loaded = checked.robot, checked.arm, checked.loaded
     yield from misread_velocities(robot, checked.step)
     means = checked.means
-    if len(means.q) < FEWEST:
+    if len(means.q) < MIN_BLOCKS:
         return
     yield from foreign_torque(means, arm, [checked.configured, checked.declared])
     yield from tool_off_flange(robot, arm)

@@ -14,8 +14,9 @@ from ur5lib.checks.currents import moving
 from ur5lib.recordings.quality import ODD_TARGET, Finding, contradiction
 from ur5lib.robots.description import Robot
 
-WEAK, STRONG = 0.8, 2.0  # current per target; 0.87 to 1.5 in right recordings, loads included
-BEARS = 1.0  # A, root mean square of the target of a joint that bears something
+# current per target; 0.87 to 1.5 in right recordings, loads included
+MIN_RATIO_TO_TARGET, MAX_RATIO_TO_TARGET = 0.8, 2.0
+MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bears something
 
 
 def scaled(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
@@ -68,10 +69,13 @@ def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
         others = np.column_stack([friction, means.qdd[:, joint]])
         borne = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
         # at rest, of a joint whose load others change
-        if not (moves[joint] and np.sqrt((borne**2).mean()) > BEARS) and borne.std() <= BEARS:
+        if (
+            not (moves[joint] and np.sqrt((borne**2).mean()) > MIN_BORNE_CURRENT)
+            and borne.std() <= MIN_BORNE_CURRENT
+        ):
             continue
         load = np.abs(own) * friction[:, 0]
         columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
         slope, error = combination(columns, means.currents[MEASURED_CURRENT][:, joint], [1.0])
-        if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
+        if slope + 5 * error < MIN_RATIO_TO_TARGET or slope - 5 * error > MAX_RATIO_TO_TARGET:
             yield joint, slope

@@ -11,7 +11,8 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.tables import channel
 
-TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
+# m; in right recordings, the tool stays within 0.002 m of its place on the flange
+MAX_TOOL_DISTANCE = 0.01
 
 
 def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
@@ -27,5 +28,5 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
     away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, -1]
     place = np.einsum("nij,ni->nj", rotation[:, -1], away)
     apart = float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))
-    if apart > TOOL:
+    if apart > MAX_TOOL_DISTANCE:
         yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * apart)

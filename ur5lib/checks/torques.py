@@ -5,20 +5,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.checks.arm import MOUNTINGS, SURE
+from ur5lib.checks.arm import MIN_LEAD_OF_ARM, MOUNTINGS
 from ur5lib.checks.block_means import BlockMeans, fitted_load, size
-from ur5lib.checks.checked import FEWEST, Checked, described
+from ur5lib.checks.checked import MIN_BLOCKS, Checked, described
 from ur5lib.errors import Remark, remark
-from ur5lib.recordings.quality import GIVEN_LOAD, MODELLED, Finding, contradiction
+from ur5lib.recordings.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_names
 from ur5lib.robots.statics import load_torque
 from ur5lib.timeseries.arrays import Array
 
-PRECISE = 0.02  # Nm; nothing is explained better
-EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
-LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
-GIVEN, SHOWN = 0.1, 0.3  # kg; share of what is left that a load explains; at most 0.14 in motion
-DEGREES = 180 / np.pi  # of a radian
+TORQUE_NOISE = 0.02  # Nm; nothing is explained better
+# share that another arm, a load or a unit may leave to be named as the cause
+MAX_SHARE_LEFT_BY_CAUSE = 0.1
+MIN_LOAD, MAX_LOAD = 0.3, 40.0  # kg; loads that are named as the cause
+MIN_GIVEN_LOAD = 0.1  # kg
+# share of what is left that a load explains; at most 0.14 in right recordings in motion
+MIN_SHARE_EXPLAINED_BY_GIVEN_LOAD = 0.3
+DEGREES_PER_RADIAN = 180 / np.pi
 
 
 def foreign_torque(
@@ -30,7 +33,7 @@ def foreign_torque(
         return
     residual = _least_residual(means, torque, arm, payloads)
     share = size(residual) / size(torque)
-    foreign, known = share > MODELLED, (means, torque, arm)
+    foreign, known = share > MAX_SHARE_UNMODELLED, (means, torque, arm)
     arms = [*(_fitting_arms(*known) if foreign else _likelier_arms(*known, payloads))]
     if foreign or arms:
         fitting = [*arms, *_other_causes(means, torque, residual, arm)]
@@ -42,17 +45,18 @@ def is_foreign(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
 ) -> bool:
     """Return whether a torque (M, 6) [Nm] cannot be that of an arm with any of some payloads."""
-    return size(_least_residual(means, torque, arm, payloads)) > MODELLED * size(torque)
+    return size(_least_residual(means, torque, arm, payloads)) > MAX_SHARE_UNMODELLED * size(torque)
 
 
 def given_load(checked: Checked) -> Iterator[Finding]:
     """Warn of a load in `target_moment` that neither the study nor the recording names."""
     means, torque = checked.means, checked.means.torque
-    if torque is not None and len(means.q) >= FEWEST:
+    if torque is not None and len(means.q) >= MIN_BLOCKS:
         payloads = [checked.configured, checked.declared]
         residual = _least_residual(means, torque, checked.arm, payloads)
         mass, left = _as_load(means, residual, checked.arm)
-        if GIVEN < mass < HEAVY and left**2 < (1 - SHOWN) * size(residual) ** 2:
+        explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_GIVEN_LOAD) * size(residual) ** 2
+        if MIN_GIVEN_LOAD < mass < MAX_LOAD and explained:
             yield Finding("robot", GIVEN_LOAD, "warning", 1, {"mass": mass})
 
 
@@ -76,7 +80,7 @@ def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
 
 def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
     """Return whether an arm leaves so little of a torque (M, 6) [Nm] that it is its own."""
-    return size(_residual(means, torque, arm)) < EXPLAINED * size(torque)
+    return size(_residual(means, torque, arm)) < MAX_SHARE_LEFT_BY_CAUSE * size(torque)
 
 
 def _likelier_arms(
@@ -89,13 +93,13 @@ def _likelier_arms(
         max(_likelihood(means, torque, one.carrying(own)) for own in payloads) for one in arms
     ]
     best = int(np.argmax(likelihoods))
-    if likelihoods[best] - likelihoods[0] > SURE:
+    if likelihoods[best] - likelihoods[0] > MIN_LEAD_OF_ARM:
         yield remark("robot as cause", value=names[best])
 
 
 def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
     """Return the log-likelihood of a torque (M, 6) [Nm], each joint with a variance of its own."""
-    variance = (_residual(means, torque, arm) ** 2).mean(axis=0) + PRECISE**2
+    variance = (_residual(means, torque, arm) ** 2).mean(axis=0) + TORQUE_NOISE**2
     return float(means.log_likelihood(variance).sum())
 
 
@@ -115,12 +119,12 @@ def _other_causes(
     residual: (M, 6) [Nm], what the arm leaves of the torque.
     """
     mass, left = _as_load(means, residual, arm)
-    if LIGHT < mass < HEAVY and left < EXPLAINED * size(torque):
+    if MIN_LOAD < mass < MAX_LOAD and left < MAX_SHARE_LEFT_BY_CAUSE * size(torque):
         yield remark("load as cause", value=mass)
     for gravity in MOUNTINGS:
         if _fits(means, torque, arm.mounted(gravity)):
             yield remark("mounting as cause", value=[*gravity])
-    for unit, factor in (("rad", DEGREES), ("deg", 1 / DEGREES)):
+    for unit, factor in (("rad", DEGREES_PER_RADIAN), ("deg", 1 / DEGREES_PER_RADIAN)):
         if _fits(replace(means, q=factor * means.q), torque, arm):
             yield remark("unit as cause", value=unit)
     for name, current in means.currents.items():

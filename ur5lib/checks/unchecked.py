@@ -5,7 +5,7 @@ from itertools import combinations
 
 from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT, columns
 from ur5lib.checks.arm import (
-    SURE_JOINTS,
+    MIN_LEAD_OF_EXCHANGED_JOINTS,
     Pair,
     constants,
     fitting_arms,
@@ -13,12 +13,12 @@ from ur5lib.checks.arm import (
     is_shown,
     of_measured,
 )
-from ur5lib.checks.checked import FEWEST, Checked
+from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
-    BEARING,
-    BRAKES,
-    DELAYED,
-    SURE_PAIR,
+    MIN_DELAY,
+    MIN_ERRORS_OF_FRICTION,
+    MIN_GRAVITY_TORQUE,
+    MIN_LEAD_OF_EXCHANGE,
     Answers,
     braking,
 )
@@ -33,7 +33,7 @@ POSE, TORQUE = "actual_TCP_pose", "target_moment"
 
 def unchecked(checked: Checked) -> list[Finding]:
     """Return what would not be noticed in a recording without a stop sign."""
-    if len(checked.means.q) < FEWEST:
+    if len(checked.means.q) < MIN_BLOCKS:
         return [_note("nothing checked", seconds=len(checked.robot) * checked.step)]
     return [*_arm(checked), *_order(checked), *_currents(checked)]
 
@@ -103,7 +103,7 @@ def _told_by_gravity(checked: Checked) -> Iterator[Pair]:
     if checked.means.torque is not None or not checked.tells_by_gravity():
         return
     for pair, gain in gains_of_exchange(of_measured(checked.means), checked.loaded).items():
-        if gain < -SURE_JOINTS and is_shown(checked.means, pair):
+        if gain < -MIN_LEAD_OF_EXCHANGED_JOINTS and is_shown(checked.means, pair):
             yield pair
 
 
@@ -116,17 +116,18 @@ def _currents(checked: Checked) -> Iterator[Finding]:
         return
     bearing = constants(means, checked.loaded).ratio
     if not bearing and TARGET_CURRENT not in means.currents:
-        yield _note("unit not checked", torque=BEARING)
+        yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
     if checked.answers is None:
         yield _note("currents not checked")
         return
     brakes = braking(means, checked.loaded) if checked.driven else {}
-    signs = [j + 1 for j in joints if j not in bearing and brakes.get(j, 0.0) < BRAKES]
+    unproven = [j for j in joints if brakes.get(j, 0.0) < MIN_ERRORS_OF_FRICTION]
+    signs = [j + 1 for j in unproven if j not in bearing]
     if signs:
         yield _note("sign not checked", joints=signs)
     if pairs := [*_alike(checked.answers)]:
         yield _note("columns not checked", pairs=_named(pairs))
-    if (delay := checked.answers.longest_unnoticed()) >= DELAYED:
+    if (delay := checked.answers.longest_unnoticed()) >= MIN_DELAY:
         yield _note("clock not checked", seconds=delay)
 
 
@@ -134,5 +135,5 @@ def _alike(answers: Answers) -> Iterator[Pair]:
     """Yield the joints whose currents may be exchanged."""
     lead = answers.ahead().diagonal()
     for j, k in combinations(range(len(lead)), 2):
-        if lead[j] + lead[k] < SURE_PAIR:
+        if lead[j] + lead[k] < MIN_LEAD_OF_EXCHANGE:
             yield j, k

@@ -10,7 +10,14 @@ import numpy as np
 from ur5lib.checks.arm import constants
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import described
-from ur5lib.checks.readings import CLEAR_LEAD, OR_FREE, Order, Reading, readings, usual_orders
+from ur5lib.checks.readings import (
+    CLEAR_LEAD,
+    SLOPE_BOUNDS_OR_NONE,
+    Order,
+    Reading,
+    readings,
+    usual_orders,
+)
 from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings.rosbag import JOINT_NAMES
@@ -61,7 +68,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> Identity:
         return Identity(UNDESCRIBED, None, orders[0])
     placed = _by_pose(moving, told, orders)
     arms = [described(name) for name in every]
-    likely = readings(means, arms, orders, OR_FREE) if means else []
+    likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     own = [one for one in likely if one.arm in names]
     order = _order(moving, own, [*dict.fromkeys(one.order for one in placed)])
     likely = [one for one in likely if one.order == order]

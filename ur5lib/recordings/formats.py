@@ -12,7 +12,14 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS
 from ur5lib.recordings.arrays import read_arrays
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers, read_rows
-from ur5lib.recordings.entries import RESERVED, Files, RecordedFiles, RtdeFiles, TableFiles, expand
+from ur5lib.recordings.entries import (
+    RESERVED_COLUMNS,
+    Files,
+    RecordedFiles,
+    RtdeFiles,
+    TableFiles,
+    expand,
+)
 from ur5lib.recordings.host_clock import on_robot_clock
 from ur5lib.recordings.ordering import continued, epochs
 from ur5lib.recordings.plausibility import first_time
@@ -22,7 +29,7 @@ from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import counted_from_first, read_sensors
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 
-POSITIONS = ("actual_q", "target_q")
+POSITION_CHANNELS = ("actual_q", "target_q")
 RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving a message
 
 
@@ -55,7 +62,7 @@ def as_described(table: pd.DataFrame, recording: Files) -> pd.DataFrame:
         return table
     home = np.radians(recording.home_deg or [0.0] * joints)
     described = {
-        name: sign * table[name] + (zero if channel in POSITIONS else 0.0)
+        name: sign * table[name] + (zero if channel in POSITION_CHANNELS else 0.0)
         for channel in SIGNED_CHANNELS
         for name, sign, zero in zip(
             columns(channel, joints), recording.directions or [1] * joints, home, strict=True
@@ -121,7 +128,7 @@ def read_rtde_csv(recording: RtdeFiles) -> RawRecording:
             f"{path}, line 1: no complete row of {len(table.columns)} numbers {begins}; record it "
             "again, or use format table-csv and name the columns in the study"
         )
-    table = table.drop(columns=RESERVED, errors="ignore")
+    table = table.drop(columns=RESERVED_COLUMNS, errors="ignore")
     table = table.rename(columns={"timestamp": "time", "host_time": "received"})
     table = drop_untimed(recording.in_si(table), log)
     table["time"] -= first_time(table["time"].to_numpy())

@@ -25,10 +25,10 @@ from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.tables import channel, checksum, has_unit, named
 from ur5lib.timeseries.arrays import Array
 
-RAW, FREED = "ft_raw_wrench", "actual_TCP_force"
-TORQUE = "actual_current_as_torque"
-SENSED = "actual_torque"
-FREE = "actual_torque_less_gravity"
+RAW_WRENCH, TCP_FORCE = "ft_raw_wrench", "actual_TCP_force"
+MOTOR_TORQUE = "actual_current_as_torque"
+SENSED_TORQUE = "actual_torque"
+TORQUE_LESS_GRAVITY = "actual_torque_less_gravity"
 
 # Every column is a block of its own, so that it can be freed; pandas expects few blocks.
 warnings.filterwarnings(
@@ -209,13 +209,13 @@ def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:
     The raw reading, else the controller's `actual_TCP_force` (base axes, without the configured
     payload, zeroed by the program): on a real UR5e both have the same moments, at the flange.
     """
-    if _varies(robot, RAW):
-        return RAW, channel(robot, RAW)
-    if not _varies(robot, FREED):
+    if _varies(robot, RAW_WRENCH):
+        return RAW_WRENCH, channel(robot, RAW_WRENCH)
+    if not _varies(robot, TCP_FORCE):
         return None
     rotation = link_frames(arm, channel(robot, "actual_q"))[0][:, -1]
-    halves = channel(robot, FREED).reshape(-1, 2, 3)
-    return FREED, (halves @ rotation).reshape(-1, 6)
+    halves = channel(robot, TCP_FORCE).reshape(-1, 2, 3)
+    return TCP_FORCE, (halves @ rotation).reshape(-1, 6)
 
 
 def _varies(robot: pd.DataFrame, name: str) -> bool:
@@ -234,18 +234,18 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
     less gravity, that of the arm is added before. Of joints that sense their torque,
     the constants are 1: for A, read Nm.
     """
-    if f"{FREE}_0" in table and f"{TORQUE}_0" not in table:
+    if f"{TORQUE_LESS_GRAVITY}_0" in table and f"{MOTOR_TORQUE}_0" not in table:
         gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
-        table = table.assign(**named(channel(table, FREE) + gravity, TORQUE))
+        table = table.assign(**named(channel(table, TORQUE_LESS_GRAVITY) + gravity, MOTOR_TORQUE))
         add_finding(findings, "robot", "gravity added", "note", len(table), arm=arm.name)
-    name = next((name for name in (TORQUE, SENSED) if f"{name}_0" in table), None)
+    name = next((name for name in (MOTOR_TORQUE, SENSED_TORQUE) if f"{name}_0" in table), None)
     if name is None or f"{MEASURED_CURRENT}_0" in table:
         return table
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
         add_finding(findings, "robot", "no currents", "warning", len(table), arm=arm.name)
         return table
-    if name == TORQUE:
+    if name == MOTOR_TORQUE:
         known = {"constants": constants.tolist(), "arm": arm.name}
         add_finding(findings, "robot", "currents from torques", "note", len(table), **known)
     return table.assign(**named(channel(table, name) / constants, MEASURED_CURRENT))

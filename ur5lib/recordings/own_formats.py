@@ -13,7 +13,7 @@ from ur5lib.recordings.array_files import ENDINGS, LOADERS, Arrays
 from ur5lib.recordings.quality import Finding
 from ur5lib.strict import expect_file
 
-OWN = "own"  # the formats' common name in a study; endings tell them apart
+OWN_FORMAT = "own"  # the formats' common name in a study; endings tell them apart
 Read = Callable[[Path], dict[str, Any]]
 
 
@@ -66,5 +66,5 @@ def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
     }
 
 
-LOADERS[OWN] = own_arrays
-ENDINGS.update(dict.fromkeys(READERS, OWN))
+LOADERS[OWN_FORMAT] = own_arrays
+ENDINGS.update(dict.fromkeys(READERS, OWN_FORMAT))

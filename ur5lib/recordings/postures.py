@@ -15,8 +15,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels
 
-SAME = 0.005  # rad; consecutive rows that differ by less in each joint are one posture
-AT_REST = (  # channels that are used
+# rad; consecutive rows that differ by less in each joint are one posture
+MAX_POSTURE_CHANGE = 0.005
+CHANNELS_AT_REST = (  # channels that are used
     *("actual_q", "target_q", "target_moment", *CURRENTS),
     *("payload", "payload_cog", "payload_inertia", "tcp_offset"),
 )
@@ -33,7 +34,8 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
     source = raw.robot.source
     whole = _complete(frames, source, arm, findings)
     rows = drop_implausible(whole, source, "robot", findings, unbounded(arm))
-    used = [name for of in AT_REST for name in columns(of, len(arm.joints)) if name in rows]
+    usable = (name for one in CHANNELS_AT_REST for name in columns(one, len(arm.joints)))
+    used = [name for name in usable if name in rows]
     postures = rows[used].groupby(_posture(channel(rows, "actual_q"))).mean()
     quality = Quality(
         rows=len(frames),
@@ -71,7 +73,7 @@ def _posture(q: Array) -> Labels:
     """Return labels (N,) of the postures of rows with positions (N, n) [rad]."""
     first, label, labels = q[0], 0, []
     for row in q:
-        if np.abs(row - first).max() > SAME:
+        if np.abs(row - first).max() > MAX_POSTURE_CHANGE:
             first, label = row, label + 1
         labels.append(label)
     return np.array(labels)

@@ -13,7 +13,7 @@ import pandas as pd
 from ur5lib.channels import MEASURED_CURRENT, columns
 from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, StartOffset
-from ur5lib.recordings.starts import UNSURE
+from ur5lib.recordings.starts import MAX_CLOCK_DRIFT
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frames
 from ur5lib.tables import channel
@@ -144,7 +144,7 @@ def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: Star
     """Return whether the currents show that a contact ends; start: of the sensor's clock."""
     if f"{MEASURED_CURRENT}_0" not in robot:
         return False
-    unsure = start.std + (UNSURE * zeroing.time if start.drift_std is None else 0.0)
+    unsure = start.std + (MAX_CLOCK_DRIFT * zeroing.time if start.drift_std is None else 0.0)
     since = robot["time"].to_numpy() - zeroing.time
     before, after = (
         np.flatnonzero((REACTION_TIME + unsure < away) & (away < COMPARED_TIME + unsure))

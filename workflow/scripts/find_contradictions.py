@@ -4,7 +4,7 @@ from typing import Any
 
 from ur5lib.checks.channels import too_short
 from ur5lib.checks.checked import Checked
-from ur5lib.checks.stop_signs import CHECKED, stop_signs
+from ur5lib.checks.stop_signs import CHECKED_COLUMNS, stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
@@ -19,7 +19,7 @@ def find_contradictions(input: Any, output: Any, params: Any) -> None:
     load, doubts = carried(declared, signals), disagreements(declared, params.tcp or None, signals)
     doubts += too_short(signals.segment, signals.period, params.cutoff_hz)
     del signals
-    known = CHECKED.intersection(read_footer(input.signals).schema.names)
+    known = CHECKED_COLUMNS.intersection(read_footer(input.signals).schema.names)
     table = read_table(input.signals, [*known])
     checked = Checked(table, arm, load.configured, load.payload, params.role == "fit")
     doubts += checked.odd_targets.values()
