@@ -19,7 +19,7 @@ from ur5lib.excitation.trajectory import Path as Motion
 from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recordings.entries import RtdeFiles
-from ur5lib.recordings.formats import read_rtde_csv
+from ur5lib.recordings.robot_files import read_rtde_csv
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate

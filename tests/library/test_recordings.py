@@ -338,12 +338,20 @@ def test_what_a_spreadsheet_program_made_is_named(tmp_path: Path, cell: str) -> 
 
 @pytest.mark.parametrize("row", ["{t};{q}\t", "{t};{q}; ", "x;{q}", " ;{q};", "{t};{q};\t"])
 def test_whatever_ends_a_line_its_fault_is_reported(tmp_path: Path, row: str) -> None:
+    """Three lines are read, as where only a blank follows their numbers, or reported."""
     entry = write_rtde(tmp_path, rows=20)
     text = (tmp_path / "robot.csv").read_text()
     for mark in (";", "\t", " ", ","):
         lines = [row.format(t=9.5, q=";".join(["0.1"] * 6)).replace(";", mark)] * 3
         (tmp_path / "robot.csv").write_text(text.replace(";", mark) + "\n".join(lines) + "\n")
-        read_recording(entry)
+        raw = read_recording(entry)
+        if row == "{t};{q}\t" and mark != "\t":
+            assert not raw.findings
+            assert raw.robot.table["time"].tolist()[20:] == pytest.approx([0.5] * 3)
+        else:
+            (damaged,) = raw.findings
+            assert (damaged.finding, damaged.count) == ("damaged lines", 3)
+            assert len(raw.robot.table) == 20
 
 
 # The realtime port

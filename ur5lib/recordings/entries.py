@@ -40,11 +40,6 @@ UNIT_FACTORS = {  # from these units to SI
 }
 
 
-def of_entry(fault: str) -> PydanticCustomError:
-    """Return the error of an entry as a whole; fault: the sentence without its subject."""
-    return PydanticCustomError("of_entry", "{fault}", {"fault": fault})
-
-
 RunFile = Annotated[
     PathText,
     Field(
@@ -393,6 +388,11 @@ ENTRY: TypeAdapter[Files] = TypeAdapter(
         Field(discriminator="format"),
     ]
 )
+
+
+def of_entry(fault: str) -> PydanticCustomError:
+    """Return the error of an entry as a whole; fault: the sentence without its subject."""
+    return PydanticCustomError("of_entry", "{fault}", {"fault": fault})
 
 
 def expand(columns: Sequence[str]) -> list[str]:
