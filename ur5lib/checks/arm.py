@@ -22,12 +22,12 @@ from ur5lib.checks.currents import (
     MIN_GRAVITY_TORQUE,
     MIN_STANDARD_ERRORS,
     OPPOSITE_CODE,
-    braking,
     foreign_currents,
-    holding,
-    moving,
+    friction_in_errors,
+    held_gravity,
+    moving_joints,
 )
-from ur5lib.checks.readings import exchanged, in_order, readings
+from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -101,18 +101,18 @@ def of_measured(means: BlockMeans, sign: int = 1) -> BlockMeans:
 
 def gain_of_sign(means: BlockMeans, arm: Robot) -> float:
     """Return how much likelier currents of the opposite sign are."""
-    own, opposite = (
+    as_recorded, opposite = (
         readings(of_measured(means, sign), [arm], [in_order(arm)])[0].score for sign in (1, -1)
     )
-    return opposite - own
+    return opposite - as_recorded
 
 
 def gains_of_exchange(means: BlockMeans, arm: Robot) -> dict[Pair, float]:
     """Return how much likelier the efforts are with all columns of two joints exchanged."""
-    own = in_order(arm)
-    orders = {pair: exchanged(own, *pair) for pair in combinations(own, 2)}
-    scores = {one.order: one.score for one in readings(means, [arm], [own, *orders.values()])}
-    return {pair: scores[order] - scores[own] for pair, order in orders.items()}
+    in_place = in_order(arm)
+    orders = {pair: exchanged_order(in_place, *pair) for pair in combinations(in_place, 2)}
+    scores = {one.order: one.score for one in readings(means, [arm], [in_place, *orders.values()])}
+    return {pair: scores[order] - scores[in_place] for pair, order in orders.items()}
 
 
 def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Cause]:
@@ -120,19 +120,20 @@ def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Cause]:
     for pair, gain in gains_of_exchange(of_measured(means), arm).items():
         if gain > MIN_LEAD_OF_EXCHANGED_JOINTS and is_shown(means, pair):
             finding = contradiction("exchanged joints", joint=pair[0] + 1, other=pair[1] + 1)
-            yield Cause(finding, gain, means.part(columns=exchanged(in_order(arm), *pair)), arm)
+            order = exchanged_order(in_order(arm), *pair)
+            yield Cause(finding, gain, means.part(columns=order), arm)
 
 
 def is_shown(means: BlockMeans, pair: Pair) -> bool:
     """Return whether gravity shows an exchange of two joints: that bear others, or both move."""
-    return max(pair) < BEARING_JOINTS or bool(moving(means)[[*pair]].all())
+    return max(pair) < BEARING_JOINTS or bool(moving_joints(means)[[*pair]].all())
 
 
 def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dict[str, float]:
     """Return how much likelier others arms are, of as many joints."""
     order = in_order(arm)
-    (own,) = readings(means, [arm], [order])
-    return {one.arm: one.score - own.score for one in readings(means, others, [order])}
+    (declared,) = readings(means, [arm], [order])
+    return {one.arm: one.score - declared.score for one in readings(means, others, [order])}
 
 
 def foreign_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Cause]:
@@ -154,7 +155,7 @@ def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[C
     least = max(MIN_LEAD_OF_ARM, MIN_SHARE_OF_LARGEST_GAIN * max(gains.values(), default=0.0))
     likely = [mounting for mounting, gain in gains.items() if gain > least]
     turned = [one for one in likely if np.dot(arm.gravity, one) < 0]
-    friction = [*braking(means, arm).values()] if driven else []
+    friction = [*friction_in_errors(means, arm).values()] if driven else []
     if any(one < -MIN_ERRORS_OF_FRICTION for one in friction):
         likely = [one for one in likely if one not in turned]
     if likely:
@@ -168,14 +169,15 @@ def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[C
 def gains_of_mountings(means: BlockMeans, arm: Robot) -> dict[Gravity, float]:
     """Return how much likelier other mountings are that the torque constants confirm."""
     measured, order = of_measured(means), [in_order(arm)]
-    own, *scores = (
+    declared, *scores = (
         readings(measured, [one], order)[0].score
         for one in (arm, *(arm.mounted(gravity) for gravity in MOUNTINGS))
     )
-    found = dict(zip(MOUNTINGS, scores, strict=True))
-    shown = {gravity: constants(means, arm.mounted(gravity)) for gravity in MOUNTINGS}
-    confirmed = [one for one, its in shown.items() if its.ratio and not its.off()]
-    return {one: found[one] - own for one in sorted(confirmed, key=lambda one: -found[one])}
+    likelihoods = dict(zip(MOUNTINGS, scores, strict=True))
+    shown = {gravity: torque_constants(means, arm.mounted(gravity)) for gravity in MOUNTINGS}
+    confirmed = [one for one, its in shown.items() if its.ratio and not its.foreign()]
+    likeliest_first = sorted(confirmed, key=lambda one: -likelihoods[one])
+    return {one: likelihoods[one] - declared for one in likeliest_first}
 
 
 @dataclass(frozen=True)
@@ -190,7 +192,7 @@ class Constants:
     high: Mapping[int, float]
     known: Sequence[float]
 
-    def off(self) -> dict[int, float]:
+    def foreign(self) -> dict[int, float]:
         """Return the joints whose constants are foreign, and their ratios."""
         low, high = 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO
         joints = (j for j in self.ratio if self.high[j] < low or self.low[j] > high)
@@ -201,24 +203,24 @@ class Constants:
         return abs(math.log(self.ratio[joint]))
 
 
-def constants(means: BlockMeans, arm: Robot, name: str = MEASURED_CURRENT) -> Constants:
+def torque_constants(means: BlockMeans, arm: Robot, name: str = MEASURED_CURRENT) -> Constants:
     """Return the torque constants by gravity of the joints that bear something.
 
     At rest, friction may hold a part of gravity; name: of the channel that holds currents.
     """
-    gravity, moves = means.gravity(arm), moving(means)
-    known, ratios = np.array(arm.maker_torque_constants()), dict[int, list[float]]()
+    gravity, moves = means.gravity(arm), moving_joints(means)
+    makers, ratios = np.array(arm.maker_torque_constants()), dict[int, list[float]]()
     for joint, size in enumerate(np.sqrt((gravity**2).mean(axis=0))):
-        held = holding(means, gravity, means.currents[name], joint)
-        shown = size > MIN_GRAVITY_TORQUE and held.left < MAX_SHARE_UNEXPLAINED
-        if shown and np.isfinite(known[joint]):
+        held = held_gravity(means, gravity, means.currents[name], joint)
+        shown = size > MIN_GRAVITY_TORQUE and held.unexplained < MAX_SHARE_UNEXPLAINED
+        if shown and np.isfinite(makers[joint]):
             sticking = 0.0 if moves[joint] else STICTION_SHARE * arm.torque_limits()[joint] / size
-            slope = held.slope * known[joint]
-            error = MIN_STANDARD_ERRORS * held.error * known[joint] + sticking
+            slope = held.slope * makers[joint]
+            error = MIN_STANDARD_ERRORS * held.error * makers[joint] + sticking
             slopes = slope, slope + error, slope - error
             ratios[joint] = [1 / max(one, MIN_SLOPE) for one in slopes]
     ratio, low, high = ({joint: three[k] for joint, three in ratios.items()} for k in range(3))
-    return Constants(ratio, low, high, known.tolist())
+    return Constants(ratio, low, high, makers.tolist())
 
 
 def foreign_constants(
@@ -228,16 +230,16 @@ def foreign_constants(
 
     Small ones may be a load, which the fit finds in recordings that are not fitted.
     """
-    found = constants(means, arm)
-    off = {joint: ratio for joint, ratio in found.off().items() if fitted or ratio > 1}
+    by_gravity = torque_constants(means, arm)
+    off = {joint: ratio for joint, ratio in by_gravity.foreign().items() if fitted or ratio > 1}
     if off:
-        joint = max(off, key=found.away)
-        known = found.known[joint]
+        joint = max(off, key=by_gravity.away)
+        makers = by_gravity.known[joint]
         fitting = [
             remark("robot as cause", value=name) for name in fitting_arms(means, arm, others)
         ]
         code = "foreign constant of known cause" if fitting else "foreign constant"
-        values = {"joint": joint + 1, "constant": off[joint] * known, "known": known}
+        values = {"joint": joint + 1, "constant": off[joint] * makers, "known": makers}
         yield contradiction(code, arm=arm.name, causes=fitting, **values)
 
 
@@ -245,4 +247,5 @@ def fitting_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> list
     """Return the other arms that the currents do not exclude: by gravity and torque constants."""
     gains = gains_of_arms(of_measured(means), arm, others)
     likely = [one for one in others if gains[one.name] > -MIN_LEAD_OF_ARM]
-    return [one.name for one in likely if one.name != arm.name and not constants(means, one).off()]
+    alike = (one.name for one in likely if not torque_constants(means, one).foreign())
+    return [name for name in alike if name != arm.name]

@@ -112,10 +112,10 @@ def combination(columns: Array, values: Array, weights: Sequence[float]) -> tupl
     columns: (M, n) over blocks; values: (M,); weights: of the first coefficients.
     """
     inverse = np.linalg.pinv(columns)
-    solution, own = inverse @ values, np.asarray(weights)
+    solution, weight = inverse @ values, np.asarray(weights)
     noise = np.std(values - columns @ solution) * np.sqrt(DECORRELATION_TIME / BLOCK_LENGTH)
-    first = inverse[: len(own)]
-    return float(own @ solution[: len(own)]), float(noise * np.linalg.norm(own @ first))
+    first = inverse[: len(weight)]
+    return float(weight @ solution[: len(weight)]), float(noise * np.linalg.norm(weight @ first))
 
 
 def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:
@@ -134,5 +134,6 @@ def _blocks(robot: pd.DataFrame, channels: list[Array], length: int) -> Labels:
     rows = np.arange(len(robot) // length * length).reshape(-1, length)
     segment, filled = (robot[name].to_numpy()[rows] for name in ("segment", "interpolated"))
     finite = np.all([np.isfinite(values).all(axis=1) for values in channels], axis=0)
-    known = finite[rows].all(axis=1)
-    return rows[known & (np.ptp(segment, axis=1) == 0) & (filled.mean(axis=1) <= MAX_SHARE_FILLED)]
+    complete = finite[rows].all(axis=1)
+    unsplit, received = np.ptp(segment, axis=1) == 0, filled.mean(axis=1) <= MAX_SHARE_FILLED
+    return rows[complete & unsplit & received]

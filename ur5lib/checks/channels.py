@@ -74,7 +74,7 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
 
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     for below, above in DERIVATIVES:
-        if recorded(robot, below, above):
+        if are_recorded(robot, below, above):
             slopes = _slopes(robot, below, above, period)
             if slopes and not channel(robot, above).any():
                 names = {"name": above, "position": below}
@@ -90,7 +90,7 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
 def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     """Find velocities in another unit or column than their positions; period: [s]."""
     for below, above in DERIVATIVES[:2]:
-        if recorded(robot, below, above):
+        if are_recorded(robot, below, above):
             slopes = [*_slopes(robot, below, above, period).values()]
             low, high = MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO
             wrong = [slope for slope in slopes if slope <= low or slope >= high]
@@ -105,7 +105,7 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
     whole &= ~robot["interpolated"].shift(fill_value=True).to_numpy(bool)
     if not whole.any():
         return {}
-    found = {}
+    ratios = {}
     # one joint after the other, for the memory of long recordings
     for joint in range(joint_count(robot)):
         value, rate = (robot[f"{name}_{joint}"].to_numpy(float) for name in (below, above))
@@ -114,13 +114,13 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
         moves, rests = (np.sqrt(np.nanmean(each**2)) for each in (slope, mean))
         if max(moves, rests) > MIN_MOVING_SPEED:
             with np.errstate(invalid="ignore", divide="ignore"):
-                found[joint] = float(np.nansum(slope * mean) / np.nansum(mean**2))
-    return found
+                ratios[joint] = float(np.nansum(slope * mean) / np.nansum(mean**2))
+    return ratios
 
 
 def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
     for one, other, bound in TWINS:
-        if recorded(robot, one, other):
+        if are_recorded(robot, one, other):
             apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
@@ -131,7 +131,7 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
     """Find channels whose overall level shows that their unit is wrong."""
     for one, other, least, most in LEVEL_RATIOS:
-        if recorded(robot, one, other):
+        if are_recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)
             if max(level, its) > MIN_LEVEL and not least * its <= level <= most * its:
                 values = {"one": one, "level": level, "other": other, "its": its}
@@ -140,15 +140,15 @@ def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     """Find pairs of joints that follow each other's targets instead of their own."""
-    if not recorded(robot, one, other):
+    if not are_recorded(robot, one, other):
         return
     values, targets = channel(robot, one), channel(robot, other)
     apart = np.array(
         [np.nanmedian(np.abs(column[:, None] - targets), axis=0) for column in values.T]
     )
     for j, k in combinations(range(values.shape[1]), 2):
-        own, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
-        if own > MIN_LEVEL and crossed < MAX_SWAPPED_DEVIATION * own:
+        uncrossed, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
+        if uncrossed > MIN_LEVEL and crossed < MAX_SWAPPED_DEVIATION * uncrossed:
             joints = {"one": one, "other": other, "joint": j + 1, "its": k + 1}
             yield _inconsistent(2, joints, "swapped")
 
@@ -156,7 +156,7 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
 def _limits(
     robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]], unit: str
 ) -> Iterator[Finding]:
-    if not recorded(robot, name):
+    if not are_recorded(robot, name):
         return
     values, (low, high) = channel(robot, name), np.transpose(bounds)
     values = np.where(low == -high, np.abs(values), values)
@@ -174,7 +174,7 @@ def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Findin
     return Finding("robot", "inconsistent channels", "warning", count, values, code)
 
 
-def recorded(robot: pd.DataFrame, *channels: str) -> bool:
+def are_recorded(robot: pd.DataFrame, *channels: str) -> bool:
     """Return whether all of some channels were recorded."""
     return all(f"{name}_0" in robot for name in channels)
 

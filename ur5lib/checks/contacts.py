@@ -29,7 +29,7 @@ CONTACT_TIME = 0.5  # s
 STANDARD_GRAVITY = 9.81  # m/s²
 
 
-def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
+def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
     """Find contacts at the force sensor of a recording that should be free of them.
 
     table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
@@ -63,7 +63,7 @@ def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
     return Finding("robot", "contact", "warning", 1, values, "felt contact")
 
 
-def unfelt(arm: Robot) -> Finding:
+def unfelt_contacts(arm: Robot) -> Finding:
     """Return a note of the contacts that would not be felt."""
     torques = [CONTACT_TORQUE_SHARE * torque for torque in arm.torque_limits()]
     return Finding("robot", "contact not checked", "note", 1, {"torques": torques})
@@ -82,22 +82,22 @@ def deviations(means: BlockMeans, arm: Robot) -> Array:
     follows = same & (steps < 1.5 * np.median(steps))  # directly after the block before
     whole = np.asarray(_windows(follows)[:, 1:].all(axis=1))
     moves = np.abs(means.qd) > MIN_MOVING_SPEED
-    found = np.full((len(whole), current.shape[1]), np.nan)
+    sizes = np.full((len(whole), current.shape[1]), np.nan)
     for joint, moving in enumerate(moves.T):
         if np.count_nonzero(moving) >= MIN_MOVING_BLOCKS:
-            left = _unexplained(means, gravity[:, joint], joint, moving)
+            residual = _unexplained_current(means, gravity[:, joint], joint, moving)
             rows = whole & _windows(moving).all(axis=1)
-            found[rows, joint] = np.abs(_windows(left).mean(axis=1)[rows])
+            sizes[rows, joint] = np.abs(_windows(residual).mean(axis=1)[rows])
     resting = (np.abs(means.qd) < FULL_FRICTION_SPEED).all(axis=1)
     for start, end in runs(resting & follows):
         changes = current[start + SETTLING_BLOCKS : end]
         if len(changes) > WINDOW_BLOCKS:
             mean = sliding_window_view(changes, WINDOW_BLOCKS, axis=0).mean(axis=2)
-            found[start + SETTLING_BLOCKS :][: len(mean)] = mean - mean.min(axis=0)
-    return found
+            sizes[start + SETTLING_BLOCKS :][: len(mean)] = mean - mean.min(axis=0)
+    return sizes
 
 
-def _unexplained(means: BlockMeans, gravity: Array, joint: int, moving: Mask) -> Array:
+def _unexplained_current(means: BlockMeans, gravity: Array, joint: int, moving: Mask) -> Array:
     """Return what gravity, friction and inertia leave of a joint's current (M,) [A].
 
     A robust regression on the blocks in which it moves.
@@ -107,13 +107,13 @@ def _unexplained(means: BlockMeans, gravity: Array, joint: int, moving: Mask) ->
     columns = np.column_stack([*terms, np.ones(len(gravity))])
     current = means.currents[MEASURED_CURRENT][:, joint]
     weight = moving.astype(float)
-    left = current
+    residual = current
     for _ in range(REGRESSION_ROUNDS):
         scaled = columns * weight[:, None]
-        left = current - columns @ np.linalg.lstsq(scaled, current * weight, rcond=None)[0]
-        spread = OUTLIER_DISTANCE * 1.48 * np.median(np.abs(left[moving])) + 1e-9
-        weight = moving * np.sqrt(1 / np.maximum(1, np.abs(left) / spread))
-    return np.asarray(left)
+        residual = current - columns @ np.linalg.lstsq(scaled, current * weight, rcond=None)[0]
+        spread = OUTLIER_DISTANCE * 1.48 * np.median(np.abs(residual[moving])) + 1e-9
+        weight = moving * np.sqrt(1 / np.maximum(1, np.abs(residual) / spread))
+    return np.asarray(residual)
 
 
 def _windows(values: Array | Mask) -> Array:

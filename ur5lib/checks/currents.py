@@ -98,9 +98,10 @@ def answers(robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float) -> 
     most = round(MAX_DELAY / (count * step))
     lags = np.arange(-most, most + 1)
     likelihoods = innovation_likelihoods(robot, step, lags * count)
-    motion, own = delay_scores(robot, arm, step, count, lags), np.einsum("ljj->l", likelihoods)
-    of_joints = likelihoods[most] + means.log_likelihood(_left(means, arm) + CURRENT_NOISE**2)
-    return Answers(np.asarray(lags * count * step), motion + own, of_joints)
+    of_delays = delay_scores(robot, arm, step, count, lags) + np.einsum("ljj->l", likelihoods)
+    variance = _unexplained_squares(means, arm) + CURRENT_NOISE**2
+    of_joints = likelihoods[most] + means.log_likelihood(variance)
+    return Answers(np.asarray(lags * count * step), of_delays, of_joints)
 
 
 def is_driven(robot: pd.DataFrame) -> bool:
@@ -110,49 +111,49 @@ def is_driven(robot: pd.DataFrame) -> bool:
     return bool((np.nanmean(channel(robot, "target_qd") ** 2, axis=0) > MIN_MOVING_SPEED**2).any())
 
 
-def moving(means: BlockMeans) -> Mask:
+def moving_joints(means: BlockMeans) -> Mask:
     """Return which joints (6,) move."""
     return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MIN_MOVING_SPEED)
 
 
-def exchanged_currents(found: Answers) -> Iterator[Finding]:
+def exchanged_currents(answers: Answers) -> Iterator[Finding]:
     """Find two joints, each of which explains the other's current better than all others do."""
-    ahead = found.ahead()
+    ahead = answers.ahead()
     gains = np.triu(ahead + ahead.T, 1)
     j, k = np.argwhere(gains == gains.max())[0].tolist()
     if gains[j, k] > MIN_LEAD_OF_EXCHANGE:
         yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
 
 
-def turned(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find currents whose friction drives the motion instead of braking it."""
-    for joint, friction in braking(means, arm).items():
+    for joint, friction in friction_in_errors(means, arm).items():
         if friction < -MIN_ERRORS_OF_FRICTION:
             yield contradiction("turned current", joint=joint + 1)
 
 
-def braking(means: BlockMeans, arm: Robot) -> dict[int, float]:
+def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
     """Return the friction of joints that move, from 0, at their usual speed, in standard errors."""
     gravity, rest = means.gravity(arm), [means.qdd, np.ones((len(means.q), 1))]
-    speed, found = np.sqrt((means.qd**2).mean(axis=0)), {}
-    for joint in np.flatnonzero(moving(means)).tolist():
+    speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
+    for joint in np.flatnonzero(moving_joints(means)).tolist():
         columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
         value, error = combination(
             columns, means.currents[MEASURED_CURRENT][:, joint], [1.0, speed[joint]]
         )
-        found[joint] = value / (error + 1e-9)
-    return found
+        errors[joint] = value / (error + 1e-9)
+    return errors
 
 
-def delayed(found: Answers, driven: bool) -> Iterator[Finding]:
+def delayed_currents(answers: Answers, driven: bool) -> Iterator[Finding]:
     """Find currents that come later or earlier than the motion that they drive."""
-    late, behind = found.late(), found.behind()
+    late, behind = answers.late(), answers.behind()
     if not late.any():
         return
     most, shorter = behind[late].min(), behind[~late].min()
     least = 0.0 if driven else MIN_LEAD_OF_DELAY_BY_HAND
     if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
-        delay = float(found.delays[late][np.argmin(behind[late])])
+        delay = float(answers.delays[late][np.argmin(behind[late])])
         code = "late current" if delay > 0 else "early current"
         yield contradiction(code, seconds=abs(delay))
 
@@ -179,15 +180,15 @@ def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags:
     moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
     for joint in np.flatnonzero(moves):
         friction = np.tanh(qd[:, joint] / MIN_MOVING_SPEED)
-        own = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
-        basis, _ = np.linalg.qr(np.column_stack(own)[rows])
+        terms = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
+        basis, _ = np.linalg.qr(np.column_stack(terms)[rows])
         currents = later[rows - most, joint]
-        left = currents - basis @ (basis.T @ currents)
-        scores -= independent / 2 * np.log((left**2).mean(axis=0) + CURRENT_NOISE**2)
+        residual = currents - basis @ (basis.T @ currents)
+        scores -= independent / 2 * np.log((residual**2).mean(axis=0) + CURRENT_NOISE**2)
     return scores
 
 
-def _left(means: BlockMeans, arm: Robot) -> Array:
+def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:
     """Return the mean squares (6, 6) that the motion of each joint leaves of each current.
 
     Row j: the current of joint j; column k: the motion and the target of joint k.
@@ -197,7 +198,7 @@ def _left(means: BlockMeans, arm: Robot) -> Array:
     current = means.currents[MEASURED_CURRENT]
     joints = range(current.shape[1])
     columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in joints]
-    sizes = np.array([[nnls(own, current[:, j])[1] for own in columns] for j in joints])
+    sizes = np.array([[nnls(column, current[:, j])[1] for column in columns] for j in joints])
     return np.asarray(sizes**2 / len(current))
 
 
@@ -218,7 +219,7 @@ class Held(NamedTuple):
 
     slope: float
     error: float
-    left: float
+    unexplained: float
 
 
 def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
@@ -233,9 +234,9 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     if np.sqrt((gravity[:, joint] ** 2).mean()) < MIN_GRAVITY_TORQUE:
         return
     for name, current in means.currents.items():
-        held = holding(means, gravity, current, joint)
+        held = held_gravity(means, gravity, current, joint)
         away = MIN_STANDARD_ERRORS * held.error
-        if held.left < MAX_SHARE_UNEXPLAINED and not (
+        if held.unexplained < MAX_SHARE_UNEXPLAINED and not (
             held.slope + away > 1 / MAX_CONSTANT and held.slope - away < 1 / MIN_CONSTANT
         ):
             constant = 1 / (held.slope or 1e-9)
@@ -246,16 +247,17 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def undeclared_load(
-    means: BlockMeans, known: Robot, carrying: Robot, odd: Container[int] = ()
+    means: BlockMeans, arm: Robot, carrying: Robot, odd: Container[int] = ()
 ) -> Iterator[Finding]:
     """Find a load that neither the study nor the controller knows, by which currents differ.
 
-    known: the arm with the payload that the controller knows; carrying: with the declared one;
+    arm: with the payload that the controller knows; carrying: with the declared one;
     odd: joints from 0 whose targets do not count.
     """
     if {"actual_current", "target_current"} - means.currents.keys():
         return
-    columns, torque = _unexpected(means, known, means.gravity(carrying) - means.gravity(known), odd)
+    declared = means.gravity(carrying) - means.gravity(arm)
+    columns, torque = _unexpected_torque(means, arm, declared, odd)
     if len(torque):
         mass, left = fitted_load(columns, torque)
         _, error = combination(columns, torque, [1.0])  # large where only a wrist moves
@@ -264,19 +266,19 @@ def undeclared_load(
             yield contradiction("undeclared load", mass=mass)
 
 
-def holding(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
+def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
     """Return how much of a joint's current holds gravity, beside friction and inertia."""
-    own = current[:, joint]
+    effort = current[:, joint]
     columns = np.column_stack([gravity[:, joint], means.friction(joint), means.qdd])
     inverse = np.linalg.pinv(columns)
-    solution = inverse @ own
-    left = size(own - columns @ solution)
-    error = left / np.sqrt(max(1, len(own) - columns.shape[1])) * np.linalg.norm(inverse[0])
-    return Held(float(solution[0]), float(error), (left / size(own)) ** 2)
+    solution = inverse @ effort
+    residual = size(effort - columns @ solution)
+    error = residual / np.sqrt(max(1, len(effort) - columns.shape[1])) * np.linalg.norm(inverse[0])
+    return Held(float(solution[0]), float(error), (residual / size(effort)) ** 2)
 
 
-def _unexpected(
-    means: BlockMeans, known: Robot, declared: Array, odd: Container[int]
+def _unexpected_torque(
+    means: BlockMeans, arm: Robot, declared: Array, odd: Container[int]
 ) -> tuple[Array, Array]:
     """Return torque per load (n, 4), and the torque (n,) that measured currents hold beyond
     target_current, both without friction and in units of its spread, of all joints that bear.
@@ -284,18 +286,19 @@ def _unexpected(
     Only of joints in motion: at rest, stiction bears an unknown part of what a posture demands,
     which looks like a load. declared: torque (M, 6) [Nm] that is known to be in it.
     """
-    gravity, loads = means.gravity(known), load_torque(known, means.q)
+    gravity, loads = means.gravity(arm), load_torque(arm, means.q)
     measured, target = means.currents["actual_current"], means.currents["target_current"]
     rows = [np.empty((0, 5))]
     for joint in range(gravity.shape[1]):
-        own = np.abs(means.qd[:, joint]) > MIN_MOVING_SPEED
-        if joint in odd or np.count_nonzero(own) < MIN_MOVING_BLOCKS:
+        moves = np.abs(means.qd[:, joint]) > MIN_MOVING_SPEED
+        if joint in odd or np.count_nonzero(moves) < MIN_MOVING_BLOCKS:
             continue
-        held = holding(means, gravity, target, joint)
-        if held.left < MAX_SHARE_UNEXPLAINED and 1 / MAX_CONSTANT < held.slope < 1 / MIN_CONSTANT:
-            torque = (measured - target)[own, joint] / held.slope - declared[own, joint]
-            pair = np.column_stack([loads[own, joint], torque])
-            friction = means.friction(joint)[own]
+        held = held_gravity(means, gravity, target, joint)
+        in_amperes = 1 / MAX_CONSTANT < held.slope < 1 / MIN_CONSTANT
+        if held.unexplained < MAX_SHARE_UNEXPLAINED and in_amperes:
+            torque = (measured - target)[moves, joint] / held.slope - declared[moves, joint]
+            pair = np.column_stack([loads[moves, joint], torque])
+            friction = means.friction(joint)[moves]
             pair -= friction @ np.linalg.lstsq(friction, pair, rcond=None)[0]
             rows.append(pair / max(pair[:, -1].std(), 0.1))
     every = np.vstack(rows)

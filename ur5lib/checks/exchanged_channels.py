@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.checks.channels import MIN_MOVING_SPEED, recorded
+from ur5lib.checks.channels import MIN_MOVING_SPEED, are_recorded
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -29,7 +29,7 @@ def names_equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
     At rest, coarse positions of a real arm may do so. step: between frames [s].
     """
     for name, least in (("q", MIN_MOVING_SPEED * step), ("current", 0.0)):
-        if recorded(robot, f"actual_{name}", f"target_{name}"):
+        if are_recorded(robot, f"actual_{name}", f"target_{name}"):
             actual, target = (_received(robot, f"{kind}_{name}") for kind in ("actual", "target"))
             changes = (np.abs(np.diff(target, axis=0)) > least) & (target[1:] != 0)
             equal = (actual == target)[1:][changes]
@@ -39,27 +39,27 @@ def names_equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
 
 def exchanged_motion(robot: pd.DataFrame) -> tuple[str, ...]:
     """Return which of q and qd are exchanged: another pair is closer than that of the targets."""
-    if not recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
+    if not are_recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
         return ()
     measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
     moves = (measured > MIN_MOVING_SPEED) & (target > MIN_MOVING_SPEED)
     moving = moves.sum(axis=0) >= MIN_MOVING_FRAMES
     if not moving.any():
         return ()
-    own = _apart(robot, moves, "target_q", "target_qd")[moving]
-    others = {pair: _apart(robot, moves, *pair)[moving] for pair in EXCHANGED_QUANTITIES}
+    of_targets = _median_deviation(robot, moves, "target_q", "target_qd")[moving]
+    others = {pair: _median_deviation(robot, moves, *pair)[moving] for pair in EXCHANGED_QUANTITIES}
     best = min(others, key=lambda pair: float(np.median(others[pair])))
-    closer = others[best] < MAX_DEVIATION_RATIO * own
+    closer = others[best] < MAX_DEVIATION_RATIO * of_targets
     return EXCHANGED_QUANTITIES[best] if np.mean(closer) > 0.5 else ()
 
 
 def exchanged_current(robot: pd.DataFrame) -> Iterator[str]:
     """Yield "current" where the measured currents are smoother than their targets."""
-    if recorded(robot, "actual_current", "target_current"):
+    if are_recorded(robot, "actual_current", "target_current"):
         kinds = ("actual", "target")
         measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
-        known = (measured > 0) | (target > 0)
-        if known.any() and np.mean(measured[known] < MAX_ROUGHNESS_RATIO * target[known]) > 0.5:
+        varies = (measured > 0) | (target > 0)
+        if varies.any() and np.mean(measured[varies] < MAX_ROUGHNESS_RATIO * target[varies]) > 0.5:
             yield "current"
 
 
@@ -72,7 +72,7 @@ def roughness(values: Array) -> Array:
     return np.asarray(np.nanmedian(np.abs(np.diff(values, 3, axis=0)), axis=0))
 
 
-def _apart(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
+def _median_deviation(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
     """Return the median difference (6,) [rad/s] between a position's slope and a velocity.
 
     moves: (N, 6), the frames that count; NaN for joints without any.

@@ -78,10 +78,10 @@ def _changes(values: Array) -> Array:
 def _innovations(changes: Array) -> Array:
     """Return the part of each column (N, 6) that its own past does not predict."""
     past = np.stack([np.roll(changes, k, axis=0) for k in range(1, PREDICTOR_ORDER + 1)], axis=2)
-    own = [
+    coefficients = [
         np.linalg.lstsq(past[:, j], changes[:, j], rcond=None)[0] for j in range(changes.shape[1])
     ]
-    return np.asarray(changes - np.einsum("njk,jk->nj", past, own))
+    return np.asarray(changes - np.einsum("njk,jk->nj", past, coefficients))
 
 
 def _near(motion: Array, rows: Labels) -> Array:
@@ -107,10 +107,10 @@ def _gains(near: Array, innovations: Array, joints: int) -> Array:
     solution = inverse @ products
     squares = (innovations - near @ solution) ** 2
     left = squares.sum(axis=0) + SMALLEST_SIZE
-    own, size = solution.reshape(joints, -1, innovations.shape[1]), len(inverse) // joints
+    of_joints, size = solution.reshape(joints, -1, innovations.shape[1]), len(inverse) // joints
     every = range(joints)
     blocks = inverse.reshape(joints, size, joints, size)[every, :, every]  # of each joint's own
-    beyond = np.linalg.solve(blocks, own)
+    beyond = np.linalg.solve(blocks, of_joints)
     moves = (near**2).reshape(len(near), joints, -1).mean(axis=2)
     together = len(near) * moves.T @ squares / left
-    return np.asarray(np.log1p((own * beyond).sum(axis=1) / left / np.maximum(together, 1)))
+    return np.asarray(np.log1p((of_joints * beyond).sum(axis=1) / left / np.maximum(together, 1)))

@@ -53,8 +53,8 @@ def posture_stop_signs(
     arm: under the recording's gravity; configured: the payload that the controller was given;
     declared: the one that the study gives.
     """
-    found = _contradictions(means, arm, configured, declared)
-    return [*islice(found, 1)]  # others follow from the first
+    contradictions = _contradictions(means, arm, configured, declared)
+    return [*islice(contradictions, 1)]  # others follow from the first
 
 
 def _contradictions(
@@ -84,8 +84,8 @@ def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -
     payload: on the arm's flange.
     """
     correlation = _correlation(means, arm.carrying(payload))
-    known = np.flatnonzero(np.isfinite(correlation))
-    shares = [remark("share", joint=j + 1, value=correlation[j] ** 2) for j in known.tolist()]
+    shown = np.flatnonzero(np.isfinite(correlation))
+    shares = [remark("share", joint=j + 1, value=correlation[j] ** 2) for j in shown.tolist()]
     others = (np.flatnonzero(np.isnan(correlation)) + 1).tolist()
     alike = _arms_alike(means, arm, payload)
     values = {
@@ -101,8 +101,8 @@ def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -
 def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
     """Return a warning of torque constants far above the known ones; arm: with what it carries."""
     each = [one for smaller, one in _unlike_constants(means, arm) if not smaller]
-    found = Finding("robot", "torque constants", "warning", len(each), {"each": each})
-    return [found] if each else []
+    warning = Finding("robot", "torque constants", "warning", len(each), {"each": each})
+    return [warning] if each else []
 
 
 def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
@@ -116,12 +116,12 @@ def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[
 def _correlation(means: BlockMeans, arm: Robot) -> Array:
     """Return the correlation (n,) of each current with gravity, NaN where chance would do."""
     pairs = zip(means.gravity(arm).T, means.currents[MEASURED_CURRENT].T, strict=True)
-    found = np.array([_correlated(*pair) for pair in pairs])
-    error = np.sqrt((1 - found**2) / max(1, len(means.q) - 2))
-    return np.where(np.abs(found) > MIN_ERRORS_OF_CORRELATION * error, found, np.nan)
+    correlation = np.array([_pair_correlation(*pair) for pair in pairs])
+    error = np.sqrt((1 - correlation**2) / max(1, len(means.q) - 2))
+    return np.where(np.abs(correlation) > MIN_ERRORS_OF_CORRELATION * error, correlation, np.nan)
 
 
-def _correlated(torque: Array, current: Array) -> float:
+def _pair_correlation(torque: Array, current: Array) -> float:
     """Return the correlation of a current with a torque (M,); zero where one is constant."""
     sizes = torque.std() * current.std()
     if sizes < 1e-9:
@@ -148,13 +148,13 @@ def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Rem
     if len(means.q) < MIN_BLOCKS:
         return
     torque, current = means.gravity(arm), means.currents[MEASURED_CURRENT]
-    correlation, known = _correlation(means, arm), np.array(arm.family_torque_constants())
+    correlation, makers = _correlation(means, arm), np.array(arm.family_torque_constants())
     bears = torque.std(axis=0) > STATIC_FRICTION_SHARE * np.array(arm.torque_limits())
-    for joint in np.flatnonzero(bears & np.isfinite(correlation * known)).tolist():
+    for joint in np.flatnonzero(bears & np.isfinite(correlation * makers)).tolist():
         share = correlation[joint] ** 2
         error = np.sqrt((1 - share) / share / (len(torque) - 2))
         slope = correlation[joint] * current[:, joint].std() / torque[:, joint].std()
-        ratio = 1 / slope / known[joint]
+        ratio = 1 / slope / makers[joint]
         if error < MAX_CONSTANT_ERROR and not 1 / MAX_CONSTANT_RATIO < ratio < MAX_CONSTANT_RATIO:
-            values = {"fitted": float(1 / slope), "known": float(known[joint])}
+            values = {"fitted": float(1 / slope), "known": float(makers[joint])}
             yield ratio < 1, remark("other constant", joint=joint + 1, **values)

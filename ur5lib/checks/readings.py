@@ -42,11 +42,12 @@ def in_order(arm: Robot) -> Order:
 
 def usual_orders(joints: int) -> list[Order]:
     """Return the orders in which logs list joints: base to wrist, elbow first, wrist to base."""
-    own = tuple(range(joints))
-    return [own, *([ELBOW_FIRST] if joints == len(ELBOW_FIRST) else []), own[::-1]]
+    base_to_wrist = tuple(range(joints))
+    elbow_first = [ELBOW_FIRST] if joints == len(ELBOW_FIRST) else []
+    return [base_to_wrist, *elbow_first, base_to_wrist[::-1]]
 
 
-def exchanged(order: Order, j: int, k: int) -> Order:
+def exchanged_order(order: Order, j: int, k: int) -> Order:
     """Return an order in which two joints, from 0, have each other's columns."""
     return tuple(order[{j: k, k: j}.get(joint, joint)] for joint in range(len(order)))
 
@@ -70,7 +71,7 @@ def readings(
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
     lowest, highest = means.q.min(axis=0), means.q.max(axis=0)
     free = [_without_motion(means, effort) for effort in means.currents.values()]
-    found = []
+    candidates = []
     for arm in arms:
         postures = means.q[:, columns].swapaxes(0, 1)  # (orders, M, n)
         torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, len(arm.joints)))
@@ -85,8 +86,8 @@ def readings(
         total -= IMPOSSIBLE_MOTION_PENALTY * beyond.any(axis=1)
         for place, order in enumerate(orders):
             likely = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
-            found.append(Reading(arm.name, order, likely, float(total[place])))
-    return sorted(found, key=lambda reading: -reading.score)
+            candidates.append(Reading(arm.name, order, likely, float(total[place])))
+    return sorted(candidates, key=lambda reading: -reading.score)
 
 
 def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
@@ -100,7 +101,7 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
     return {unit: float(score[0]) for unit, score in scores.items()}
 
 
-def _motion(means: BlockMeans, column: int) -> Array:
+def _motion_basis(means: BlockMeans, column: int) -> Array:
     """Return an orthonormal basis (M, n) of a joint's friction, inertia and offset."""
     terms = means.without_gravity(column, means.qdd)
     basis, size, _ = np.linalg.svd(terms, full_matrices=False)
@@ -114,7 +115,7 @@ def _project(basis: Array, values: Array) -> Array:
 
 def _without_motion(means: BlockMeans, effort: Array) -> Array:
     """Return efforts (M, n) without friction and inertia."""
-    columns = [_project(_motion(means, k), effort[:, k]) for k in range(effort.shape[1])]
+    columns = [_project(_motion_basis(means, k), effort[:, k]) for k in range(effort.shape[1])]
     return np.stack(columns, axis=1)
 
 
@@ -132,17 +133,17 @@ def _scores(
     """
     total = {unit: np.zeros(len(columns)) for unit in units}
     for column in range(effort.shape[1]):
-        basis = _motion(means, column)
+        basis = _motion_basis(means, column)
         for joint in range(columns.shape[1]):
             rows = columns[:, joint] == column
-            own = _project(basis, torque[rows, :, joint])
-            slope = own @ effort[:, column] / ((own**2).sum(axis=1) + 1e-12)
-            known = {"A": constants[joint], "mA": constants[joint] / 1e3, "Nm": 1.0}
+            gravity = _project(basis, torque[rows, :, joint])
+            slope = gravity @ effort[:, column] / ((gravity**2).sum(axis=1) + 1e-12)
+            expected = {"A": constants[joint], "mA": constants[joint] / 1e3, "Nm": 1.0}
             for unit, (low, high) in units.items():
                 bounded = np.clip(slope, low, high)
-                left = ((effort[:, column] - bounded[:, None] * own) ** 2).mean(axis=1)
-                total[unit][rows] += means.log_likelihood(left + EFFORT_NOISE**2)
-                total[unit][rows] -= _surprise(bounded, known.get(unit, math.nan), own)
+                residual = ((effort[:, column] - bounded[:, None] * gravity) ** 2).mean(axis=1)
+                total[unit][rows] += means.log_likelihood(residual + EFFORT_NOISE**2)
+                total[unit][rows] -= _surprise(bounded, expected.get(unit, math.nan), gravity)
     return total
 
 

@@ -5,18 +5,18 @@ from itertools import islice
 
 from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, columns
 from ur5lib.checks.arm import (
-    constants,
     contradictions_by_gravity,
     foreign_mountings,
     likeliest,
+    torque_constants,
 )
 from ur5lib.checks.channels import misread_velocities
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
-    delayed,
+    delayed_currents,
     exchanged_currents,
     foreign_currents,
-    turned,
+    turned_currents,
     undeclared_load,
 )
 from ur5lib.checks.exchanged_channels import (
@@ -24,7 +24,7 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
-from ur5lib.checks.targets import scaled
+from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.recordings.quality import Finding, contradiction
@@ -55,7 +55,7 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     yield from foreign_torque(means, arm, [checked.configured, checked.declared])
     yield from tool_off_flange(robot, arm)
     if checked.answers is not None:  # whatever arm and units are
-        yield from delayed(checked.answers, checked.driven)
+        yield from delayed_currents(checked.answers, checked.driven)
         yield from exchanged_currents(checked.answers)
     if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints
         shown = means, loaded, checked.others, checked.fitted, checked.driven
@@ -64,11 +64,11 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         yield from _mounting(checked)
         yield from foreign_currents(means, loaded)
     if checked.answers is not None and checked.driven:
-        yield from turned(means, loaded)
-        yield from scaled(means, checked.odd_targets)
+        yield from turned_currents(means, loaded)
+        yield from scaled_currents(means, checked.odd_targets)
     if checked.fitted:  # elsewhere, the fit finds an undeclared load
-        known = arm.carrying(checked.configured)
-        yield from undeclared_load(means, known, loaded, checked.odd_targets)
+        configured = arm.carrying(checked.configured)
+        yield from undeclared_load(means, configured, loaded, checked.odd_targets)
 
 
 def _mounting(checked: Checked) -> Iterator[Finding]:
@@ -76,5 +76,5 @@ def _mounting(checked: Checked) -> Iterator[Finding]:
     means, loaded = checked.means, checked.loaded
     if MEASURED_CURRENT not in means.currents or loaded.senses_torque():
         return
-    if checked.tells_by_gravity() or constants(means, loaded).off():
+    if checked.tells_by_gravity() or torque_constants(means, loaded).foreign():
         yield from likeliest(foreign_mountings(means, loaded, checked.driven))

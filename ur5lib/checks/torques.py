@@ -33,8 +33,11 @@ def foreign_torque(
         return
     residual = _least_residual(means, torque, arm, payloads)
     share = size(residual) / size(torque)
-    foreign, known = share > MAX_SHARE_UNMODELLED, (means, torque, arm)
-    arms = [*(_fitting_arms(*known) if foreign else _likelier_arms(*known, payloads))]
+    foreign = share > MAX_SHARE_UNMODELLED
+    if foreign:
+        arms = [*_fitting_arms(means, torque, arm)]
+    else:
+        arms = [*_likelier_arms(means, torque, arm, payloads)]
     if foreign or arms:
         fitting = [*arms, *_other_causes(means, torque, residual, arm)]
         code = "other torque of known cause" if fitting else "other torque"
@@ -70,7 +73,7 @@ def _as_load(means: BlockMeans, residual: Array, arm: Robot) -> tuple[float, flo
 def _least_residual(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
 ) -> Array:
-    return min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
+    return min((_residual(means, torque, arm.carrying(payload)) for payload in payloads), key=size)
 
 
 def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
@@ -90,7 +93,8 @@ def _likelier_arms(
     names = [arm.name, *(name for name in robot_names() if name != arm.name)]
     arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
     likelihoods = [
-        max(_likelihood(means, torque, one.carrying(own)) for own in payloads) for one in arms
+        max(_likelihood(means, torque, one.carrying(payload)) for payload in payloads)
+        for one in arms
     ]
     best = int(np.argmax(likelihoods))
     if likelihoods[best] - likelihoods[0] > MIN_LEAD_OF_ARM:

@@ -15,7 +15,7 @@ from rich.table import Table
 from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.channels import too_short
 from ur5lib.checks.checked import Checked
-from ur5lib.checks.contacts import touched, unfelt
+from ur5lib.checks.contacts import sensed_contacts, unfelt_contacts
 from ur5lib.checks.devices import checked_intake
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import given_load
@@ -150,7 +150,7 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     doubts += too_short(signals.segment, intake.quality.period_s, currents.cutoff_hz)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
-        doubts += touched(sensor, load.mass)
+        doubts += sensed_contacts(sensor, load.mass)
     doubts += checked.odd_targets.values()
     if not stops:  # from which others would follow
         doubts += [
@@ -172,7 +172,7 @@ def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
     if checked.contact is not None:
         yield checked.contact
     elif not sensed:
-        yield unfelt(checked.arm)
+        yield unfelt_contacts(checked.arm)
 
 
 def look_through_postures(recording: Recording, arm: Robot) -> Quality:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.channels import CHANNELS as CHANNELS_OF_RTDE
-from ur5lib.checks.arm import constants
+from ur5lib.checks.arm import torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
 from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
 from ur5lib.checks.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
@@ -81,8 +81,8 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
         force, error = combination(terms, effort[:, column], [1.0, float(speed)])
         brakes.append(force / max(error, SMALLEST_SIZE))
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
-    found = [constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
-    if sum(brakes) >= 0 and not any(one.ratio and not one.off() for one in found):
+    found = [torque_constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
+    if sum(brakes) >= 0 and not any(one.ratio and not one.foreign() for one in found):
         return False
     orders = usual_orders(effort.shape[1])
     as_read, turned = (readings(way, arms, orders)[0].score for way in ways)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.checks.arm import constants
+from ur5lib.checks.arm import torque_constants
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import described
 from ur5lib.checks.readings import (
@@ -248,7 +248,7 @@ def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
     per_ampere = np.array(arm.maker_torque_constants()) ** (unit == "Nm")
     per_ampere *= 1e3 if unit == "mA" else 1.0
     efforts = {effort: ordered.currents[effort] / per_ampere}
-    found = constants(replace(ordered, currents=efforts), arm, effort)
+    found = torque_constants(replace(ordered, currents=efforts), arm, effort)
     texts = [
         f"{ratio * found.known[joint]:.3g} Nm/A on joint {joint + 1} (known: "
         f"{found.known[joint]:.3g})"
