@@ -18,10 +18,6 @@ import yaml
 from benchmarks.harness.options import options_of
 from benchmarks.study import snakemake
 from ur5lib.commands.excite import ExciteOptions, excite, known_load
-from ur5lib.excitation.design import USUAL, Effort
-from ur5lib.excitation.outlook import KEPT
-from ur5lib.excitation.problem import PER_JOINT
-from ur5lib.records.friction import Friction
 from ur5lib.excitation.design import USUAL_EFFORT, Effort
 from ur5lib.excitation.outlook import KEPT_COEFFICIENTS
 from ur5lib.excitation.problem import JOINT_PARAMETERS

@@ -12,8 +12,6 @@ import numpy as np
 
 from benchmarks.harness.options import asked
 from ur5lib.steps.track_health import FALSE_ALARMS
-from ur5lib.timeseries.changes import Series, coloured, find_changes
-from ur5lib.steps.track_health import FALSE_ALARMS
 from ur5lib.timeseries.changes import DatedSeries, coloured, find_changes
 
 ARMS, DATES, APART = 100, 20, 3.0  # days between dates

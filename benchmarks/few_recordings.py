@@ -23,9 +23,6 @@ import torch
 from benchmarks.harness.options import arm_options, built
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal
 from ur5lib.force.detection import alarms, compare, contacts, in_contact
-from ur5lib.force.external_torque import SLOW
-from ur5lib.records.forces import Forces, SensorWrenches
-from ur5lib.records.motion import Motion
 from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.motion import Motion

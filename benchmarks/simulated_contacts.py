@@ -31,9 +31,8 @@ from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
-from ur5lib.force.detection import CONTACT, is_free
-from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.force.detection import CONTACT_FORCE, is_free
+from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.leaderboard.board import RESULTS, estimates, learnt
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED

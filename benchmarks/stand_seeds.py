@@ -21,47 +21,21 @@ import torch
 from benchmarks.harness.options import asked
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
-from ur5lib.identification.rotor_inertia import fit_rotor_inertia
-from ur5lib.identification.samples import Record
-from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
-from ur5lib.records.carried import carried
-from ur5lib.steps.read_recording import own_clocks
-from ur5lib.steps.predict_currents import predicted_currents
 from ur5lib.identification.current_samples import (
     Smoother,
     controllers_ratio,
     current_record,
     prior_of,
 )
-from ur5lib.force.problem import fmap_problem
-from ur5lib.steps.fit_friction import fitted_friction
-from ur5lib.signals.imu_samples import imu_samples
-from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.smoothing.smoothed_motion import measured, motion_record
-from ur5lib.steps.compute_torques import joint_torques, rotor_samples
+from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import CurrentSamples
-from ur5lib.records.carried import carried
-from ur5lib.steps.read_recording import own_clocks
-from ur5lib.steps.predict_currents import predicted_currents
-from ur5lib.identification.current_samples import Smoother, controllers_ratio, current_record, prior_of
-from ur5lib.force.problem import fmap_problem
-from ur5lib.steps.fit_friction import fitted_friction
-from ur5lib.signals.imu_samples import imu_samples
-from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces
-from ur5lib.records.friction import Friction
-from ur5lib.records.models import Rotors
-from ur5lib.records.motion import Motion
-from ur5lib.records.signals import Signals
-from ur5lib.records.truth import TrueParameters, Truth
-from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.smoothing.smoothed_motion import measured, motion_record
-from ur5lib.steps.compute_torques import joint_torques, rotor_samples
+from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.records.carried import carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces
@@ -71,12 +45,18 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.records.truth import TrueParameters, Truth
 from ur5lib.report import truth_rows
-from ur5lib.report.truth_rows import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
+from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
+from ur5lib.steps.compute_torques import joint_torques, rotor_samples
+from ur5lib.steps.fit_friction import fitted_friction
+from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.steps.predict_currents import predicted_currents
+from ur5lib.steps.read_recording import own_clocks
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Mask

@@ -9,9 +9,8 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import numpy as np
 import pandas as pd
 
-from ur5lib.thesis.reference import Printed
-from ur5lib.tidy.making import declarations, joined, make_table, records
 from ur5lib.tables import as_record, key, read_csv, write_csv, write_rows
+from ur5lib.thesis.reference import Printed
 
 READ_OTHERWISE = ("signals", "torques", "closed_loop", "arm")  # than from JSON
 NOTHING: dict[Any, Any] = {float: np.nan, int: 0, str: "", bool: False}

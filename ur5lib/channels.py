@@ -121,6 +121,7 @@ THESIS_FILES = {  # name after log_ of the thesis's files, and RTDE name
     "tcp_speed": "actual_TCP_speed",
     "tool_vector": "actual_TCP_pose",
 }
+MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current")
 INTERNAL = ("segment", "interpolated", "filled", "received")  # of repaired frames
 RECORDED = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}

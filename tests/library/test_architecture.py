@@ -11,7 +11,7 @@ import pytest
 
 from tests.conftest import PROJECT
 
-ROOMS = {"recordings", "signals", "dynamics", "identification", "force", "lab.stand"}
+ROOMS = {"recordings", "checks", "signals", "dynamics", "identification", "force", "lab.stand"}
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 ARROWS = {  # what each part of ur5lib may import, besides itself
     "timeseries": set(),
@@ -25,6 +25,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "robots": {"errors", "strict", "timeseries", "workspace"},
     **dict.fromkeys(ROOMS, BASE),
     "recordings": BASE | {"workspace"},
+    "checks": BASE | {"recordings"},
     "smoothing": BASE | {"signals"},
     "lab.recorder": BASE,
     "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
@@ -39,7 +40,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"datasets", "excitation", "finished", "lab.doubles", "lab.recorder", "pipeline"}
     | {"records", "report", "study"},
     "leaderboard": BASE | ROOMS | {"pipeline", "records", "workspace"},
-    "importing": BASE | {"commands", "dynamics", "recordings", "study"},
+    "importing": BASE | {"checks", "commands", "dynamics", "recordings", "study"},
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}
     | {"workspace"},

@@ -74,8 +74,6 @@ from ur5lib.identification.validation import (
     score,
 )
 from ur5lib.records.friction import Friction, LeftOut
-from ur5lib.robots.friction import BASE
-from ur5lib.records.friction import Friction, LeftOut
 from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array

@@ -16,8 +16,8 @@ from ur5lib.recordings.quality import Finding, Log
 def test_damaged_lines_are_numbered_through_all_blocks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int
 ) -> None:
-    monkeypatch.setattr(text_blocks, "SIZE", size)
-    monkeypatch.setattr(text_blocks, "SHORT", 16)
+    monkeypatch.setattr(text_blocks, "BLOCK_BYTES", size)
+    monkeypatch.setattr(text_blocks, "MIN_BLOCK_BYTES", 16)
     lines = [f"{number},0.25" for number in range(1, 301)]
     for number in (20, 150, 290):
         lines[number - 1] = f"{number}"
@@ -54,7 +54,7 @@ def test_blocks_of_whole_lines_are_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int, count: int, end: bytes
 ) -> None:
     """Of 5.6 MiB; a rest of less than one joins the block before it."""
-    monkeypatch.setattr(text_blocks, "SIZE", size)
+    monkeypatch.setattr(text_blocks, "BLOCK_BYTES", size)
     content = b"\n".join(b"%d,0.25" % number for number in range(500_000)) + end
     found, _ = blocks(tmp_path / "long.csv", content)
     assert b"".join(found) == content

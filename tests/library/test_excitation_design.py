@@ -41,10 +41,8 @@ from ur5lib.excitation.problem import (
 )
 from ur5lib.excitation.trajectory import Path, WorkCell
 from ur5lib.identification.current_regression import expected_fit
-from ur5lib.identification.currents import parameters
 from ur5lib.identification.current_samples import prior_of
 from ur5lib.identification.currents import SEASONAL_STD, parameters
-from ur5lib.identification.current_samples import prior_of
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.arrays import Array

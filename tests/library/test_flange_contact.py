@@ -4,9 +4,13 @@ import numpy as np
 import pytest
 
 from ur5lib.dynamics.flange import flange_kinematics, link_frames
-from ur5lib.force.flange_contact import SURE, flange_probability, lever, places
+from ur5lib.force.flange_contact import (
+    MIN_PROBABILITY_ELSEWHERE,
+    flange_probability,
+    lever,
+    places,
+)
 from ur5lib.lab.stand.plan import POSTURE
-from ur5lib.force.flange_contact import MIN_PROBABILITY_ELSEWHERE, flange_probability, lever, places
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 

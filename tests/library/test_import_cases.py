@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from tests.stored_files import JOINTS
+from ur5lib.checks.readings import usual_orders
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.clocks import Clocks
 from ur5lib.importing.contents import Contents, Header, Stated
 from ur5lib.importing.proposal import Proposal, propose
-from ur5lib.recordings.readings import usual_orders
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from tests.conftest import shared_folder
 from tests.damage import DRAWS, damaged_file, drawn
-from tests.entries import read_and_repair, read_recording
+from tests.entries import read_and_check, read_recording
 from tests.stored_files import (
     JOINTS,
     Made,
@@ -27,13 +27,13 @@ from tests.stored_files import (
     write_parquet,
 )
 from ur5lib import cli
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.readings import IMPOSSIBLE_MOTION_PENALTY, in_order, readings
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block, grouped
 from ur5lib.importing.contents import NIST, Stated
 from ur5lib.importing.files import import_files
-from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.entries import expand
-from ur5lib.recordings.readings import IMPOSSIBLE_MOTION_PENALTY, in_order, readings
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.study.reading import parse_study
@@ -159,7 +159,7 @@ def test_gravity_is_added_to_torques_without_it(tmp_path: Path, made: Made, ur5:
     entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["channels"]["actual_torque_less_gravity"] == "run/effort"
     assert "check: run/effort in Nm, less gravity" in comments
-    taken = read_and_repair(entry, ur5, 0.1)
+    taken = read_and_check(entry, ur5, 0.1)
     torque = free + gravity_torque(ur5, ur5.chosen_model, made[1]["actual_q"])
     current = torque / np.array(ur5.maker_torque_constants())
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), current, atol=1e-6)

@@ -19,7 +19,6 @@ from ur5lib.force import (
     sensor,
     wrench_estimate,
 )
-from ur5lib.thesis import current_based as thesis
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.identification import (
     base_parameters,
@@ -32,10 +31,11 @@ from ur5lib.identification import (
     regression,
     samples,
 )
-from ur5lib.steps import fit_residuals as residual_fit
 from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock
 from ur5lib.smoothing import noise
+from ur5lib.steps import fit_residuals as residual_fit
+from ur5lib.thesis import current_based as thesis
 from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 

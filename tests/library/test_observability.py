@@ -11,10 +11,6 @@ from tests.made_tables import gathered
 from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
-from ur5lib.force.trial_contacts import LEAST, MOST, Trials, felt_push, try_each_place
-from ur5lib.identification.validation import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
-from ur5lib.steps.measure_observability import Judged, observability
-from ur5lib.records.arm_state import Observed
 from ur5lib.force.trial_contacts import (
     MAX_TRIAL_FORCE,
     MIN_TRIAL_FORCE,
@@ -22,10 +18,15 @@ from ur5lib.force.trial_contacts import (
     felt_push,
     try_each_place,
 )
-from ur5lib.identification.validation import MIN_SAMPLES, SPEED_BINS, ShareBySpeed, share_by_speed
-from ur5lib.steps.measure_observability import Judged, observability
+from ur5lib.identification.validation import (
+    MIN_SAMPLES,
+    SPEED_BINS,
+    ShareBySpeed,
+    share_by_speed,
+)
 from ur5lib.records.arm_state import Observed
 from ur5lib.report.arm_state_figures import observability_figure
+from ur5lib.steps.measure_observability import Judged, observability
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes

@@ -13,7 +13,6 @@ from ur5lib.report.compose import compose
 from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table, contents
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.tidy.making import declarations
 from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality
 from ur5lib.report.views.recordings import judge_files

@@ -34,9 +34,7 @@ from ur5lib.report.document import (
     Table,
 )
 from ur5lib.report.house_style import save
-from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.render import html_page, pdf_document
-from ur5lib.tables import write_bytes, write_text
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import cell
 from ur5lib.report.tabulated import extremes
@@ -54,6 +52,8 @@ from ur5lib.report.views.first_screen import _each, left_out_fits
 from ur5lib.report.views.forces import PUSHES, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
+from ur5lib.tables import write_bytes, write_text
+from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, read_reference
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
 

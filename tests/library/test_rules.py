@@ -10,7 +10,6 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.synthetic import write_recording
-from ur5lib.tidy.making import declarations
 
 SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 EVERYTHING = """\

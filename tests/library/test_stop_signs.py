@@ -18,17 +18,18 @@ from scipy.signal import butter, sosfiltfilt
 from benchmarks.harness.pushes import pushes
 from benchmarks.simulated_contacts import planned
 from tests.conftest import PROJECT, said, shared_folder
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from tests.synthetic import write_recording
 from ur5lib.channels import columns
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.innovations import innovation_likelihoods
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.torques import foreign_torque, given_load
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.simulate import simulate
 from ur5lib.records.carried import carried
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.checked import Checked
-from ur5lib.recordings.current_checks import foreign_currents
-from ur5lib.recordings.innovations import innovation_likelihoods
-from ur5lib.recordings.stop_signs import foreign_torque, given_load, stop_signs
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import load_torque
@@ -104,7 +105,7 @@ class Taken:
 
 def take(entry: Recording) -> Taken:
     arm = load_robot(robot_path(entry.robot)).mounted(entry.gravity)
-    return Taken(read_and_repair(entry, arm, 0.1).robot, arm, entry)
+    return Taken(read_and_check(entry, arm, 0.1).robot, arm, entry)
 
 
 @cache

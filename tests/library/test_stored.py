@@ -19,7 +19,7 @@ from packaging.utils import canonicalize_name
 from tests.commands import time_limit
 from tests.conftest import PROJECT
 from tests.damage import DRAWS, FLIPPED, compare, damaged_file, drawn, findings
-from tests.entries import read_and_repair, read_recording
+from tests.entries import read_and_check, read_recording
 from tests.stored_files import (
     JOINTS,
     WRITERS,
@@ -289,7 +289,7 @@ def test_a_block_that_was_never_written_is_reported(tmp_path: Path, made: Made, 
     q = channels["actual_q"].copy()
     q[200:285] = 0.0
     write_hdf5(tmp_path / "run.h5", time, channels | {"actual_q": q})
-    taken = read_and_repair(entry_of("hdf5", tmp_path / "run.h5", [*channels]), ur5, 0.1)
+    taken = read_and_check(entry_of("hdf5", tmp_path / "run.h5", [*channels]), ur5, 0.1)
     assert "zeroed cells" in [finding.finding for finding in taken.quality.findings]
     assert (np.abs(taken.robot["actual_q_1"]) > 0.5).all()
 
@@ -301,7 +301,7 @@ def test_velocities_and_currents_that_are_missing_are_replaced(
     torque = np.array(ur5.maker_torque_constants()) * channels["actual_current"]
     kept = {"actual_q": channels["actual_q"], "actual_current_as_torque": torque}
     write_hdf5(tmp_path / "run.h5", time, kept)
-    taken = read_and_repair(entry_of("hdf5", tmp_path / "run.h5", [*kept]), ur5, 0.1)
+    taken = read_and_check(entry_of("hdf5", tmp_path / "run.h5", [*kept]), ur5, 0.1)
     reported = {finding.finding for finding in taken.quality.findings}
     assert {"no velocities", "currents from torques"} <= reported
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), channels["actual_current"])
@@ -325,7 +325,7 @@ def wholes(tmp_path_factory: pytest.TempPathFactory, ur5: Robot) -> dict[str, Wh
     for kind in KINDS:
         entry = write(kind, folder, *made)
         data = (folder / entry["file"]).read_bytes()
-        found[kind] = Whole(entry, data, read_and_repair(entry, ur5, 0.1))
+        found[kind] = Whole(entry, data, read_and_check(entry, ur5, 0.1))
     return found
 
 
@@ -342,7 +342,7 @@ def test_damaged_files_get_an_honest_answer(
     path.write_bytes(data)
     try:
         with time_limit(SECONDS):
-            taken = read_and_repair(whole.entry | {"file": path.name}, ur5, 0.1)
+            taken = read_and_check(whole.entry | {"file": path.name}, ur5, 0.1)
     except InputError as error:
         message = str(error)
         assert path.name in message

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from ur5lib import tables
 from ur5lib.errors import InputError
-from ur5lib.tidy.making import joined_texts
 from ur5lib.tables import (
     channel,
     csv_text,

@@ -8,15 +8,15 @@ import pytest
 from tests.conftest import PROJECT
 from tests.made_records import motion_of, signals_of, torques_of
 from tests.made_tables import table
-from ur5lib.thesis.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.identification.current_samples import controllers_ratio
-from ur5lib.thesis.published_constants import current_torque, published_constants
 from ur5lib.recordings.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.report.friction_figures import printed_friction
-from ur5lib.thesis.reference import read_reference
 from ur5lib.robots.description import Robot
+from ur5lib.thesis.current_based import current_on_torque, friction_torque, torque_on_current
+from ur5lib.thesis.published_constants import current_torque, published_constants
+from ur5lib.thesis.reference import read_reference
 
 COUNT, PERIOD = 4000, 0.008
 BLOCK = np.arange(COUNT) // 250

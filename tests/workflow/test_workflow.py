@@ -191,7 +191,7 @@ def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
         ("ur5lib/identification/payload.py",
          jobs(*FROM_CURRENTS) | RESIDUALS | HEALTH | REPORT),
         ("ur5lib/timeseries/changes.py", TRACKED | REPORT),
-        ("ur5lib/recordings/current_checks.py",
+        ("ur5lib/checks/currents.py",
          jobs("find_contradictions", *FROM_FRICTION) | FRICTION | REPORT),
         # The wording of a warning, verdict or caption: no step but those of the report.
         ("ur5lib/report/templates/findings.yaml", jobs(TABULATED) | REPORT),

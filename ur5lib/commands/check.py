@@ -12,15 +12,17 @@ from rich.padding import Padding
 from rich.progress import track
 from rich.table import Table
 
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.channels import too_short
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.contacts import sensed_contacts, unfelt_contacts
+from ur5lib.checks.devices import checked_intake
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.torques import given_load
+from ur5lib.checks.unchecked import unchecked
 from ur5lib.errors import InputError
-from ur5lib.recordings.checked import Checked
-from ur5lib.recordings.checks import too_short, touched
-from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
-from ur5lib.recordings.stop_signs import given_load, stop_signs
-from ur5lib.recordings.touch_checks import unfelt
-from ur5lib.recordings.unchecked import unchecked
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.signals import Signals
 from ur5lib.report.findings import by_finding, group_findings, worded
@@ -133,9 +135,10 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     if recording.at_rest:
         return look_through_postures(recording, arm), {}
     try:
-        intake = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
+        read = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
+    intake = checked_intake(read, arm)
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
@@ -147,7 +150,7 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     doubts += too_short(signals.segment, intake.quality.period_s, currents.cutoff_hz)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
-        doubts += touched(sensor, load.mass)
+        doubts += sensed_contacts(sensor, load.mass)
     doubts += checked.odd_targets.values()
     if not stops:  # from which others would follow
         doubts += [
@@ -164,12 +167,12 @@ def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
 
     sensed: whether a force sensor shows weaker ones.
     """
-    if not checked.fitted or CURRENT not in checked.means.currents:
+    if not checked.fitted or MEASURED_CURRENT not in checked.means.currents:
         return
     if checked.contact is not None:
         yield checked.contact
     elif not sensed:
-        yield unfelt(checked.arm)
+        yield unfelt_contacts(checked.arm)
 
 
 def look_through_postures(recording: Recording, arm: Robot) -> Quality:

@@ -10,7 +10,7 @@ import numpy as np
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
 from ur5lib.importing.spellings import kind_of_joints, place_of, quantity
-from ur5lib.recordings.entries import OPPOSITE
+from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.rosbag import JOINTS, joint_order
 from ur5lib.timeseries.arrays import Array
 
@@ -43,7 +43,7 @@ class Block:
     def unit(self) -> str | list[float] | None:
         """Return the unit of the file's numbers as a study has it, None for SI."""
         whole = [float(f"{factor:.7g}") for factor in self.factors or (1.0,)]
-        known = {1.0: None, -1.0: OPPOSITE, 1e-3: "mA"}
+        known = {1.0: None, -1.0: OPPOSITE_SIGN, 1e-3: "mA"}
         return known.get(whole[0], whole) if len({*whole}) == 1 else whole
 
     @property

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.importing.spellings import CLOCK, named_unit
 from ur5lib.recordings.arrays import seconds_of
-from ur5lib.recordings.entries import FACTORS
+from ur5lib.recordings.entries import UNIT_FACTORS
 from ur5lib.timeseries.arrays import Array
 
 ROWS = "row number"  # the clock of a file without one
@@ -36,7 +36,7 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> Clocks:
     named = [name for name in arrays if CLOCK.search(name)]
     stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
     units = {name: unit for name, values in stamps.items() if (unit := _unit(name, values, stated))}
-    clocks = {name: stamps[name] * FACTORS.get(unit, 1.0) for name, unit in units.items()}
+    clocks = {name: stamps[name] * UNIT_FACTORS.get(unit, 1.0) for name, unit in units.items()}
     return Clocks(clocks, {name: unit for name, unit in units.items() if unit != "s"})
 
 
@@ -66,11 +66,11 @@ def alternatives(clocks: Clocks, own: str) -> Iterator[tuple[str, str, Array]]:
         beside = len(stamps) == len(clocks.stamps[own]) and "/" not in name + own
         if not (beside or name == own):
             continue
-        as_read = stamps / FACTORS.get(clocks.units.get(name, "s"), 1.0)
+        as_read = stamps / UNIT_FACTORS.get(clocks.units.get(name, "s"), 1.0)
         steps = np.diff(as_read)
         step = float(np.median(steps[steps > 0]))
         for unit in STEPS:
-            seconds = FACTORS.get(unit, 1.0)
+            seconds = UNIT_FACTORS.get(unit, 1.0)
             if named_unit(name) == unit or (
                 named_unit(name) not in STEPS
                 and POSSIBLE_STEPS[0] <= step * seconds <= POSSIBLE_STEPS[1]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.channels import columns as columns_of
+from ur5lib.checks.checked import described
 from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
@@ -20,9 +21,8 @@ from ur5lib.importing.blocks import (
 from ur5lib.importing.clocks import ROWS, Clocks, clocks_of, equally_spaced
 from ur5lib.importing.spellings import NAMES_OF_JOINTS
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
-from ur5lib.recordings.checked import described
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
-from ur5lib.recordings.entries import SKIPPED, expand
+from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
@@ -205,14 +205,14 @@ def read_header(path: Path, stated: Stated = NOTHING_STATED) -> Header:
 def _stated_header(path: Path, stated: Stated, count: int) -> Header:
     joints = stated.joints() or JOINTS_OF_UR
     names = [
-        f"{SKIPPED}{k}" if column == SKIPPED else name
+        f"{SKIPPED_COLUMN}{k}" if column == SKIPPED_COLUMN else name
         for k, column in enumerate(stated.columns)
         for name in columns_of(column, joints)
     ]
     if len(names) != count:
         raise InputError(
             f"{path}, line 1: has {count} columns, but --columns names {len(names)}; name each, "
-            f"a channel without suffix for all its columns, `{SKIPPED}` for one to skip"
+            f"a channel without suffix for all its columns, `{SKIPPED_COLUMN}` for one to skip"
         )
     return Header(names, entry=[*stated.columns])
 
@@ -240,7 +240,10 @@ def _table(
         evidence.left_out.append(
             f"{some(repeated)} {verb} twice in the header; the first is read, --columns names each"
         )
-    skipped = {*header.repeated, *(n for n in table if header.entry and n.startswith(SKIPPED))}
+    skipped = {
+        *header.repeated,
+        *(n for n in table if header.entry and n.startswith(SKIPPED_COLUMN)),
+    }
     once = [name for name in table if name not in skipped and not is_unnamed(name)]
     return {name: table[name].to_numpy() for name in once}
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.channels import CHANNELS as CHANNELS_OF_RTDE
+from ur5lib.checks.arm import torque_constants
+from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
+from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
+from ur5lib.checks.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
 from ur5lib.importing.blocks import JOINTS_OF_UR, Block
 from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.spellings import named_unit
-from ur5lib.recordings.arm_checks import constants
-from ur5lib.recordings.block_means import TINY, BlockMeans, combination
-from ur5lib.recordings.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
-from ur5lib.recordings.stop_signs import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -79,10 +79,10 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
         friction, speed = means.friction(column), np.abs(means.qd[:, column]).mean()
         terms = np.column_stack([friction, means.qdd, np.ones(len(effort))])
         force, error = combination(terms, effort[:, column], [1.0, float(speed)])
-        brakes.append(force / max(error, TINY))
+        brakes.append(force / max(error, SMALLEST_SIZE))
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
-    found = [constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
-    if sum(brakes) >= 0 and not any(one.ratio and not one.off() for one in found):
+    found = [torque_constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
+    if sum(brakes) >= 0 and not any(one.ratio and not one.foreign() for one in found):
         return False
     orders = usual_orders(effort.shape[1])
     as_read, turned = (readings(way, arms, orders)[0].score for way in ways)
@@ -166,10 +166,14 @@ def _targets(efforts: Sequence[Block], file: Contents) -> list[Block]:
     named = [one for one in efforts if (one.meaning() or "").startswith("target")]
     nameless = [one for one in efforts if one.is_nameless()]
     rough = [float(np.nanmedian(roughness(one.rows) / _spread(one))) for one in nameless]
-    smooth = [one for one, own in zip(nameless, rough, strict=True) if own < SMOOTHER * max(rough)]
+    smooth = [
+        one
+        for one, own in zip(nameless, rough, strict=True)
+        if own < MAX_ROUGHNESS_RATIO * max(rough)
+    ]
     file.evidence.proven.extend(f"{o.title} is a target: it is as smooth as one" for o in smooth)
     return [*named, *smooth]
 
 
 def _spread(block: Block) -> Array:
-    return np.asarray(np.nanstd(block.rows, axis=0) + TINY)
+    return np.asarray(np.nanstd(block.rows, axis=0) + SMALLEST_SIZE)

@@ -13,7 +13,7 @@ from ur5lib.importing.contents import TABLE
 from ur5lib.importing.efforts import NAMED
 from ur5lib.importing.motion import TARGETS
 from ur5lib.importing.proposal import Proposal, is_clockless
-from ur5lib.recordings.entries import OPPOSITE, SKIPPED
+from ur5lib.recordings.entries import OPPOSITE_SIGN, SKIPPED_COLUMN
 
 Entry = dict[str, Any]  # of a study, as YAML has it
 TOLD_BY_NUMBERS = (*NAMED, *TARGETS, "actual_TCP_pose")  # that are proven, assumed, or left out
@@ -69,12 +69,12 @@ def _of_table(proposal: Proposal) -> Entry:
     if proposal.clock == "timestamp" and plain:
         return {"format": "rtde-csv"}
     columns = [
-        named.get(column, column if column in KEPT else SKIPPED) for column in header.columns
+        named.get(column, column if column in KEPT else SKIPPED_COLUMN) for column in header.columns
     ]
     if joints == JOINTS_OF_UR:
         columns = _shortened(columns)
     if sensor and proposal.opposite:
-        units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE)}
+        units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE_SIGN)}
     for unit in units.get("units", {}).values():
         if isinstance(unit, list):
             unit[:] = [unit[column] for column in proposal.order]
@@ -103,7 +103,7 @@ def _of_arrays(proposal: Proposal) -> Entry:
     if proposal.sensor:
         named = (_named([block]) for block in proposal.sensor)
         parts = dict(zip(("ft_f", "ft_t"), named, strict=False))
-        sign = {"units": dict.fromkeys(parts, OPPOSITE)} if proposal.opposite else {}
+        sign = {"units": dict.fromkeys(parts, OPPOSITE_SIGN)} if proposal.opposite else {}
         clock = {} if is_clockless(proposal) else {"time": proposal.sensor[0].clock}
         sensor = {"force_sensor": {"channels": clock | parts} | sign | _time(proposal)}
     order = {"joints": joints} if joints != sorted(joints) else {}

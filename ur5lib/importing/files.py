@@ -13,7 +13,7 @@ from ur5lib.importing.contents import NOTHING_STATED, Contents, Stated, contents
 from ur5lib.importing.entry import Entry, entry_of, identifier, place_of_file
 from ur5lib.importing.identity import UNDESCRIBED
 from ur5lib.importing.proposal import propose
-from ur5lib.recordings.entries import SKIPPED
+from ur5lib.recordings.entries import SKIPPED_COLUMN
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
 
@@ -103,7 +103,7 @@ def contradictions(recording: Entry) -> list[str]:
 
 def _skipped(one: Imported) -> int:
     """Return how many columns an entry skips."""
-    return list(one.entry.get("columns", [])).count(SKIPPED)
+    return list(one.entry.get("columns", [])).count(SKIPPED_COLUMN)
 
 
 def _name_each_once(imported: Sequence[Imported]) -> None:

@@ -7,12 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.arm import torque_constants
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import described
+from ur5lib.checks.readings import (
+    CLEAR_LEAD,
+    SLOPE_BOUNDS_OR_NONE,
+    Order,
+    Reading,
+    readings,
+    usual_orders,
+)
 from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.recordings.arm_checks import constants
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.checked import described
-from ur5lib.recordings.readings import CLEAR_LEAD, OR_FREE, Order, Reading, readings, usual_orders
 from ur5lib.recordings.rosbag import JOINT_NAMES
 from ur5lib.robots.description import Robot, robot_names
 from ur5lib.robots.statics import link_frames
@@ -61,7 +68,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> Identity:
         return Identity(UNDESCRIBED, None, orders[0])
     placed = _by_pose(moving, told, orders)
     arms = [described(name) for name in every]
-    likely = readings(means, arms, orders, OR_FREE) if means else []
+    likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     own = [one for one in likely if one.arm in names]
     order = _order(moving, own, [*dict.fromkeys(one.order for one in placed)])
     likely = [one for one in likely if one.order == order]
@@ -241,7 +248,7 @@ def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
     per_ampere = np.array(arm.maker_torque_constants()) ** (unit == "Nm")
     per_ampere *= 1e3 if unit == "mA" else 1.0
     efforts = {effort: ordered.currents[effort] / per_ampere}
-    found = constants(replace(ordered, currents=efforts), arm, effort)
+    found = torque_constants(replace(ordered, currents=efforts), arm, effort)
     texts = [
         f"{ratio * found.known[joint]:.3g} Nm/A on joint {joint + 1} (known: "
         f"{found.known[joint]:.3g})"

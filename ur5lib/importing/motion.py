@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.checks.torques import DEGREES_PER_RADIAN
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.clocks import ASSUMED_RATE, ROWS, alternatives, are_postures, irregularity
 from ur5lib.importing.contents import Contents, held
 from ur5lib.importing.spellings import named_unit, names_command
-from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.stop_signs import DEGREES
 from ur5lib.timeseries.arrays import Array
 
 MIN_CORRELATION = 0.9  # of a slope with its velocity
@@ -86,7 +86,7 @@ class ImportedMotion:
     def in_si(self) -> dict[str, Array]:
         """Return the measured positions and velocities (N, n) [rad, rad/s]."""
         return {
-            name: block.rows / (DEGREES if name in self.units else 1.0)
+            name: block.rows / (DEGREES_PER_RADIAN if name in self.units else 1.0)
             for name, block in self.blocks.items()
             if name not in TARGETS
         }
@@ -128,7 +128,7 @@ def _ratio(slope: Array, rate: Array) -> float | None:
     """Return the ratio of a velocity to its slope; None if it rests, NaN if they disagree."""
     finite = np.isfinite(slope) & np.isfinite(rate)
     slope, rate = slope[finite], rate[finite]
-    if len(slope) < FEWEST_SLOPES or max(np.std(slope), np.std(rate)) < MOVES:
+    if len(slope) < FEWEST_SLOPES or max(np.std(slope), np.std(rate)) < MIN_MOVING_SPEED:
         return None
     if min(np.std(slope), np.std(rate)) == 0:
         return np.nan
@@ -205,7 +205,9 @@ def _timed(
         return _on_best_clock(file, position, velocity), None, False
     if file.stated.rate:
         return file, file.stated.rate, False
-    if velocity is None and are_postures(position.rows / (DEGREES if _in_degrees(position) else 1)):
+    if velocity is None and are_postures(
+        position.rows / (DEGREES_PER_RADIAN if _in_degrees(position) else 1)
+    ):
         file.evidence.check.append(
             "still: true: without a clock, and each row far from the next, the rows are taken for "
             "postures at rest; those of a motion have a rate, as --rate 125"
@@ -256,7 +258,10 @@ def _misfit(position: Block, velocity: Block | None, stamps: Array) -> float:
 
 def _nearest(ratio: float) -> float:
     """Return the ratio of velocity to slope that units allow, nearest to one found."""
-    return min((1.0, DEGREES, 1 / DEGREES), key=lambda own: abs(np.log(abs(ratio) / own)))
+    return min(
+        (1.0, DEGREES_PER_RADIAN, 1 / DEGREES_PER_RADIAN),
+        key=lambda own: abs(np.log(abs(ratio) / own)),
+    )
 
 
 def _in_degrees(position: Block) -> bool:
@@ -297,7 +302,7 @@ def _units(file: Contents, position: Block, velocity: Block | None) -> dict[str,
     evidence.proven.append(
         f"{velocity.title} is the velocity of {position.title} ({found.moving} joints move)"
     )
-    in_degrees = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}[near]
+    in_degrees = {1.0: degrees, DEGREES_PER_RADIAN: True, 1 / DEGREES_PER_RADIAN: False}[near]
     return units | ({"actual_qd": "deg/s"} if in_degrees else {})
 
 
@@ -308,8 +313,8 @@ def _with_targets(measured: ImportedMotion, targets: dict[str, Block]) -> Import
         followed = own.get({"target_q": "actual_q", "target_qd": "actual_qd"}.get(name, ""))
         ratio = _size(followed, block.rows) if followed is not None else None
         if ratio is None:
-            ratio = DEGREES if "actual_q" in units else 1.0
-        if not any(RATIO[0] < ratio / unit < RATIO[1] for unit in (1.0, DEGREES)):
+            ratio = DEGREES_PER_RADIAN if "actual_q" in units else 1.0
+        if not any(RATIO[0] < ratio / unit < RATIO[1] for unit in (1.0, DEGREES_PER_RADIAN)):
             measured.file.evidence.exclude(block, "what moves does not follow it")
             continue
         kept[name] = block

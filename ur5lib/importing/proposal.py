@@ -6,6 +6,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
+from ur5lib.checks.block_means import BlockMeans, block_means
+from ur5lib.checks.checked import described
+from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.clocks import ROWS
@@ -14,11 +17,8 @@ from ur5lib.importing.efforts import EFFORTS, NAMED, as_amperes, is_opposite, na
 from ur5lib.importing.identity import arms_of, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.wrenches import CONTACT_FORCE, change, proven_frame, wrench_blocks
-from ur5lib.recordings.block_means import BlockMeans, block_means
-from ur5lib.recordings.checked import described
-from ur5lib.recordings.entries import OPPOSITE
+from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.readings import Order
 from ur5lib.timeseries.arrays import Array
 
 Units = dict[str, str | list[float]]  # by channel, as a study has them
@@ -95,7 +95,7 @@ def propose(file: Contents) -> Proposal:
         sensor = wrench
     elif frame:
         channels["actual_TCP_force"] = wrench
-        units |= {"actual_TCP_force": OPPOSITE} if opposite else {}
+        units |= {"actual_TCP_force": OPPOSITE_SIGN} if opposite else {}
     _report_columns(file)
     return Proposal(moving, arm, order, channels, units, sensor, opposite, pushed)
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.block_means import BlockMeans, size
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Contents
-from ur5lib.recordings.block_means import BlockMeans, size
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array

@@ -10,12 +10,11 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import columns, joint_count
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.channels import MEASURED_CURRENT, columns, joint_count
 from ur5lib.timeseries.arrays import Array, Labels
 
 # rad, A; coarser than formats write, finer than noise, with borders between decimals
-RESOLUTION = {"actual_q": np.pi / 3000, CURRENT: np.pi / 300}
+RESOLUTION = {"actual_q": np.pi / 3000, MEASURED_CURRENT: np.pi / 300}
 MAX_ROWS_KEPT = 256  # rows that are kept
 MIN_ROWS_COMPARED = 8  # rows from which on two recordings are compared
 MIN_COMMON_SHARE = 0.5  # share of common rows; of copies nearly all, of other runs hardly one

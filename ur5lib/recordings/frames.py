@@ -11,16 +11,17 @@ from scipy.interpolate import PchipInterpolator
 from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.ordering import in_order
-from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
+from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated
 
-SMOOTH = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpolated by PCHIP
-OFF_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
-REGULAR = 0.95  # share of steps within OFF_GRID in a recording with a fixed cycle
-JITTER = 5e-5  # s; larger jitter is reported
-OWN = ("time", "epoch", "received")  # columns that are not channels
+SMOOTH_CHANNELS = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpolated by PCHIP
+MAX_DISTANCE_FROM_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
+# share of steps within MAX_DISTANCE_FROM_GRID in a recording with a fixed cycle
+MIN_SHARE_ON_GRID = 0.95
+MIN_REPORTED_JITTER = 5e-5  # s; larger jitter is reported
+FRAME_COLUMNS = ("time", "epoch", "received")  # columns that are not channels
 
 
 @dataclass(frozen=True)
@@ -122,11 +123,11 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
 
 def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
     steps = _steps(frames)
-    period = cycle or round(max(float(np.quantile(steps, 0.1)), SHORTEST_STEP), 4)
+    period = cycle or round(max(float(np.quantile(steps, 0.1)), MIN_STEP), 4)
     off = np.abs(steps - period * np.rint(steps / period))
-    regular = bool(cycle or np.mean(off <= OFF_GRID * period) >= REGULAR)
+    regular = bool(cycle or np.mean(off <= MAX_DISTANCE_FROM_GRID * period) >= MIN_SHARE_ON_GRID)
     if not regular:
-        period = round(max(float(np.median(steps)), SHORTEST_STEP), 4)
+        period = round(max(float(np.median(steps)), MIN_STEP), 4)
         off = np.abs(steps - period)
     median, high = np.quantile(off, [0.5, 0.99])
     if median > period / 2 or np.median(steps) < period / 2:
@@ -252,7 +253,7 @@ def _fill(
     inexact = away > 1e-6
     if inexact.any() and len(place) > 1:
         at = slots[inexact]
-        smooth = PchipInterpolator(place, values, axis=0) if name in SMOOTH else None
+        smooth = PchipInterpolator(place, values, axis=0) if name in SMOOTH_CHANNELS else None
         filled[inexact] = smooth(at) if smooth else interpolated(at, place, values)
     return filled, missing, beyond
 
@@ -260,7 +261,7 @@ def _fill(
 def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
     """Return the columns of each channel: six for actual_q."""
     vectors: dict[str, list[str]] = {}
-    for column in frames.columns.difference(OWN, sort=False):
+    for column in frames.columns.difference(FRAME_COLUMNS, sort=False):
         name, _, suffix = column.rpartition("_")
         vectors.setdefault(name if suffix.isdigit() else column, []).append(column)
     return vectors
@@ -272,7 +273,7 @@ def _report_steps(timing: Timing, findings: list[Finding]) -> None:
         "median_ms": 1000 * timing.jitter_median,
         "most_ms": 1000 * timing.jitter_99,
     }
-    if not timing.regular or timing.jitter_99 > JITTER:
+    if not timing.regular or timing.jitter_99 > MIN_REPORTED_JITTER:
         name = "jitter" if timing.regular else "irregular steps"
         add_finding(findings, "robot", name, "note", 1, "", **values)
 

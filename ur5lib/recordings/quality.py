@@ -11,7 +11,8 @@ T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
 Severity = Literal["stop", "error", "warning", "note"]
 GIVEN_LOAD = "given load"  # the finding that the controller counts with a load unknown to the study
-MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
+# share of target_moment that the right arm may leave; it leaves 0.063 at most
+MAX_SHARE_UNMODELLED = 0.15
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 

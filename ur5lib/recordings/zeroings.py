@@ -10,11 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import columns
+from ur5lib.channels import MEASURED_CURRENT, columns
 from ur5lib.errors import remark
-from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, StartOffset
-from ur5lib.recordings.starts import UNSURE
+from ur5lib.recordings.starts import MAX_CLOCK_DRIFT
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frames
 from ur5lib.tables import channel
@@ -143,9 +142,9 @@ def _step(before: Array, after: Array) -> Step:
 
 def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: StartOffset) -> bool:
     """Return whether the currents show that a contact ends; start: of the sensor's clock."""
-    if f"{CURRENT}_0" not in robot:
+    if f"{MEASURED_CURRENT}_0" not in robot:
         return False
-    unsure = start.std + (UNSURE * zeroing.time if start.drift_std is None else 0.0)
+    unsure = start.std + (MAX_CLOCK_DRIFT * zeroing.time if start.drift_std is None else 0.0)
     since = robot["time"].to_numpy() - zeroing.time
     before, after = (
         np.flatnonzero((REACTION_TIME + unsure < away) & (away < COMPARED_TIME + unsure))
@@ -155,8 +154,9 @@ def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: Star
     if count < 3:
         return False
     beside = robot.iloc[[*before[-count:], *after[:count]]]
-    q, constants = channel(beside, "actual_q"), np.array(arm.family_torque_constants())
-    torque = constants * channel(beside, CURRENT) - gravity_torque(arm, arm.chosen_model, q)
+    q, current = channel(beside, "actual_q"), channel(beside, MEASURED_CURRENT)
+    constants = np.array(arm.family_torque_constants())
+    torque = constants * current - gravity_torque(arm, arm.chosen_model, q)
     step = _step(*np.split(np.nan_to_num(torque), 2))
     expected = _torque(arm, q[count - 1 : count], zeroing.change[:3]) * np.isfinite(constants)
     shown, noise = expected @ step.size, np.linalg.norm(expected * step.std_error)

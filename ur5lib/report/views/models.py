@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import GIVEN_LOAD, MODELLED
+from ur5lib.recordings.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED
 from ur5lib.report.baseline import AgainstBaseline
 from ur5lib.report.document import Verdict
 from ur5lib.report.formats import SMALLEST_DIFFERENCE
@@ -15,7 +15,7 @@ from ur5lib.report.sentences import say
 from ur5lib.thesis.reference import OLDER_MODEL
 
 LINKS = "Link model"  # topic
-CLOSE = 1 - MODELLED  # least skill of a good link model
+CLOSE = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
 
 
 def compared(results: Results) -> list[str]:

@@ -1,6 +1,5 @@
 """Checks that the channels of a recording agree with one another and with the arm."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
@@ -10,18 +9,18 @@ import pandas as pd
 from ur5lib.channels import joint_count
 from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Labels
 from ur5lib.timeseries.segments import extrapolated_samples, unbroken
 
-MOVES = 0.05  # rad/s; slower joints do not show their velocities nor their friction
+MIN_MOVING_SPEED = 0.05  # rad/s; slower joints do not show their velocities nor their friction
 DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("actual_q", "actual_qd"),
     ("target_q", "target_qd"),
     ("target_qd", "target_qdd"),
 ]
-MISREAD = (0.5, 2.0)  # a velocity this far from its position's slope is misread
+# a velocity this far from its position's slope is misread
+MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO = 0.5, 2.0
 TWINS = [  # channels that follow each other, and the largest median difference between them
     ("actual_q", "target_q", 0.05),
     ("actual_current", "target_current", 2.5),
@@ -29,19 +28,13 @@ TWINS = [  # channels that follow each other, and the largest median difference 
 # Allowed ratios of the overall levels of two channels. In all recordings seen so far, of two arms
 # of different sizes, the ratios are 0.95 to 1.3 and 9.9 to 11.7 Nm/A. The bounds are wide because
 # the targets contain neither friction nor loads; a unit wrong by 57 or 1000 still exceeds them.
-RATIOS = [
+LEVEL_RATIOS = [
     ("actual_current", "target_current", 0.05, 20.0),
     ("target_moment", "target_current", 0.5, 200.0),
 ]
-SWAPPED = 0.3  # two joints count as swapped if swapping them cuts their deviation to this share
-LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
-REACHED = 0.999  # share of the full scale at which a sample counts as clipped
-TOUCH = 15.0  # N; a sensor's drift and the weight of its own half stay below
-TOUCHED = 0.5  # s
-GRAVITY = 9.81  # m/s²
-STUCK = 10  # samples at exactly the same extreme value indicate saturation
-UPRIGHT = (8.0, 12.0)  # m/s², the median specific force that an IMU may measure
-TURNED = 3.0  # m/s²; a component of gravity changes at least this much where an IMU turns
+# two joints count as swapped if swapping them cuts their deviation to this share
+MAX_SWAPPED_DEVIATION = 0.3
+MIN_LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
 
 
 def check_robot(
@@ -66,11 +59,6 @@ def check_robot(
     ]
 
 
-def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
-    """Check for saturation and for an IMU file read by mistake. table: `time` and ft_* as read."""
-    return [*_saturation(table), *_looks_like_imu(table)]
-
-
 def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
     """Return a warning where no stretch is long enough for low-passed currents, and thus forces.
 
@@ -84,81 +72,9 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
     return [Finding("robot", "too short", "warning", 1, values)]
 
 
-def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
-    """Find contacts at the force sensor of a recording that should be free of them.
-
-    table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
-    """
-    if "ft_fx" not in table:
-        return []
-    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy(float)
-    size = np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)
-    time = table["time"].to_numpy()
-    beyond = size > TOUCH + 2 * GRAVITY * mass
-    if not beyond.sum() * np.median(np.diff(time)) > TOUCHED:
-        return []
-    force_n = {"force_n": float(np.nanmax(size))}
-    return [Finding("force", "contact", "warning", int(beyond.sum()), force_n)]
-
-
-def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
-    channels = table.drop(columns="time")
-    stuck = {
-        name: int((column.abs() == column.abs().max()).sum()) for name, column in channels.items()
-    }
-    saturated = {name: count for name, count in stuck.items() if count >= STUCK}
-    if saturated:
-        names = {"names": [*saturated]}
-        yield Finding("force", "saturation", "warning", max(saturated.values()), names)
-
-
-def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
-    """Find a force that rotates at the magnitude of gravity: an acceleration, or a 1 kg tool."""
-    if "ft_fx" not in table:
-        return
-    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy()
-    low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
-    if UPRIGHT[0] <= low and high <= UPRIGHT[1] and np.ptp(force, axis=0).max() > TURNED:
-        force_n = {"force_n": float(low + high) / 2}
-        yield Finding("force", "size of gravity", "warning", len(table), force_n)
-
-
-def check_imu(table: pd.DataFrame, full_scale: FullScale | None) -> list[Finding]:
-    """Check for saturation, and that the accelerometer measures gravity.
-
-    table: `time` and imu_* as read; full_scale: of the IMU, None if it is not known.
-    """
-    clipped = _clipped(table, full_scale) if full_scale else ()
-    return [*clipped, *_gravity(table)]
-
-
-def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
-    """Find samples at the full scale of accelerometer or gyroscope."""
-    rate = math.radians(full_scale.angular_rate_deg)
-    limits = {"imu_a": full_scale.acceleration, "imu_g": rate}
-    channels = {name: limits[name[:5]] for name in table if name[:5] in limits}
-    reached = table[[*channels]].abs() >= REACHED * pd.Series(channels, dtype=float)
-    if reached.any(axis=None):
-        values = {
-            "names": [*reached.columns[reached.any()]],
-            "acceleration": full_scale.acceleration,
-            "angular_rate_deg": full_scale.angular_rate_deg,
-        }
-        count = int(reached.any(axis=1).sum())
-        yield Finding("imu", "saturation", "warning", count, values, "full scale")
-
-
-def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
-    if "imu_ax" not in table:
-        return
-    norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
-    if not UPRIGHT[0] <= norm <= UPRIGHT[1]:
-        yield Finding("imu", "no gravity", "warning", len(table), {"specific_force": norm})
-
-
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     for below, above in DERIVATIVES:
-        if recorded(robot, below, above):
+        if are_recorded(robot, below, above):
             slopes = _slopes(robot, below, above, period)
             if slopes and not channel(robot, above).any():
                 names = {"name": above, "position": below}
@@ -174,9 +90,10 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
 def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     """Find velocities in another unit or column than their positions; period: [s]."""
     for below, above in DERIVATIVES[:2]:
-        if recorded(robot, below, above):
+        if are_recorded(robot, below, above):
             slopes = [*_slopes(robot, below, above, period).values()]
-            wrong = [slope for slope in slopes if slope <= MISREAD[0] or slope >= MISREAD[1]]
+            low, high = MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO
+            wrong = [slope for slope in slopes if slope <= low or slope >= high]
             if len(wrong) > len(slopes) / 2:
                 values = {"name": above, "position": below, "ratio": float(np.median(wrong))}
                 yield contradiction("no velocity", **values)
@@ -188,22 +105,22 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
     whole &= ~robot["interpolated"].shift(fill_value=True).to_numpy(bool)
     if not whole.any():
         return {}
-    found = {}
+    ratios = {}
     # one joint after the other, for the memory of long recordings
     for joint in range(joint_count(robot)):
         value, rate = (robot[f"{name}_{joint}"].to_numpy(float) for name in (below, above))
         slope = np.diff(value)[whole[1:]] / period
         mean = (rate[1:] + rate[:-1])[whole[1:]] / 2
         moves, rests = (np.sqrt(np.nanmean(each**2)) for each in (slope, mean))
-        if max(moves, rests) > MOVES:
+        if max(moves, rests) > MIN_MOVING_SPEED:
             with np.errstate(invalid="ignore", divide="ignore"):
-                found[joint] = float(np.nansum(slope * mean) / np.nansum(mean**2))
-    return found
+                ratios[joint] = float(np.nansum(slope * mean) / np.nansum(mean**2))
+    return ratios
 
 
 def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
     for one, other, bound in TWINS:
-        if recorded(robot, one, other):
+        if are_recorded(robot, one, other):
             apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
@@ -213,25 +130,25 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
 
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
     """Find channels whose overall level shows that their unit is wrong."""
-    for one, other, least, most in RATIOS:
-        if recorded(robot, one, other):
+    for one, other, least, most in LEVEL_RATIOS:
+        if are_recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)
-            if max(level, its) > LEVEL and not least * its <= level <= most * its:
+            if max(level, its) > MIN_LEVEL and not least * its <= level <= most * its:
                 values = {"one": one, "level": level, "other": other, "its": its}
                 yield _inconsistent(joint_count(robot), values, "levels")
 
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     """Find pairs of joints that follow each other's targets instead of their own."""
-    if not recorded(robot, one, other):
+    if not are_recorded(robot, one, other):
         return
     values, targets = channel(robot, one), channel(robot, other)
     apart = np.array(
         [np.nanmedian(np.abs(column[:, None] - targets), axis=0) for column in values.T]
     )
     for j, k in combinations(range(values.shape[1]), 2):
-        own, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
-        if own > LEVEL and crossed < SWAPPED * own:
+        uncrossed, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
+        if uncrossed > MIN_LEVEL and crossed < MAX_SWAPPED_DEVIATION * uncrossed:
             joints = {"one": one, "other": other, "joint": j + 1, "its": k + 1}
             yield _inconsistent(2, joints, "swapped")
 
@@ -239,7 +156,7 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
 def _limits(
     robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]], unit: str
 ) -> Iterator[Finding]:
-    if not recorded(robot, name):
+    if not are_recorded(robot, name):
         return
     values, (low, high) = channel(robot, name), np.transpose(bounds)
     values = np.where(low == -high, np.abs(values), values)
@@ -257,7 +174,7 @@ def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Findin
     return Finding("robot", "inconsistent channels", "warning", count, values, code)
 
 
-def recorded(robot: pd.DataFrame, *channels: str) -> bool:
+def are_recorded(robot: pd.DataFrame, *channels: str) -> bool:
     """Return whether all of some channels were recorded."""
     return all(f"{name}_0" in robot for name in channels)
 

@@ -3,30 +3,29 @@
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from ur5lib.channels import columns
-from ur5lib.recordings.arm_checks import (
-    SURE_JOINTS,
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT, columns
+from ur5lib.checks.arm import (
+    MIN_LEAD_OF_EXCHANGED_JOINTS,
     Pair,
-    constants,
     fitting_arms,
     gains_of_exchange,
     is_shown,
     of_measured,
+    torque_constants,
 )
-from ur5lib.recordings.checked import FEWEST, Checked
-from ur5lib.recordings.current_checks import (
-    BEARING,
-    BRAKES,
-    DELAYED,
-    SURE_PAIR,
+from ur5lib.checks.checked import MIN_BLOCKS, Checked
+from ur5lib.checks.currents import (
+    MIN_DELAY,
+    MIN_ERRORS_OF_FRICTION,
+    MIN_GRAVITY_TORQUE,
+    MIN_LEAD_OF_EXCHANGE,
     Answers,
-    braking,
+    friction_in_errors,
 )
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.checks.readings import exchanged_order, in_order
+from ur5lib.checks.tool import tool_off_flange
+from ur5lib.checks.torques import is_foreign
 from ur5lib.recordings.quality import Finding, Severity
-from ur5lib.recordings.readings import exchanged, in_order
-from ur5lib.recordings.stop_signs import is_foreign, tool_off_flange
-from ur5lib.recordings.target_checks import TARGET
 from ur5lib.tables import channel, named
 
 POSE, TORQUE = "actual_TCP_pose", "target_moment"
@@ -34,7 +33,7 @@ POSE, TORQUE = "actual_TCP_pose", "target_moment"
 
 def unchecked(checked: Checked) -> list[Finding]:
     """Return what would not be noticed in a recording without a stop sign."""
-    if len(checked.means.q) < FEWEST:
+    if len(checked.means.q) < MIN_BLOCKS:
         return [_note("nothing checked", seconds=len(checked.robot) * checked.step)]
     return [*_arm(checked), *_order(checked), *_currents(checked)]
 
@@ -54,17 +53,23 @@ def _arm(checked: Checked) -> Iterator[Finding]:
         fitting = fitting_arms(checked.means, checked.loaded, others)
         others = [one for one in others if one.name in fitting]
     if others:
-        absent = [name for name in (TORQUE, POSE, CURRENT) if f"{name}_0" not in checked.robot]
+        absent = [
+            name for name in (TORQUE, POSE, MEASURED_CURRENT) if f"{name}_0" not in checked.robot
+        ]
         names = [one.name for one in others]
         yield _note("arm not checked", arm=checked.arm.name, others=names, absent=absent)
 
 
 def _order(checked: Checked) -> Iterator[Finding]:
     """Yield the pairs of joints of which all columns may be exchanged."""
-    told = {*_told_by_pose(checked), *_told_by_torque(checked), *_told_by_gravity(checked)}
-    left = [pair for pair in combinations(in_order(checked.arm), 2) if pair not in told]
-    if left:
-        yield _note("order not checked", pairs=_named(left))
+    shown = {
+        *_pairs_shown_by_pose(checked),
+        *_pairs_shown_by_torque(checked),
+        *_pairs_shown_by_gravity(checked),
+    }
+    open_pairs = [pair for pair in combinations(in_order(checked.arm), 2) if pair not in shown]
+    if open_pairs:
+        yield _note("order not checked", pairs=_named(open_pairs))
 
 
 def _named(pairs: Iterable[Pair]) -> list[str]:
@@ -72,66 +77,67 @@ def _named(pairs: Iterable[Pair]) -> list[str]:
     return [f"{j + 1}-{k + 1}" for j, k in pairs]
 
 
-def _told_by_pose(checked: Checked) -> Iterator[Pair]:
+def _pairs_shown_by_pose(checked: Checked) -> Iterator[Pair]:
     """Yield the pairs whose exchange would take the tool off the flange."""
     if f"{POSE}_0" not in checked.robot:
         return
-    q, own = channel(checked.robot, "actual_q"), in_order(checked.arm)
+    q, order = channel(checked.robot, "actual_q"), in_order(checked.arm)
     table = checked.robot[["interpolated", *columns(POSE)]]
-    for pair in combinations(own, 2):
-        moved = table.assign(**named(q[:, exchanged(own, *pair)], "actual_q"))
+    for pair in combinations(order, 2):
+        moved = table.assign(**named(q[:, exchanged_order(order, *pair)], "actual_q"))
         if any(tool_off_flange(moved, checked.arm)):
             yield pair
 
 
-def _told_by_torque(checked: Checked) -> Iterator[Pair]:
+def _pairs_shown_by_torque(checked: Checked) -> Iterator[Pair]:
     """Yield the pairs whose exchange the controller's torque would not fit."""
-    means, torque, own = checked.means, checked.means.torque, in_order(checked.arm)
+    means, torque, in_place = checked.means, checked.means.torque, in_order(checked.arm)
     if torque is None:
         return
     payloads = [checked.configured, checked.declared]
-    for pair in combinations(own, 2):
-        order = exchanged(own, *pair)
+    for pair in combinations(in_place, 2):
+        order = exchanged_order(in_place, *pair)
         moved = means.part(columns=order)
         if is_foreign(moved, torque[:, order], checked.arm, payloads):
             yield pair
 
 
-def _told_by_gravity(checked: Checked) -> Iterator[Pair]:
+def _pairs_shown_by_gravity(checked: Checked) -> Iterator[Pair]:
     """Yield the pairs whose exchange the currents would not fit."""
     if checked.means.torque is not None or not checked.tells_by_gravity():
         return
     for pair, gain in gains_of_exchange(of_measured(checked.means), checked.loaded).items():
-        if gain < -SURE_JOINTS and is_shown(checked.means, pair):
+        if gain < -MIN_LEAD_OF_EXCHANGED_JOINTS and is_shown(checked.means, pair):
             yield pair
 
 
 def _currents(checked: Checked) -> Iterator[Finding]:
     """Yield what is open about the columns of currents, their units, signs and clock."""
     means, joints = checked.means, range(len(checked.arm.joints))
-    if CURRENT not in means.currents:
+    if MEASURED_CURRENT not in means.currents:
         severity: Severity = "warning" if checked.fitted else "note"
         yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
         return
-    bearing = constants(means, checked.loaded).ratio
-    if not bearing and TARGET not in means.currents:
-        yield _note("unit not checked", torque=BEARING)
+    bearing = torque_constants(means, checked.loaded).ratio
+    if not bearing and TARGET_CURRENT not in means.currents:
+        yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
     if checked.answers is None:
         yield _note("currents not checked")
         return
-    brakes = braking(means, checked.loaded) if checked.driven else {}
-    signs = [j + 1 for j in joints if j not in bearing and brakes.get(j, 0.0) < BRAKES]
+    brakes = friction_in_errors(means, checked.loaded) if checked.driven else {}
+    unproven = [j for j in joints if brakes.get(j, 0.0) < MIN_ERRORS_OF_FRICTION]
+    signs = [j + 1 for j in unproven if j not in bearing]
     if signs:
         yield _note("sign not checked", joints=signs)
-    if pairs := [*_alike(checked.answers)]:
+    if pairs := [*_pairs_alike(checked.answers)]:
         yield _note("columns not checked", pairs=_named(pairs))
-    if (delay := checked.answers.longest_unnoticed()) >= DELAYED:
+    if (delay := checked.answers.longest_unnoticed()) >= MIN_DELAY:
         yield _note("clock not checked", seconds=delay)
 
 
-def _alike(answers: Answers) -> Iterator[Pair]:
+def _pairs_alike(answers: Answers) -> Iterator[Pair]:
     """Yield the joints whose currents may be exchanged."""
     lead = answers.ahead().diagonal()
     for j, k in combinations(range(len(lead)), 2):
-        if lead[j] + lead[k] < SURE_PAIR:
+        if lead[j] + lead[k] < MIN_LEAD_OF_EXCHANGE:
             yield j, k

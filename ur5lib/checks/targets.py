@@ -7,19 +7,19 @@ from collections.abc import Container, Iterator
 
 import numpy as np
 
-from ur5lib.recordings.arm_checks import constants
-from ur5lib.recordings.block_means import BlockMeans, combination
-from ur5lib.recordings.current_checks import moving
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
+from ur5lib.checks.arm import torque_constants
+from ur5lib.checks.block_means import BlockMeans, combination
+from ur5lib.checks.currents import moving_joints
 from ur5lib.recordings.quality import ODD_TARGET, Finding, contradiction
 from ur5lib.robots.description import Robot
 
-TARGET = "target_current"
-WEAK, STRONG = 0.8, 2.0  # current per target; 0.87 to 1.5 in right recordings, loads included
-BEARS = 1.0  # A, root mean square of the target of a joint that bears something
+# current per target; 0.87 to 1.5 in right recordings, loads included
+MIN_RATIO_TO_TARGET, MAX_RATIO_TO_TARGET = 0.8, 2.0
+MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bears something
 
 
-def scaled(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
+def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
     """Find currents that are a fraction or a multiple of their targets.
 
     odd: joints from 0 whose targets are to blame.
@@ -37,8 +37,9 @@ def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
     unlike = dict(unlike_targets(means))
     if not unlike:
         return {}
-    own, its = constants(means, arm), constants(means, arm, TARGET)
-    nearer = {j for j in own.ratio.keys() & its.ratio.keys() if own.away(j) < its.away(j)}
+    measured, targeted = torque_constants(means, arm), torque_constants(means, arm, TARGET_CURRENT)
+    both = measured.ratio.keys() & targeted.ratio.keys()
+    nearer = {joint for joint in both if measured.away(joint) < targeted.away(joint)}
     return {
         joint: Finding(
             "robot",
@@ -48,31 +49,34 @@ def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
             {
                 "joint": joint + 1,
                 "ratio": 1 / ratio,
-                "measured": own.ratio[joint] * own.known[joint],
-                "target": its.ratio[joint] * its.known[joint],
-                "known": own.known[joint],
+                "measured": measured.ratio[joint] * measured.known[joint],
+                "target": targeted.ratio[joint] * targeted.known[joint],
+                "known": measured.known[joint],
             },
         )
         for joint, ratio in unlike.items()
-        if joint in nearer - own.off().keys()
+        if joint in nearer - measured.foreign().keys()
     }
 
 
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
     """Yield joints, from 0, whose current is a fraction or multiple of its target, and which."""
-    if {CURRENT, TARGET} - means.currents.keys():
+    if {MEASURED_CURRENT, TARGET_CURRENT} - means.currents.keys():
         return
-    moves = moving(means)
+    moves = moving_joints(means)
     for joint in range(min(3, len(moves))):  # wrists hardly bear anything
-        own, friction = means.currents[TARGET][:, joint], means.friction(joint)
+        target, friction = means.currents[TARGET_CURRENT][:, joint], means.friction(joint)
         # without friction, which targets of some arms contain, and inertia: only a load shows it
         others = np.column_stack([friction, means.qdd[:, joint]])
-        borne = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
+        borne = target - others @ np.linalg.lstsq(others, target, rcond=None)[0]
         # at rest, of a joint whose load others change
-        if not (moves[joint] and np.sqrt((borne**2).mean()) > BEARS) and borne.std() <= BEARS:
+        if (
+            not (moves[joint] and np.sqrt((borne**2).mean()) > MIN_BORNE_CURRENT)
+            and borne.std() <= MIN_BORNE_CURRENT
+        ):
             continue
-        load = np.abs(own) * friction[:, 0]
-        columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
-        slope, error = combination(columns, means.currents[CURRENT][:, joint], [1.0])
-        if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
+        load = np.abs(target) * friction[:, 0]
+        columns = np.column_stack([target, friction, load, means.qdd[:, joint]])
+        slope, error = combination(columns, means.currents[MEASURED_CURRENT][:, joint], [1.0])
+        if slope + 5 * error < MIN_RATIO_TO_TARGET or slope - 5 * error > MAX_RATIO_TO_TARGET:
             yield joint, slope

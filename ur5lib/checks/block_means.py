@@ -7,19 +7,21 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import CURRENTS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels
 
-BLOCK = 0.1  # s
-INDEPENDENT = 0.4  # s between errors that count as independent
-FILLED = 0.6  # share of a block's frames that may have been lost; in some recordings, half are
-SLOW = 0.02  # rad/s; faster joints have their full friction
-TINY = 1e-300
-SHORT = 1e-4  # of the regressor's square; keeps first moments small that nothing determines
-CURRENTS = ("actual_current", "target_current")
-WHOLE = slice(None)
+BLOCK_LENGTH = 0.1  # s, of the blocks
+DECORRELATION_TIME = 0.4  # s between errors that count as independent
+# share of a block's frames that may have been lost; in some recordings, half are
+MAX_SHARE_FILLED = 0.6
+FULL_FRICTION_SPEED = 0.02  # rad/s; faster joints have their full friction
+SMALLEST_SIZE = 1e-300  # keeps divisors above zero
+# of the regressor's square; keeps first moments small that nothing determines
+FIRST_MOMENT_PRIOR = 1e-4
+ALL = slice(None)
 
 
 @dataclass(frozen=True)
@@ -39,11 +41,11 @@ class BlockMeans:
     torque: Array | None
     currents: dict[str, Array]
     offset: bool = False
-    independent: float = BLOCK / INDEPENDENT
+    independent: float = BLOCK_LENGTH / DECORRELATION_TIME
     time: Array | None = None
     segment: Labels | None = None
 
-    def part(self, rows: Labels | slice = WHOLE, columns: Sequence[int] | slice = WHOLE) -> Self:
+    def part(self, rows: Labels | slice = ALL, columns: Sequence[int] | slice = ALL) -> Self:
         """Return the means of some blocks, and of the joints in an order of their columns.
 
         Without `torque`, `time` and `segment`.
@@ -67,7 +69,7 @@ class BlockMeans:
     def friction(self, joint: int) -> Array:
         """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""
         qd = self.qd[:, joint]
-        return np.column_stack([np.tanh(qd / SLOW), qd])
+        return np.column_stack([np.tanh(qd / FULL_FRICTION_SPEED), qd])
 
     def without_gravity(self, joint: int, accelerations: Array) -> Array:
         """Return the columns (M, n) of friction, inertia and, if there is one, an offset."""
@@ -85,7 +87,7 @@ def block_means(
     names = ("actual_q", "actual_qd", "target_moment", *currents)
     channels = {name: channel(robot, name) for name in names if f"{name}_0" in robot}
     channels.setdefault("actual_qd", np.gradient(channels["actual_q"], period, axis=0))
-    rows = _blocks(robot, [*channels.values()], round(BLOCK / period))
+    rows = _blocks(robot, [*channels.values()], round(BLOCK_LENGTH / period))
     means = {name: values[rows].mean(axis=1) for name, values in channels.items()}
     first, last = (channels["actual_qd"][rows[:, end]] for end in (0, -1))
     return BlockMeans(
@@ -101,7 +103,7 @@ def block_means(
 
 def size(values: Array) -> float:
     """Return the root of the sum of squares, above zero."""
-    return float(np.linalg.norm(values)) + TINY
+    return float(np.linalg.norm(values)) + SMALLEST_SIZE
 
 
 def combination(columns: Array, values: Array, weights: Sequence[float]) -> tuple[float, float]:
@@ -110,10 +112,10 @@ def combination(columns: Array, values: Array, weights: Sequence[float]) -> tupl
     columns: (M, n) over blocks; values: (M,); weights: of the first coefficients.
     """
     inverse = np.linalg.pinv(columns)
-    solution, own = inverse @ values, np.asarray(weights)
-    noise = np.std(values - columns @ solution) * np.sqrt(INDEPENDENT / BLOCK)
-    first = inverse[: len(own)]
-    return float(own @ solution[: len(own)]), float(noise * np.linalg.norm(own @ first))
+    solution, weight = inverse @ values, np.asarray(weights)
+    noise = np.std(values - columns @ solution) * np.sqrt(DECORRELATION_TIME / BLOCK_LENGTH)
+    first = inverse[: len(weight)]
+    return float(weight @ solution[: len(weight)]), float(noise * np.linalg.norm(weight @ first))
 
 
 def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:
@@ -121,7 +123,7 @@ def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:
 
     columns: (n, 4), as `statics.load_torque` has them; torque: (n,), both to one scale.
     """
-    prior = SHORT * len(columns) * np.diag([0.0, 1.0, 1.0, 1.0])
+    prior = FIRST_MOMENT_PRIOR * len(columns) * np.diag([0.0, 1.0, 1.0, 1.0])
     load = np.linalg.solve(columns.T @ columns + prior, columns.T @ torque)
     return float(load[0]), size(torque - columns @ load)
 
@@ -132,5 +134,6 @@ def _blocks(robot: pd.DataFrame, channels: list[Array], length: int) -> Labels:
     rows = np.arange(len(robot) // length * length).reshape(-1, length)
     segment, filled = (robot[name].to_numpy()[rows] for name in ("segment", "interpolated"))
     finite = np.all([np.isfinite(values).all(axis=1) for values in channels], axis=0)
-    known = finite[rows].all(axis=1)
-    return rows[known & (np.ptp(segment, axis=1) == 0) & (filled.mean(axis=1) <= FILLED)]
+    complete = finite[rows].all(axis=1)
+    unsplit, received = np.ptp(segment, axis=1) == 0, filled.mean(axis=1) <= MAX_SHARE_FILLED
+    return rows[complete & unsplit & received]

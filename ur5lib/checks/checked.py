@@ -5,17 +5,18 @@ from functools import cache, cached_property
 
 import pandas as pd
 
-from ur5lib.recordings.block_means import BlockMeans, block_means
-from ur5lib.recordings.current_checks import Answers, answers, is_driven, moving
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import BlockMeans, block_means
+from ur5lib.checks.contacts import felt_contact
+from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
+from ur5lib.checks.targets import odd_targets
 from ur5lib.recordings.quality import Finding
-from ur5lib.recordings.target_checks import odd_targets
-from ur5lib.recordings.touch_checks import felt_contact
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.timeseries.segments import period
 
-FEWEST = 30  # blocks of a recording that can contradict an arm
-LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
+MIN_BLOCKS = 30  # blocks of a recording that can contradict an arm
+# joints that move at least where a hand leads an arm; a strong push turns one
+MIN_JOINTS_LED_BY_HAND = 3
 
 
 @dataclass(frozen=True)
@@ -64,40 +65,40 @@ class Checked:
 
         A torque sensor beyond the gear shows no friction, by which motions explain a current.
         """
-        known = len(self.means.q) >= FEWEST and CURRENT in self.means.currents
-        if not known or self.arm.senses_torque():
+        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
+        if not enough or self.arm.senses_torque():
             return None
-        if moving(self.means).sum() < (1 if self.driven else LED):
+        if moving_joints(self.means).sum() < (1 if self.driven else MIN_JOINTS_LED_BY_HAND):
             return None
         return answers(self.robot, self.means, self.loaded, self.step)
 
     @cached_property
     def odd_targets(self) -> dict[int, Finding]:
         """Return warnings of targets of currents that are no targets, by joint from 0."""
-        known = self.driven and self.answers is not None
-        return odd_targets(self.means, self.loaded) if known else {}
+        comparable = self.driven and self.answers is not None
+        return odd_targets(self.means, self.loaded) if comparable else {}
 
     @cached_property
     def contact(self) -> Finding | None:
         """Return a warning of the strongest contact that the currents show."""
-        known = len(self.means.q) >= FEWEST and CURRENT in self.means.currents
-        return felt_contact(self.means, self.loaded) if known else None
+        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
+        return felt_contact(self.means, self.loaded) if enough else None
 
     def tells_by_gravity(self) -> bool:
         """Return whether gravity tells arm, joints and motors by the currents.
 
         A push against an arm at rest looks like gravity.
         """
-        if CURRENT not in self.means.currents:
+        if MEASURED_CURRENT not in self.means.currents:
             return False
-        return bool(moving(self.means).any()) or (self.fitted and self.contact is None)
+        return bool(moving_joints(self.means).any()) or (self.fitted and self.contact is None)
 
 
 def arms_alike(arm: Robot, payload: Payload | None) -> list[Robot]:
     """Return all described arms of an arm's number of joints, mounted alike, with a payload."""
     arms = [described(name) for name in robot_names()]
-    alike = [own for own in arms if len(own.joints) == len(arm.joints)]
-    return [own.mounted(arm.gravity).carrying(payload) for own in alike]
+    alike = [other for other in arms if len(other.joints) == len(arm.joints)]
+    return [other.mounted(arm.gravity).carrying(payload) for other in alike]
 
 
 @cache
