@@ -38,7 +38,7 @@ from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.report.findings import in_words
+from ur5lib.report.page.findings import in_words
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array

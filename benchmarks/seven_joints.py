@@ -28,7 +28,7 @@ from benchmarks.harness.prediction import FIGAROH
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import Estimate, identify, prior_width, stack
 from ur5lib.leaderboard.tables import markdown, number
-from ur5lib.report.house_style import STYLES
+from ur5lib.report.figures.house_style import STYLES
 from ur5lib.robots.description import Robot
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies

@@ -24,7 +24,7 @@ class InputError(Exception):
 
 @dataclass(frozen=True)
 class Remark:
-    """A remark of a step, by the code of its sentence in `report/templates/findings.yaml`.
+    """A remark of a step, by the code of its sentence in `report/page/templates/findings.yaml`.
 
     values: numbers and names in the sentence, or further remarks.
     """

@@ -25,7 +25,7 @@ from ur5lib.commands.check import (
 )
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.quality import Finding, Quality
-from ur5lib.report.findings import by_finding, group_findings
+from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.report.tables.files import name_copies
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque

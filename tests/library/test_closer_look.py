@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from tests.artefacts.documents import browser
-from ur5lib.report.charts import response_panel
-from ur5lib.report.document import Document, Picture, Section
-from ur5lib.report.house_style import JOINTS, save
-from ur5lib.report.render import LEVELS, packed_lines, write_html
-from ur5lib.report.traces import CURRENT, WRENCH, Panel, Traces, draw_traces
+from ur5lib.report.figures.charts import response_panel
+from ur5lib.report.figures.house_style import JOINTS, save
+from ur5lib.report.figures.traces import CURRENT, WRENCH, Panel, Traces, draw_traces
+from ur5lib.report.page.document import Document, Picture, Section
+from ur5lib.report.page.render import LEVELS, packed_lines, write_html
 from ur5lib.tables import read_csv
 
 LENGTH = 60.0  # s

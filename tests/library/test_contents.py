@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.compose import (
+from ur5lib.report.page.compose import (
     MENTION,
     SENTENCE_END,
     _drafts,
@@ -16,7 +16,7 @@ from ur5lib.report.compose import (
     compose,
     view,
 )
-from ur5lib.report.document import (
+from ur5lib.report.page.document import (
     Block,
     Cell,
     Code,
@@ -32,10 +32,10 @@ from ur5lib.report.document import (
     Table,
     contents,
 )
+from ur5lib.report.page.torques import in_torques
 from ur5lib.report.reference import Erratum
 from ur5lib.report.results import Results
 from ur5lib.report.tables.making import declarations
-from ur5lib.report.torques import in_torques
 
 TABLES_MADE = declarations()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
@@ -49,7 +49,7 @@ TABLES = [block for block in EVERY if isinstance(block, DeclaredTable)]
 def test_every_view_exists() -> None:
     names = re.findall(
         r"(?:sentences|entries|rows|listing|judged|each): ([a-z_.]+)",
-        (PROJECT / "ur5lib" / "report" / "contents.yaml").read_text(),
+        (PROJECT / "ur5lib" / "report" / "page" / "contents.yaml").read_text(),
     )
     assert len(names) > 40
     found = [view(name) if "." in name else getattr(Results, name) for name in names]

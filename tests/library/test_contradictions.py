@@ -46,7 +46,7 @@ from ur5lib.pipeline.friction_fit import (
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.recordings.quality import Contradictions, Quality, contradiction
-from ur5lib.report.findings import worded
+from ur5lib.report.page.findings import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import left_out_fits, stop_signs
 from ur5lib.timeseries.arrays import Array

@@ -16,8 +16,8 @@ from PIL import Image
 from ur5lib.dynamics.flange import link_frames
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report import house_style
-from ur5lib.report.arm_figures import (
+from ur5lib.report.figures import house_style
+from ur5lib.report.figures.arm_figures import (
     UPRIGHT,
     MassModel,
     cylinder_outline,
@@ -26,10 +26,14 @@ from ur5lib.report.arm_figures import (
     mass_panels,
     placed,
 )
-from ur5lib.report.friction_figures import MovingSamples, friction_figures
-from ur5lib.report.house_style import EMBEDDED, JOINTS, Drawing, save
-from ur5lib.report.recording_figures import older_torque_figure, packet_figure, tracking_figure
-from ur5lib.report.traces import TORQUE, WRENCH, Traces, decimate, draw_traces
+from ur5lib.report.figures.friction_figures import MovingSamples, friction_figures
+from ur5lib.report.figures.house_style import EMBEDDED, JOINTS, Drawing, save
+from ur5lib.report.figures.recording_figures import (
+    older_torque_figure,
+    packet_figure,
+    tracking_figure,
+)
+from ur5lib.report.figures.traces import TORQUE, WRENCH, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
 
 LONG = 20_000

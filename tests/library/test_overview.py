@@ -9,10 +9,10 @@ import pytest
 from tests.artefacts.documents import stated
 from tests.made_tables import empty
 from ur5lib.errors import InputError
-from ur5lib.report.compose import compose
-from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table, contents
+from ur5lib.report.page.compose import compose
+from ur5lib.report.page.document import MOST_ROWS, Contents, Document, Picture, Table, contents
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
 from ur5lib.report.tables.making import declarations
 from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality

@@ -7,9 +7,9 @@ import pypdfium2
 import pytest
 from pypdf import PdfReader
 
-from ur5lib.report.charts import calibration_panels, residual_panels, scatter_panels
-from ur5lib.report.house_style import Drawing, save
-from ur5lib.report.traces import CURRENT, WRENCH, Traces, draw_traces
+from ur5lib.report.figures.charts import calibration_panels, residual_panels, scatter_panels
+from ur5lib.report.figures.house_style import Drawing, save
+from ur5lib.report.figures.traces import CURRENT, WRENCH, Traces, draw_traces
 
 COLUMN = 88.0  # mm
 SMALLEST = 6.0  # points

@@ -13,10 +13,10 @@ from ur5lib.pipeline.closed_loop import published_gains, simulated, tracking_of
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.recordings.quality import StartOffset
-from ur5lib.report.compose import shown_table
 from ur5lib.report.explained_errors import explained_accelerations, loop_error
+from ur5lib.report.figures.recording_figures import euler_figure
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared
-from ur5lib.report.recording_figures import euler_figure
 from ur5lib.report.reference import (
     AccelerationError,
     Erratum,

@@ -25,8 +25,8 @@ from ur5lib.recordings.checks import check_robot
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.stop_signs import stop_signs
-from ur5lib.report.charts import residual_panels, scatter_panels
-from ur5lib.report.traces import TORQUE, Series, Traces, draw_traces
+from ur5lib.report.figures.charts import residual_panels, scatter_panels
+from ur5lib.report.figures.traces import TORQUE, Series, Traces, draw_traces
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders

@@ -18,8 +18,10 @@ from ur5lib.errors import InputError, remark
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.compose import shown_table
-from ur5lib.report.document import (
+from ur5lib.report.figures.house_style import save
+from ur5lib.report.figures.traces import TORQUE, Traces, draw_traces
+from ur5lib.report.page.compose import shown_table
+from ur5lib.report.page.document import (
     MOST_ROWS,
     Cell,
     Code,
@@ -33,13 +35,11 @@ from ur5lib.report.document import (
     Section,
     Table,
 )
-from ur5lib.report.house_style import save
+from ur5lib.report.page.render import write_html, write_pdf
+from ur5lib.report.page.sentences import cell
+from ur5lib.report.page.tabulated import extremes
 from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
-from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import cell
-from ur5lib.report.tabulated import extremes
-from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.arm_state import velocities
 from ur5lib.report.views.contacts import (
     counted,

@@ -14,7 +14,7 @@ from ur5lib.pipeline.published_constants import current_torque, published_consta
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import ODD_TARGET, Contradictions, Finding
-from ur5lib.report.friction_figures import printed_friction
+from ur5lib.report.figures.friction_figures import printed_friction
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import Robot
 

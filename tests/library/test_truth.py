@@ -16,7 +16,7 @@ from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Rotors
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.truth import COLUMNS, TrueParameters, Truth
-from ur5lib.report.compose import shown_table
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.truth_rows import (
     Row,

@@ -25,7 +25,7 @@ from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import given_load, stop_signs
 from ur5lib.recordings.touch_checks import unfelt
 from ur5lib.recordings.unchecked import unchecked
-from ur5lib.report.findings import by_finding, group_findings, worded
+from ur5lib.report.page.findings import by_finding, group_findings, worded
 from ur5lib.report.tables.files import name_copies
 from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot

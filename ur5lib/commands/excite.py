@@ -24,10 +24,10 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.report.excitation import LOAD, excitation_figure, excitation_page
-from ur5lib.report.house_style import save
-from ur5lib.report.render import write_html
-from ur5lib.report.torques import in_torques
+from ur5lib.report.figures.house_style import save
+from ur5lib.report.page.excitation import LOAD, excitation_figure, excitation_page
+from ur5lib.report.page.render import write_html
+from ur5lib.report.page.torques import in_torques
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.strict import read_yaml

@@ -18,7 +18,7 @@ import yaml
 from ur5lib.errors import InputError
 from ur5lib.lab.places import IN_CLONE, WORKFLOW
 from ur5lib.pipeline.records.truth import COLUMNS as TRUTH
-from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
+from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.robots.description import Robot

@@ -11,7 +11,7 @@ from snakemake.exceptions import WorkflowError
 from ur5lib.errors import InputError
 from ur5lib.lab.extensions import KINDS, source_files
 from ur5lib.lab.places import CITATION, PACKAGE, SCRIPTS, SNAKEFILE
-from ur5lib.report.document import MOST_SHOWN, Picture, contents
+from ur5lib.report.page.document import MOST_SHOWN, Picture, contents
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import JOINT_SIZES, robot_path
 from ur5lib.steps.batches import Batches, Step

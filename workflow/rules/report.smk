@@ -11,8 +11,8 @@ REPORT = PACKAGE / "report"
 COLUMNS = REPORT / "tables" / "columns.yaml"
 TABLES = [name for tables in read_yaml(COLUMNS).values() for name in tables]
 PARTS = parts_of_tables()  # of the steps above
-CONTENTS = REPORT / "contents.yaml", REPORT / "sentences.yaml"
-TEMPLATES = REPORT / "templates"
+CONTENTS = REPORT / "page" / "contents.yaml", REPORT / "page" / "sentences.yaml"
+TEMPLATES = REPORT / "page" / "templates"
 PAGE = *CONTENTS, *(TEMPLATES / name for name in ("report.html.jinja", "lines.js", "zoom.js"))
 
 

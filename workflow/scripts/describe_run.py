@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.lab.places import CITATION, SNAKEFILE
-from ur5lib.report.crate import run_crate
+from ur5lib.report.page.crate import run_crate
 from ur5lib.strict import read_yaml
 from ur5lib.tables import read_csv, write_json
 

@@ -5,8 +5,8 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.pipeline.estimators import NEW
-from ur5lib.report.charts import calibration_panels
-from ur5lib.report.house_style import save
+from ur5lib.report.figures.charts import calibration_panels
+from ur5lib.report.figures.house_style import save
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 

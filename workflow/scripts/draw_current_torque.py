@@ -5,8 +5,8 @@ from typing import Any
 from ur5lib.pipeline.published_constants import current_torque
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.friction_figures import printed_friction
-from ur5lib.report.house_style import save
+from ur5lib.report.figures.friction_figures import printed_friction
+from ur5lib.report.figures.house_style import save
 from ur5lib.robots.description import load_robot
 
 

@@ -8,8 +8,8 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Kinematics, Torques
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report import recording_figures as figures
-from ur5lib.report.house_style import save
+from ur5lib.report.figures import recording_figures as figures
+from ur5lib.report.figures.house_style import save
 from ur5lib.robots.description import load_robot
 
 

@@ -6,8 +6,8 @@ from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
 from ur5lib.report.explained_errors import explained_accelerations
-from ur5lib.report.house_style import save
-from ur5lib.report.recording_figures import euler_figure
+from ur5lib.report.figures.house_style import save
+from ur5lib.report.figures.recording_figures import euler_figure
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record, read_table

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.report.charts import response_panel
-from ur5lib.report.house_style import save
+from ur5lib.report.figures.charts import response_panel
+from ur5lib.report.figures.house_style import save
 from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, THESIS_CURRENT, frequency_response
 
 RATE = 125.0  # Hz, of the thesis's controller

@@ -10,8 +10,8 @@ from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.friction_figures import MovingSamples, friction_figures, knowledge_bars
-from ur5lib.report.house_style import save
+from ur5lib.report.figures.friction_figures import MovingSamples, friction_figures, knowledge_bars
+from ur5lib.report.figures.house_style import save
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_record
 

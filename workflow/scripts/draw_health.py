@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from ur5lib.report.arm_state_figures import health_figure
-from ur5lib.report.house_style import save
+from ur5lib.report.figures.arm_state_figures import health_figure
+from ur5lib.report.figures.house_style import save
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_csv
 

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.report.arm_figures import UPRIGHT, frame_panels, mass_panels, placed
-from ur5lib.report.house_style import save
+from ur5lib.report.figures.arm_figures import UPRIGHT, frame_panels, mass_panels, placed
+from ur5lib.report.figures.house_style import save
 from ur5lib.robots.description import Robot, load_robot
 
 

@@ -4,8 +4,8 @@ from typing import Any
 
 from ur5lib.force.trial_contacts import MOST
 from ur5lib.identification.validation import WANTED
-from ur5lib.report.arm_state_figures import observability_figure
-from ur5lib.report.house_style import save
+from ur5lib.report.figures.arm_state_figures import observability_figure
+from ur5lib.report.figures.house_style import save
 from ur5lib.tables import read_csv
 
 

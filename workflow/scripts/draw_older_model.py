@@ -6,8 +6,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report import recording_figures as figures
-from ur5lib.report.house_style import save
+from ur5lib.report.figures import recording_figures as figures
+from ur5lib.report.figures.house_style import save
 from ur5lib.report.reference import OLDER_MODEL, Published, read_reference
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.timeseries.arrays import Array

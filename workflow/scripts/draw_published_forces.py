@@ -3,8 +3,8 @@
 from typing import Any
 
 from ur5lib.pipeline.records.forces import PublishedForces, SensorWrenches
-from ur5lib.report.house_style import save
-from ur5lib.report.recording_figures import published_force_figure as draw
+from ur5lib.report.figures.house_style import save
+from ur5lib.report.figures.recording_figures import published_force_figure as draw
 
 
 def draw_published_forces(input: Any, output: Any, params: Any) -> None:

@@ -4,8 +4,8 @@ from typing import Any
 
 from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.house_style import save
-from ur5lib.report.recording_figures import chosen_gains, tracking_figure
+from ur5lib.report.figures.house_style import save
+from ur5lib.report.figures.recording_figures import chosen_gains, tracking_figure
 from ur5lib.robots.description import load_robot
 
 

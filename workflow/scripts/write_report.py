@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from ur5lib.report.compose import compose
-from ur5lib.report.document import contents
-from ur5lib.report.render import write_html, write_pdf
+from ur5lib.report.page.compose import compose
+from ur5lib.report.page.document import contents
+from ur5lib.report.page.render import write_html, write_pdf
+from ur5lib.report.page.summary import summary, summary_schema
 from ur5lib.report.results import Results
-from ur5lib.report.summary import summary, summary_schema
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import write_json, write_text
 

@@ -3,9 +3,9 @@
 from dataclasses import replace
 from typing import Any
 
-from ur5lib.report.compose import compose
-from ur5lib.report.document import contents
-from ur5lib.report.render import write_html
+from ur5lib.report.page.compose import compose
+from ur5lib.report.page.document import contents
+from ur5lib.report.page.render import write_html
 from ur5lib.report.results import Results
 from ur5lib.robots.description import load_robot
 

@@ -11,7 +11,7 @@ from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.findings import in_words
+from ur5lib.report.page.findings import in_words
 from ur5lib.report.reference import Published
 from ur5lib.report.tables import Column, Row, by_joint
 from ur5lib.robots.description import Robot

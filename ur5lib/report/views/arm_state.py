@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
-from ur5lib.report.baseline import bars
-from ur5lib.report.document import State, Verdict
-from ur5lib.report.formats import capital, day, days
+from ur5lib.report.page.document import State, Verdict
+from ur5lib.report.page.formats import capital, day, days
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import bars
 from ur5lib.timeseries.changes import FEWEST
 
 LEAST = 0.5  # %, smallest effect of temperature that is mentioned

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from ur5lib.report.document import Number, State, Verdict
+from ur5lib.report.page.document import Number, State, Verdict
 from ur5lib.report.results import Results
 
 Judge = Callable[[Results], Verdict | None]

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.formats import capital, fixed
+from ur5lib.report.page.document import MOST_SHOWN
+from ur5lib.report.page.formats import capital, fixed
+from ur5lib.report.page.sentences import name, say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import name, say
 
 WORDS = {"scale": "the scale", "drift": "the drift", "shift": "the shift by a contact"}
 LIMITS = {"scale": "5 %", "drift": "1 N/min", "shift": "1 N"}

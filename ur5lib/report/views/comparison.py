@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from ur5lib.report.page.sentences import names, say
 from ur5lib.report.printed_numbers import EQUAL, UNEXPLAINED
 from ur5lib.report.results import Results, with_zero
-from ur5lib.report.sentences import names, say
 
 DIGITS = 4  # of computed numbers
 

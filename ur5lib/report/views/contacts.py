@@ -8,10 +8,10 @@ import pandas as pd
 
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
-from ur5lib.report.baseline import BETTER, ZERO, Rival, error_bar, state
-from ur5lib.report.document import MOST_SHOWN, Number, Verdict
+from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import BETTER, ZERO, Rival, error_bar, state
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import FORCES, PUSHES, leading, pushes_found, searched
 

@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
-from ur5lib.report.baseline import HELD, WIDE, AgainstBaseline, Rival, bars
-from ur5lib.report.document import Number, State, Verdict
+from ur5lib.report.page.document import Number, State, Verdict
+from ur5lib.report.page.sentences import names, say
 from ur5lib.report.results import AT_REST, Results
-from ur5lib.report.sentences import names, say
 from ur5lib.report.tables.friction import AS_PRINTED
 from ur5lib.report.tables.models import STOP
+from ur5lib.report.views.baseline import HELD, WIDE, AgainstBaseline, Rival, bars
 from ur5lib.timeseries.metrics import NORMAL95
 
 LEAST_KNOWN = 3  # parameters that the next recording is designed for

@@ -8,9 +8,9 @@ from scipy.special import bdtr, bdtrc
 
 from ur5lib.force.trial_contacts import MOST as MOST_TRIED
 from ur5lib.identification.samples import FEW
-from ur5lib.report.document import MOST_SHOWN, Verdict
+from ur5lib.report.page.document import MOST_SHOWN, Verdict
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import AT_REST, Results
-from ur5lib.report.sentences import say
 from ur5lib.report.tables.models import STOP
 from ur5lib.report.views import (
     arm_state,

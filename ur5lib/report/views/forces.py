@@ -6,8 +6,8 @@ import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
 from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
 
 FORCES = ["Fx", "Fy", "Fz"]

@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.quality import GIVEN_LOAD, MODELLED
-from ur5lib.report.baseline import AgainstBaseline
-from ur5lib.report.document import Verdict
-from ur5lib.report.formats import SMALLEST_DIFFERENCE
+from ur5lib.report.page.document import Verdict
+from ur5lib.report.page.formats import SMALLEST_DIFFERENCE
+from ur5lib.report.page.sentences import say
 from ur5lib.report.reference import OLDER_MODEL
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import AgainstBaseline
 
 LINKS = "Link model"  # topic
 CLOSE = 1 - MODELLED  # least skill of a good link model

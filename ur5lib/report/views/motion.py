@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.baseline import AgainstBaseline, Rival
-from ur5lib.report.document import Verdict
+from ur5lib.report.page.document import Verdict
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results, with_zero
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import AgainstBaseline, Rival
 
 LINEAR, ANGULAR = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
 MOTION = "Motion"  # topic

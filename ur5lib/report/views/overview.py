@@ -5,10 +5,10 @@ from functools import reduce
 
 import pandas as pd
 
-from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.findings import SEVERITIES
+from ur5lib.report.page.document import MOST_SHOWN
+from ur5lib.report.page.findings import SEVERITIES
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
 from ur5lib.report.views.contacts import errors_in_contact
 from ur5lib.report.views.currents import in_motion, loaded
 from ur5lib.report.views.recordings import lost_shares

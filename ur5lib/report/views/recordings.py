@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import pandas as pd
 import yaml
 
-from ur5lib.report.baseline import bars
-from ur5lib.report.document import MOST_ROWS, Number, State, Verdict
-from ur5lib.report.findings import FEW, SEVERITIES, by_severity, group_findings
+from ur5lib.report.page.document import MOST_ROWS, Number, State, Verdict
+from ur5lib.report.page.findings import FEW, SEVERITIES, by_severity, group_findings
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import bars
 
 SPOKEN = {"stop": "stop sign"}
 MOST_NAMED = 4  # recordings of one finding

@@ -12,9 +12,9 @@ from xml.sax.saxutils import quoteattr
 
 import pandas as pd
 
-from ur5lib.report.document import Number, State
-from ur5lib.report.formats import SMALLEST_DIFFERENCE, rounded
-from ur5lib.report.sentences import say
+from ur5lib.report.page.document import Number, State
+from ur5lib.report.page.formats import SMALLEST_DIFFERENCE, rounded
+from ur5lib.report.page.sentences import say
 
 ZERO = "an estimate of zero"
 BETTER = 0.5  # smallest skill of a good estimate: less than half the error of zero

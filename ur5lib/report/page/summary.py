@@ -4,7 +4,7 @@ from itertools import pairwise
 
 from pydantic import Field
 
-from ur5lib.report.document import Document, Heading, Items, Number, State, Verdicts
+from ur5lib.report.page.document import Document, Heading, Items, Number, State, Verdicts
 from ur5lib.report.results import Results
 from ur5lib.strict import Strict
 

@@ -16,7 +16,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.patches import Patch
 
 from ur5lib.channels import MOST_JOINTS
-from ur5lib.report.house_style import (
+from ur5lib.report.figures.house_style import (
     BAND,
     GAP,
     HOUSE_STYLE,

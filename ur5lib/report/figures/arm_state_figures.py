@@ -11,8 +11,8 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from ur5lib.report.formats import flange_speeds
-from ur5lib.report.house_style import JOINTS, SHADE, Drawing, house_style, nothing_to_draw
+from ur5lib.report.figures.house_style import JOINTS, SHADE, Drawing, house_style, nothing_to_draw
+from ur5lib.report.page.formats import flange_speeds
 from ur5lib.timeseries.metrics import NORMAL95
 
 PANELS = {

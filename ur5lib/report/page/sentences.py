@@ -14,7 +14,7 @@ import pandas as pd
 from jinja2.environment import TemplateExpression
 
 from ur5lib.pipeline.estimators import ESTIMATES, PUBLISHED
-from ur5lib.report import formats
+from ur5lib.report.page import formats
 from ur5lib.strict import read_yaml
 
 FILTERS = (

@@ -5,7 +5,7 @@ from collections.abc import Collection
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
-from ur5lib.report.document import Code, Document, Equation
+from ur5lib.report.page.document import Code, Document, Equation
 
 WORDS = {
     r"Nm/A\b": "Nm/Nm",

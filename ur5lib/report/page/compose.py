@@ -8,7 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ur5lib.report.document import (
+from ur5lib.report.page.document import (
     MOST_ROWS,
     MOST_SHOWN,
     Block,
@@ -28,10 +28,10 @@ from ur5lib.report.document import (
     Verdicts,
     contents,
 )
+from ur5lib.report.page.sentences import say
+from ur5lib.report.page.tabulated import Body, tabulate
+from ur5lib.report.page.torques import in_torques
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
-from ur5lib.report.tabulated import Body, tabulate
-from ur5lib.report.torques import in_torques
 from ur5lib.report.views import (
     arm_state,
     audit,

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.document import UNDETERMINED, Cell, DeclaredTable, Mark
-from ur5lib.report.formats import SMALLEST_DIFFERENCE
-from ur5lib.report.sentences import cell, filled, names
+from ur5lib.report.page.document import UNDETERMINED, Cell, DeclaredTable, Mark
+from ur5lib.report.page.formats import SMALLEST_DIFFERENCE
+from ur5lib.report.page.sentences import cell, filled, names
 
 Record = dict[Hashable, Any]  # the values of a row by column
 Place = tuple[Hashable, ...]  # values of the columns `across`

@@ -13,8 +13,8 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.house_style import JOINTS, Drawing, house_style, nothing_to_draw
-from ur5lib.report.traces import (
+from ur5lib.report.figures.house_style import JOINTS, Drawing, house_style, nothing_to_draw
+from ur5lib.report.figures.traces import (
     ACCELERATION,
     CURRENT,
     TORQUE,

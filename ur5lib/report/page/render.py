@@ -20,9 +20,9 @@ import pandas as pd
 import typst
 from markupsafe import Markup
 
-from ur5lib.report.document import Document
-from ur5lib.report.house_style import STYLES
-from ur5lib.report.traces import BAND_EDGES, column_name
+from ur5lib.report.figures.house_style import STYLES
+from ur5lib.report.figures.traces import BAND_EDGES, column_name
+from ur5lib.report.page.document import Document
 from ur5lib.tables import read_csv, write_bytes, write_text
 from ur5lib.timeseries.arrays import Array
 

@@ -16,7 +16,8 @@ from ur5lib.excitation.objective import Worth
 from ur5lib.excitation.outlook import Bands
 from ur5lib.excitation.problem import Problem
 from ur5lib.excitation.trajectory import Margins, Path
-from ur5lib.report.document import (
+from ur5lib.report.figures.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
+from ur5lib.report.page.document import (
     Cell,
     Code,
     Document,
@@ -27,8 +28,7 @@ from ur5lib.report.document import (
     Section,
     Table,
 )
-from ur5lib.report.formats import significant
-from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
+from ur5lib.report.page.formats import significant
 from ur5lib.timeseries.arrays import Array
 
 DATA = "excitation.json"

@@ -7,7 +7,7 @@ from itertools import cycle
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.house_style import (
+from ur5lib.report.figures.house_style import (
     DOTS,
     FITTED_DOTS,
     JOINTS,

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 from scipy.spatial import ConvexHull
 
-from ur5lib.report.house_style import JOINTS, WIDTH, Drawing, house_style
+from ur5lib.report.figures.house_style import JOINTS, WIDTH, Drawing, house_style
 from ur5lib.robots.description import Cylinder, DenavitHartenberg, Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from ur5lib.identification.currents import CurrentFit, Parameter, predict
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.pipeline.published_constants import CurrentTorque
-from ur5lib.report.charts import residual_panels, scatter_panels
-from ur5lib.report.house_style import Drawing, house_style, nothing_to_draw
+from ur5lib.report.figures.charts import residual_panels, scatter_panels
+from ur5lib.report.figures.house_style import Drawing, house_style, nothing_to_draw
 from ur5lib.robots.description import CurrentToTorque
 from ur5lib.timeseries.arrays import Array
 
