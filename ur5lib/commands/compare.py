@@ -10,6 +10,7 @@ import pandas as pd
 from scipy.stats import norm
 
 from ur5lib.finished import FinishedStudy
+from ur5lib.pipeline.estimators import LEADING
 from ur5lib.tables import write_text
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -116,7 +117,7 @@ def payload(studies: Studies) -> Iterator[Comparison]:
 
 
 def currents(studies: Studies) -> Iterator[Comparison]:
-    """Compare the errors of predicted currents below 2 Hz, which have no interval."""
+    """Compare the errors of predicted currents, low-passed, which have no interval."""
     rows = _both(studies, "current_rmse", "model", "recording", "joint", value="rmse_2hz")
     for row in rows[rows["model"] == "fitted"].itertuples():
         low, high = sorted((row.value_a, row.value_b))
@@ -127,10 +128,10 @@ def currents(studies: Studies) -> Iterator[Comparison]:
 
 
 def force(studies: Studies) -> Iterator[Comparison]:
-    """Compare the errors of F^map in contact by their intervals over contacts."""
+    """Compare the errors of the leading estimate in contact by their intervals over contacts."""
     keys = ("recording", "kind", "estimate", "during", "component")
     rows = _both(studies, "force_mae", *keys, value="mae")
-    compared = (rows["kind"] == "compensated") & (rows["estimate"] == "Fmap")
+    compared = (rows["kind"] == "compensated") & (rows["estimate"] == LEADING)
     rows = rows[compared & (rows["during"] == "contact") & rows["component"].str.startswith("F")]
     names = [f"{r.recording}, {r.component}" for r in rows.itertuples()]
     rows = _by_interval(rows, "mae_low", "mae_high")

@@ -148,3 +148,4 @@ NEW = {name: one.label for name, one in ESTIMATORS.items()}
 ESTIMATES = PUBLISHED | NEW
 SPOKEN = PUBLISHED | {name: one.article + one.label for name, one in ESTIMATORS.items()}
 GATED = [name for name, one in ESTIMATORS.items() if one.gated]
+LEADING = GATED[0]  # its contacts, alarms and smallest pushes are those of a study

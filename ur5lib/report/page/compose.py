@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from ur5lib.pipeline.estimators import ESTIMATES, LEADING
 from ur5lib.report.page.document import (
     MOST_ROWS,
     MOST_SHOWN,
@@ -202,11 +203,13 @@ def _label(block: str, name: str) -> str:
 
 
 def _filled(text: str, results: Results, name: str) -> str:
-    """Return a text with the name of its recording or arm, and the remarks that concern it."""
+    """Return a text with the names of its recording or arm and of the leading estimate, and with
+    the remarks that concern it.
+    """
     other = name in results.other_arms
     said = {"thesis": results.of_thesis, "other": other, "ur": not other}
     text = REMARK.sub(lambda remark: remark[2] if said[remark[1]] else "", text)
-    return text.replace("{of}", name)
+    return text.replace("{leading}", ESTIMATES[LEADING]).replace("{of}", name)
 
 
 def shown_table(table: str, results: Results, name: str = "") -> Body:

@@ -59,9 +59,10 @@ class FromContents:
 class Paragraph(FromContents):
     """Running text, with mentions of tables and figures.
 
-    text: as in the contents, with mentions as @name, and {of} for the recording or arm of repeated
-    blocks; sentences that mention a table or figure that is not shown are left out. beside: the
-    text is shown only where this table or figure is. sentences: the view that returns paragraphs.
+    text: as in the contents, with mentions as @name, {of} for the recording or arm of repeated
+    blocks, {leading} for the leading estimate; sentences that mention a table or figure that is not
+    shown are left out. beside: the text is shown only where this table or figure is. sentences: the
+    view that returns paragraphs.
     """
 
     spans: list[str | Reference] = field(default_factory=list)

@@ -13,7 +13,7 @@ import jinja2
 import pandas as pd
 from jinja2.environment import TemplateExpression
 
-from ur5lib.pipeline.estimators import ESTIMATES, PUBLISHED
+from ur5lib.pipeline.estimators import ESTIMATES, LEADING, PUBLISHED
 from ur5lib.report.page import formats
 from ur5lib.strict import read_yaml
 
@@ -71,6 +71,7 @@ def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
     environment.filters |= {own: getattr(formats, own) for own in FILTERS} | {"name": name}
+    environment.globals["leading"] = ESTIMATES[LEADING]
     environment.tests |= {"known": pd.notna, "published": PUBLISHED.__contains__}
     return environment
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
-from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
+from ur5lib.pipeline.estimators import ESTIMATES, LEADING, NEW, SPOKEN
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
@@ -15,7 +15,7 @@ from ur5lib.report.views.baseline import BETTER, ZERO, Rival, error_bar, state
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import FORCES, PUSHES, leading, pushes_found, searched
 
-CLAIMED, OURS, AXIS = "F*", "Fmap", "Fz"
+CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 TOPIC = "Force in contact"
 UNCALIBRATED = "static"  # the estimate without any fit
 
@@ -81,17 +81,17 @@ def bands_held(results: Results) -> Iterator[str]:
 
 
 def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
-    """Return the contacts that F̂ᵐᵃᵖ finds, by contact recording without a sensor."""
-    searched = {*results.rows("detection", estimate="Fmap")["recording"]}
+    """Return the contacts that are found, by contact recording without a sensor."""
+    searched = {*results.rows("detection", estimate=LEADING)["recording"]}
     names = results.with_role("contact", searched.difference(results.listed("force_mae")))
-    contacts = results.rows("contacts", estimate="Fmap", kind="contact")
+    contacts = results.rows("contacts", estimate=LEADING, kind="contact")
     found = dict([*contacts.groupby("recording")])
     return {name: found.get(name, contacts[:0]) for name in names}
 
 
 def felt_while_fitted(results: Results) -> list[str]:
-    """Return the recordings of the role fit on which F̂ᵐᵃᵖ finds contacts, by a fit without them."""
-    found = results.rows("contacts", estimate="Fmap", kind="contact")
+    """Return the recordings of the role fit on which contacts are found, by a fit without them."""
+    found = results.rows("contacts", estimate=LEADING, kind="contact")
     return results.with_role("fit", found["recording"])
 
 
@@ -120,7 +120,7 @@ def detection(results: Results) -> Iterator[str]:
     """Report the contacts found by their force, those of the weakest that past samples alone show,
     and the smallest push detected along each axis.
     """
-    rows = results.rows("detection", estimate="Fmap")
+    rows = results.rows("detection", estimate=LEADING)
     by_class = rows.groupby("force_class_n")[["found", "contacts"]].sum()
     if len(by_class):
         yield say("contacts.found", classes=[*by_class.itertuples()])
@@ -135,19 +135,19 @@ def detection(results: Results) -> Iterator[str]:
 
 
 def quiet(results: Results) -> pd.DataFrame:
-    """Return the alarms of F̂ᵐᵃᵖ on validate recordings without an undeclared load, with the
-    recordings' minutes; a recording has one row.
+    """Return the alarms on validate recordings without an undeclared load, with the recordings'
+    minutes; a recording has one row.
     """
     validated = results.with_role("validate")
-    rows = results.rows("detection", estimate="Fmap", recording=validated)
+    rows = results.rows("detection", estimate=LEADING, recording=validated)
     rows = rows[~rows["recording"].isin(loaded(results)["recording"])].drop_duplicates("recording")
     lengths = results.tables["recordings"].set_index("recording")["duration_s"]
     return rows.assign(minutes=rows["recording"].map(lengths).astype(float) / 60)
 
 
 def false_alarms(results: Results) -> Iterator[str]:
-    """Report the alarms of F̂ᵐᵃᵖ where nothing touches the arm, of all samples and of past ones."""
-    if len(results.rows("detection", estimate="Fmap")):
+    """Report the alarms where nothing touches the arm, of all samples and of past ones."""
+    if len(results.rows("detection", estimate=LEADING)):
         rows = quiet(results)
         rate, causal = (a_minute(rows, f"{kind}alarms_per_min") for kind in ("", "causal_"))
         yield say("force.false alarms", minutes=rows["minutes"].sum(), rate=rate, causal=causal)
@@ -178,7 +178,7 @@ def score(results: Results, estimate: str) -> Score | None:
     Pushes are counted on recordings with printed errors, time above on validate recordings.
     """
     printed, validated = results.printed("force_mae", "printed_mae"), results.with_role("validate")
-    rows = {"component": AXIS, "estimate": estimate}
+    rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}
     pushed = results.rows("fixed_threshold", recording=printed, **rows)
     free = results.rows("fixed_threshold", recording=validated, **rows)
     if pushed.empty or free.empty:
@@ -189,16 +189,16 @@ def score(results: Results, estimate: str) -> Score | None:
 
 def claim(results: Results) -> Iterator[str]:
     """Report whether the claim holds, and why not."""
-    if (claimed := score(results, CLAIMED)) is not None:
+    if (claimed := score(results, CLAIMED_ESTIMATE)) is not None:
         yield say("claim.judged", claimed=claimed)
 
 
 def scores(results: Results) -> list[str]:
-    """Return a sentence with the scores of F̂*_z and F̂ᵐᵃᵖ, by which the claim is judged."""
-    claimed, ours = score(results, CLAIMED), score(results, OURS)
+    """Return a sentence with the scores of F̂*_z and ours, by which the claim is judged."""
+    claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
     if claimed is None or ours is None:
         return []
-    both = [(ESTIMATES[CLAIMED], claimed), (ESTIMATES[OURS], ours)]
+    both = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
     return [say("claim.compared", pushes=claimed.pushes, scores=both)]
 
 

@@ -8,6 +8,7 @@ from scipy.special import bdtr, bdtrc
 
 from ur5lib.force.trial_contacts import MOST as MOST_TRIED
 from ur5lib.identification.samples import FEW
+from ur5lib.pipeline.estimators import LEADING
 from ur5lib.report.page.document import MOST_SHOWN, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import AT_REST, Results
@@ -146,7 +147,7 @@ IMPROBABLE = 0.025  # below this chance, the count of intervals that contain the
 
 def findings(results: Results) -> list[str]:
     """Return the findings, one item each, or the sentence that there are none."""
-    taken_up = results.rows("contacts", estimate="Fmap", kind="load")
+    taken_up = results.rows("contacts", estimate=LEADING, kind="load")
     sentences = [
         *stop_signs(results),
         *currents.contradictions(results),
@@ -218,7 +219,7 @@ def nearest_model(results: Results) -> Iterator[str]:
 
 def _detection(results: Results) -> Iterator[str]:
     """Report the contacts found, the false alarms, and the smallest push detected."""
-    rows = results.rows("detection", estimate="Fmap")
+    rows = results.rows("detection", estimate=LEADING)
     least = rows[rows["force_class_n"] == rows["force_class_n"].min()]
     if len(least):
         yield say("findings.contacts", rows=least)

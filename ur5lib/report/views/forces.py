@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
-from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED
+from ur5lib.pipeline.estimators import GATED, LEADING, NEW, PUBLISHED
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.currents import loaded
@@ -63,8 +63,8 @@ def contact_errors(results: Results, recording: str) -> pd.DataFrame:
 
 
 def contacts(results: Results, recording: str) -> pd.DataFrame:
-    """Return the contacts that F̂ᵐᵃᵖ finds."""
-    return results.rows("contacts", recording=recording, estimate="Fmap")
+    """Return the contacts that the leading estimate finds."""
+    return results.rows("contacts", recording=recording, estimate=LEADING)
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:
@@ -80,6 +80,6 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
 
 
 def pushes_found(results: Results) -> pd.DataFrame:
-    """Return the smallest pushes that F̂ᵐᵃᵖ detects on motions without an undeclared load."""
-    rows = results.rows("detection", estimate="Fmap").dropna(subset=PUSHES, how="all")
+    """Return the smallest pushes that are detected on motions without an undeclared load."""
+    rows = results.rows("detection", estimate=LEADING).dropna(subset=PUSHES, how="all")
     return rows[~rows["recording"].isin(loaded(results)["recording"])]

@@ -5,6 +5,7 @@ from functools import reduce
 
 import pandas as pd
 
+from ur5lib.pipeline.estimators import LEADING
 from ur5lib.report.page.document import MOST_SHOWN
 from ur5lib.report.page.findings import SEVERITIES
 from ur5lib.report.page.sentences import say
@@ -49,7 +50,7 @@ def estimates(results: Results, robot: str) -> pd.DataFrame:
     """
     free = {name for name, role in results.roles().items() if role != "contact"}
     currents = in_motion(results, free).query("model == 'fitted'")
-    alarms = results.rows("detection", estimate="Fmap").drop_duplicates("recording")
+    alarms = results.rows("detection", estimate=LEADING).drop_duplicates("recording")
     alarms = alarms[alarms["recording"].isin(free)].set_index("recording")
     forces = errors_in_contact(results)
     values = {
