@@ -267,6 +267,7 @@ def judge_currents(results: Results) -> Verdict:
     held = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * held, "%", place)
+    cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
     told = say("currents.verdict", against=against, hold=held >= HELD, wide=held >= WIDE)
     return Verdict(
         topic=CURRENTS,
@@ -275,5 +276,5 @@ def judge_currents(results: Results) -> Verdict:
         evidence=say("currents.evidence", against=against, least=least),
         drawing=against.drawing(),
         caption=say("error.bars", zero=CONSTANT),
-        numbers=(*against.numbers("RMSE below 2 Hz"), share),
+        numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )
