@@ -19,7 +19,7 @@ from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.dynamics import Torques
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report.figures.house_style import save
-from ur5lib.report.figures.traces import TORQUE, Traces, draw_traces
+from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import (
     MOST_ROWS,
@@ -50,7 +50,7 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import loaded, remarks
 from ur5lib.report.views.first_screen import _each, left_out_fits
-from ur5lib.report.views.forces import PUSHES, pushes_found
+from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
 
@@ -62,7 +62,7 @@ def picture(tmp_path: Path) -> Path:
     time = np.linspace(0, 1, 50)
     values = np.outer(np.sin(time), np.ones(6))
     series = {"a": (values, "measured"), "b": (2 * values, "joint")}
-    save(draw_traces(Traces(time, series), TORQUE), tmp_path / "figure.svg")
+    save(draw_traces(Traces(time, series), TORQUE_PANELS), tmp_path / "figure.svg")
     return tmp_path / "figure.svg"
 
 
@@ -435,7 +435,7 @@ def test_what_a_run_carries_stands_in_a_table() -> None:
 
 
 def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
-    pushes = dict.fromkeys(PUSHES, 5.0) | {"estimate": "Fmap"}
+    pushes = dict.fromkeys(SMALLEST_PUSHES, 5.0) | {"estimate": "Fmap"}
     detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
     results = Results({}, {"detection": detection, "payload": payloads()}, Path())
     assert [*pushes_found(results)["recording"]] == ["free"]

@@ -25,7 +25,7 @@ from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.report.figures.house_style import save
-from ur5lib.report.page.excitation import LOAD, excitation_figure, excitation_page
+from ur5lib.report.page.excitation import LOAD_ADVICE, excitation_figure, excitation_page
 from ur5lib.report.page.render import write_html
 from ur5lib.report.page.torques import in_torques
 from ur5lib.robots.collisions import Surroundings
@@ -197,7 +197,7 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
         yield f"  {names[k]:<34} {worth.before[k]:>9.2g} {worth.after[k]:>9.2g} {units[k]}"
     worst = worth.least_determined()[0]
     if worth.hardly_lowered()[worst]:
-        yield f"this motion would hardly lower the first of these errors: {LOAD}"
+        yield f"this motion would hardly lower the first of these errors: {LOAD_ADVICE}"
 
 
 def _band_lines(outlook: Sequence[Bands], sensed: bool) -> Iterator[str]:

@@ -10,12 +10,21 @@ import pandas as pd
 from ur5lib.report.reference import Lookup, PrintedTable, Reference
 from ur5lib.timeseries.arrays import Array
 
-COLUMNS = ["source", "quantity", "recording", "row", "number", "printed", "rebuilt", "ratio"]
-COLUMNS += ["as_erratum_says", "erratum", "right", "status"]
+PRINTED_COLUMNS = [
+    "source",
+    "quantity",
+    "recording",
+    "row",
+    "number",
+    "printed",
+    "rebuilt",
+    "ratio",
+]
+PRINTED_COLUMNS += ["as_erratum_says", "erratum", "right", "status"]
 EQUAL, UNEXPLAINED = "equal", "unexplained"
 
 
-class Explained(NamedTuple):
+class ExplainedRow(NamedTuple):
     """The numbers (6,) of a published row, computed with the error that an erratum describes."""
 
     erratum: int
@@ -25,7 +34,7 @@ class Explained(NamedTuple):
 
 
 def compared(
-    reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[Explained]
+    reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[ExplainedRow]
 ) -> Iterator[dict[str, object]]:
     """Yield a row for each published number of the recordings in the study's tables (by name)."""
     for name, table in reference.printed.items():

@@ -19,7 +19,7 @@ from ur5lib.errors import InputError
 from ur5lib.lab.places import IN_CLONE, WORKFLOW
 from ur5lib.pipeline.records.truth import COLUMNS as TRUTH
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
-from ur5lib.report.printed_numbers import COLUMNS as PRINTED
+from ur5lib.report.printed_numbers import PRINTED_COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.robots.description import Robot
 from ur5lib.strict import FAST_LOADER

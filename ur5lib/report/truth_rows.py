@@ -30,10 +30,10 @@ from ur5lib.timeseries.segments import by_segment
 Row = dict[Hashable, Any]
 Files = Mapping[str, str]  # paths of one arm's or one recording's results
 Truths = Mapping[str, TrueParameters]  # by recording
-Part = TypeVar("Part")
-AXES = ["x", "y", "z"]
-PARTS = 8  # of an only recording, in a jackknife
-INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
+TruthPart = TypeVar("TruthPart")
+AXIS_NAMES = ["x", "y", "z"]
+JACKKNIFE_PARTS = 8  # of an only recording, in a jackknife
+SHARE_WITHIN_2_STD = float(norm.cdf(2) - norm.cdf(-2))
 
 
 def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
@@ -103,8 +103,8 @@ def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Ro
 
 
 def shared(
-    truths: Truths, recordings: Collection[str], part: Callable[[TrueParameters], Part]
-) -> Part | None:
+    truths: Truths, recordings: Collection[str], part: Callable[[TrueParameters], TruthPart]
+) -> TruthPart | None:
     """Return a part of the truth that recordings have in common, None where they have not."""
     if not recordings or not set(recordings) <= set(truths):
         return None
@@ -176,10 +176,10 @@ def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iter
         if len(motion.time):
             estimate, true = motion.qdd, truth.qdd
             joints, quantity = joint_numbers(true), "joint_acceleration"
-            inside = coverage(estimate, motion.qdd_std, true, INSIDE2)
+            inside = coverage(estimate, motion.qdd_std, true, SHARE_WITHIN_2_STD)
             yield from errors(quantity, joints, "rad/s2", true, estimate, method)
             quantity += "_inside_2_std"
-            yield from rows(quantity, joints, "1", INSIDE2, inside, method=method)
+            yield from rows(quantity, joints, "1", SHARE_WITHIN_2_STD, inside, method=method)
 
 
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
@@ -202,7 +202,7 @@ def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
     """
     if rotors.value is not None and rotors.std_error is not None:
         known = truth, rotors.value.inertia, rotors.std_error.inertia
-        freedom = len(rotors.from_) - 1 or PARTS - 1
+        freedom = len(rotors.from_) - 1 or JACKKNIFE_PARTS - 1
         yield from values("rotor_inertia", joint_numbers(truth), "kg m2", *known, freedom)
 
 
@@ -217,7 +217,7 @@ def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
         ("gyroscope_bias", "rad/s", imu.gyroscope_bias),
         ("place", "m", calibration.described),
     ):
-        axes = AXES[: len(truth)]
+        axes = AXIS_NAMES[: len(truth)]
         found, std = getattr(calibration, name), getattr(calibration, f"{name}_std")
         yield from values(f"imu_{name}", axes, unit, truth, found, std)
 

@@ -10,7 +10,7 @@ from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
 from ur5lib.report.explained_errors import explained_accelerations, loop_error
-from ur5lib.report.printed_numbers import COLUMNS, Explained, compared
+from ur5lib.report.printed_numbers import PRINTED_COLUMNS, ExplainedRow, compared
 from ur5lib.report.reference import Reference, read_reference
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_csv, read_record, read_table, write_csv
@@ -21,10 +21,10 @@ def compare_with_print(input: Any, output: Any, params: Any) -> None:
     reference = read_reference(input.get("reference"))
     tables = {Path(path).stem: read_csv(path) for path in input.tables}
     rows = compared(reference, tables, [*explained(reference, input, params)])
-    write_csv(pd.DataFrame(rows, columns=COLUMNS), output.printed)
+    write_csv(pd.DataFrame(rows, columns=PRINTED_COLUMNS), output.printed)
 
 
-def explained(reference: Reference, input: Any, params: Any) -> Iterator[Explained]:
+def explained(reference: Reference, input: Any, params: Any) -> Iterator[ExplainedRow]:
     """Yield the numbers of the errata's explanations, of the recordings of this study."""
     for number, erratum in enumerate(reference.errata, 1):
         for way in erratum.explains:
@@ -45,4 +45,4 @@ def explained(reference: Reference, input: Any, params: Any) -> Iterator[Explain
                         robot, signals, kinematics, imu, start, way.acceleration
                     )
                 )
-            yield Explained(number, way.printed, way.row, values)
+            yield ExplainedRow(number, way.printed, way.row, values)

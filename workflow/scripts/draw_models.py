@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.report.figures.arm_figures import UPRIGHT, frame_panels, mass_panels, placed
+from ur5lib.report.figures.arm_figures import UPRIGHT_POSTURE, frame_panels, mass_panels, placed
 from ur5lib.report.figures.house_style import save
 from ur5lib.robots.description import Robot, load_robot
 
 
 def draw_models(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
-    posture = UPRIGHT if robot.denavit_hartenberg else [0.0] * len(robot.joints)
+    posture = UPRIGHT_POSTURE if robot.denavit_hartenberg else [0.0] * len(robot.joints)
     rotation, origin = (part[0] for part in link_frames(robot, np.array([posture])))
     models = {", ".join(names): placed(robot, names[0], rotation, origin) for names in alike(robot)}
     save(mass_panels(origin, models), output.models)

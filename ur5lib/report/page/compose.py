@@ -55,11 +55,13 @@ VIEWS: dict[str, ModuleType] = {
     )
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
-REMARK = re.compile(r"\{(thesis|ur|other)\|(.*?)\}")  # of that study, or of such arms, alone
+CONDITIONAL_TEXT = re.compile(
+    r"\{(thesis|ur|other)\|(.*?)\}"
+)  # of that study, or of such arms, alone
 SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
-Draft = Callable[[Set[str]], Paragraph | None]
+DraftedText = Callable[[Set[str]], Paragraph | None]
 """Returns a text, given the labels of the tables and figures that are shown."""
 
 
@@ -108,7 +110,7 @@ def _analysed(results: Results) -> str:
     )
 
 
-def _labels(blocks: Iterable[Block | Draft]) -> set[str]:
+def _labels(blocks: Iterable[Block | DraftedText]) -> set[str]:
     """Return the labels of the tables and figures among blocks."""
     return {block.label for block in blocks if isinstance(block, Table | Picture)}
 
@@ -141,7 +143,7 @@ def _paragraph(text: str, beside: str, name: str, shown: Set[str]) -> Paragraph 
     return Paragraph(spans) if spans and required else None
 
 
-def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
+def _drafts(part: Part, results: Results) -> Iterator[Block | DraftedText]:
     """Yield blocks, and texts that depend on other blocks."""
     for wanted in part.blocks:
         if not isinstance(wanted, Repeated):
@@ -158,7 +160,7 @@ def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
 
 def _single(
     wanted: Block | DeclaredTable, results: Results, name: str = ""
-) -> Iterator[Block | Draft]:
+) -> Iterator[Block | DraftedText]:
     """Yield a block of the contents, filled from results; name: recording, arm or study of it."""
     arguments = (results, name) if name else (results,)
     match wanted:
@@ -208,7 +210,7 @@ def _filled(text: str, results: Results, name: str) -> str:
     """
     other = name in results.other_arms
     said = {"thesis": results.of_thesis, "other": other, "ur": not other}
-    text = REMARK.sub(lambda remark: remark[2] if said[remark[1]] else "", text)
+    text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] if said[remark[1]] else "", text)
     return text.replace("{leading}", ESTIMATES[LEADING]).replace("{of}", name)
 
 
@@ -251,7 +253,7 @@ def _has_numbers(path: Path) -> bool:
         return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
 
 
-def _is_evidence(block: Block | Draft) -> bool:
+def _is_evidence(block: Block | DraftedText) -> bool:
     """Whether a block comes from results, unlike the texts that are the same in every report."""
     return not (callable(block) or isinstance(block, Paragraph | Heading))
 

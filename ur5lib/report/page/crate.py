@@ -14,12 +14,12 @@ from rocrate.rocrate import ROCrate
 from ur5lib.report.results import commit, versions
 from ur5lib.tables import checksum
 
-PROFILES = {
+CRATE_PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
-SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
+SHA256_TERM = "https://w3id.org/ro/terms/workflow-run#sha256"
 
 
 def run_crate(
@@ -37,12 +37,12 @@ def run_crate(
     of the software, as in CITATION.cff. known: checksums of files that need not be read again.
     """
     crate = ROCrate(version="1.1")
-    crate.metadata.extra_terms["sha256"] = SHA256
+    crate.metadata.extra_terms["sha256"] = SHA256_TERM
     crate.name, crate.license = title, f"https://spdx.org/licenses/{citation['license']}"
     crate.description = f"Results of the study {folder.name}: {title}"
     crate.root_dataset["conformsTo"] = [
         _context(crate, url, "CreativeWork", name, version=url[-3:])
-        for url, name in PROFILES.items()
+        for url, name in CRATE_PROFILES.items()
     ]
     workflow = _workflow(crate, folder / "Snakefile", citation)
     read = [_file(crate, folder / "configuration.yaml", "configuration.yaml")]

@@ -21,7 +21,7 @@ State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # shown of a table; its CSV file has all
-UNDETERMINED = "undetermined"  # replaces a number that the data do not determine
+UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not determine
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Cell:
     mark: Mark | None = None
     link: str = ""
 
-
-def _is_number(cell: Cell) -> bool:
-    return cell.text == UNDETERMINED or not re.search(r"[A-Za-z]|\d–", cell.text)
+    def is_number(self) -> bool:
+        """Whether it holds a number, one that is not determined among them."""
+        return self.text == UNDETERMINED_TEXT or not re.search(r"[A-Za-z]|\d–", self.text)
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class Table:
     def alignment(self) -> list[str]:
         """ "left" for columns that hold words, "right" for numbers."""
         columns = zip(*self.rows, strict=True) if self.rows else [[] for _ in self.header]
-        return ["right" if all(map(_is_number, column)) else "left" for column in columns]
+        return ["right" if all(map(Cell.is_number, column)) else "left" for column in columns]
 
 
 @dataclass(frozen=True)
@@ -226,7 +226,7 @@ class Code(FromContents):
 
 
 Block = Paragraph | Heading | Items | Table | Picture | Verdicts | Equation | Code
-NAMES = {Table: "Table", Picture: "Figure"}
+NUMBERED_KINDS = {Table: "Table", Picture: "Figure"}
 
 
 @dataclass(frozen=True)
@@ -252,13 +252,13 @@ class Document:
 
         Mentions of what is not in the document raise KeyError.
         """
-        counts = dict.fromkeys(NAMES.values(), 0)
+        counts = dict.fromkeys(NUMBERED_KINDS.values(), 0)
         names: dict[str, str] = {}
 
         def count(block: Block) -> Block:
             if not isinstance(block, Table | Picture):
                 return block
-            kind = NAMES[type(block)]
+            kind = NUMBERED_KINDS[type(block)]
             counts[kind] += 1
             names[block.label] = f"{kind} {counts[kind]}"
             return replace(block, number=counts[kind])

@@ -17,7 +17,7 @@ from ur5lib.pipeline.estimators import ESTIMATES, LEADING, PUBLISHED
 from ur5lib.report.page import formats
 from ur5lib.strict import read_yaml
 
-FILTERS = (
+FORMAT_NAMES = (
     *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joints"),
     *("percent", "power", "rounded", "signed", "significant", "to"),
 )
@@ -70,7 +70,7 @@ def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
 @cache
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
-    environment.filters |= {own: getattr(formats, own) for own in FILTERS} | {"name": name}
+    environment.filters |= {own: getattr(formats, own) for own in FORMAT_NAMES} | {"name": name}
     environment.globals["leading"] = ESTIMATES[LEADING]
     environment.tests |= {"known": pd.notna, "published": PUBLISHED.__contains__}
     return environment

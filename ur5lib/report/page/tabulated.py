@@ -6,15 +6,15 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.page.document import UNDETERMINED, Cell, DeclaredTable, Mark
-from ur5lib.report.page.formats import SMALLEST_DIFFERENCE
+from ur5lib.report.page.document import UNDETERMINED_TEXT, Cell, DeclaredTable, Mark
+from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
 from ur5lib.report.page.sentences import cell, filled, names
 
-Record = dict[Hashable, Any]  # the values of a row by column
+RowValues = dict[Hashable, Any]  # the values of a row by column
 Place = tuple[Hashable, ...]  # values of the columns `across`
-Line = dict[Place, Record]
+Line = dict[Place, RowValues]
 
-DASH = Cell("–")
+EMPTY_CELL = Cell("–")
 
 
 class Body(NamedTuple):
@@ -24,7 +24,7 @@ class Body(NamedTuple):
     rows: list[list[Cell]]
 
 
-def tabulate(declared: DeclaredTable, rows: pd.DataFrame, known: Record) -> Body:
+def tabulate(declared: DeclaredTable, rows: pd.DataFrame, known: RowValues) -> Body:
     """Return header and rows of a table; known: further values for its templates.
 
     Without any declared column: all columns and rows, numbers to four digits.
@@ -41,7 +41,7 @@ def tabulate(declared: DeclaredTable, rows: pd.DataFrame, known: Record) -> Body
         *_columns(declared.last, lines, known),
     ]
     shown = [(title, cells) for title, cells in columns if any(cells)]
-    body = zip(*([cell or DASH for cell in cells] for _, cells in shown), strict=True)
+    body = zip(*([cell or EMPTY_CELL for cell in cells] for _, cells in shown), strict=True)
     return Body([title for title, _ in shown], [list(row) for row in body])
 
 
@@ -66,7 +66,7 @@ def _ordered(rows: pd.DataFrame, column: str) -> list[Hashable]:
 
 
 def _lines(
-    records: Sequence[Record], declared: DeclaredTable, places: Sequence[Place]
+    records: Sequence[RowValues], declared: DeclaredTable, places: Sequence[Place]
 ) -> list[Line]:
     """Return the records of each line by their place; without `lines`, one line a record."""
     lines: dict[Place, Line] = {}
@@ -79,7 +79,7 @@ def _lines(
 
 
 def _columns(
-    templates: dict[str, str], lines: Sequence[Line], known: Record
+    templates: dict[str, str], lines: Sequence[Line], known: RowValues
 ) -> Iterator[tuple[str, list[Cell | None]]]:
     """Yield columns of the first record of each line."""
     first = [next(iter(line.values())) for line in lines]
@@ -88,7 +88,7 @@ def _columns(
 
 
 def _across(
-    declared: DeclaredTable, places: Sequence[Place], lines: Sequence[Line], known: Record
+    declared: DeclaredTable, places: Sequence[Place], lines: Sequence[Line], known: RowValues
 ) -> Iterator[tuple[str, list[Cell | None]]]:
     """Yield columns of the records side by side, their smallest and largest value marked."""
     marks = [_marks(line, declared.marked) for line in lines]
@@ -114,15 +114,15 @@ def _marks(line: Line, marked: str) -> dict[Place, Mark | None]:
     return {place: mark for values in groups.values() for place, mark in extremes(values).items()}
 
 
-def _cell(template: str, values: Record, mark: Mark | None = None) -> Cell | None:
+def _cell(template: str, values: RowValues, mark: Mark | None = None) -> Cell | None:
     text = cell(template, values)
-    return None if text is None else Cell(text, None if text == UNDETERMINED else mark)
+    return None if text is None else Cell(text, None if text == UNDETERMINED_TEXT else mark)
 
 
 def extremes(values: Mapping[Place, float]) -> dict[Place, Mark | None]:
     """Mark the lowest and the highest entry; none if they agree."""
     marks: dict[Place, Mark | None] = dict.fromkeys(values)
     lowest, highest = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
-    if values[highest] - values[lowest] > SMALLEST_DIFFERENCE:
+    if values[highest] - values[lowest] > VISIBLE_DIFFERENCE:
         marks |= {lowest: "lowest", highest: "highest"}
     return marks

@@ -7,7 +7,7 @@ from typing import Any
 
 from ur5lib.report.page.document import Code, Document, Equation
 
-WORDS = {
+TORQUE_WORDS = {
     r"Nm/A\b": "Nm/Nm",
     r"\[A\]": "[Nm]",
     r"(?<=\d) A\b": " Nm",
@@ -15,7 +15,7 @@ WORDS = {
     r"\bcurrent(s?)\b": r"torque\1",
     r"\bCurrent(s?)\b": r"Torque\1",
 }
-KEPT = ("drawing", "figure", "home", "label", "link", "of", "path", "rule", "source")
+UNCHANGED_FIELDS = ("drawing", "figure", "home", "label", "link", "of", "path", "rule", "source")
 
 
 def in_torques(document: Document, names: Collection[str]) -> Document:
@@ -41,11 +41,11 @@ def _reworded(part: Any, given: re.Pattern[str]) -> Any:
             return type(part)(_reworded(one, given) for one in part)
     if not is_dataclass(part) or isinstance(part, type):
         return part
-    names = (own.name for own in fields(part) if own.name not in KEPT)
+    names = (own.name for own in fields(part) if own.name not in UNCHANGED_FIELDS)
     return replace(part, **{name: _reworded(getattr(part, name), given) for name in names})
 
 
 def _words(text: str) -> str:
-    for pattern, word in WORDS.items():
+    for pattern, word in TORQUE_WORDS.items():
         text = re.sub(pattern, word, text)
     return text

@@ -7,7 +7,7 @@ from ur5lib.report.page.document import Number, State, Verdict
 from ur5lib.report.results import Results
 
 Judge = Callable[[Results], Verdict | None]
-SEVEREST: list[State] = ["do not use", "usable", "good", "not determined"]
+STATES_BY_SEVERITY: list[State] = ["do not use", "usable", "good", "not determined"]
 
 
 def by_arm(judge: Judge) -> Judge:
@@ -27,7 +27,7 @@ def together(verdicts: Mapping[str, Verdict]) -> Verdict:
     """Return the verdict on all arms: the severest, with the sentences of each, the severest first;
     good only if all are.
     """
-    arms = sorted(verdicts, key=lambda arm: SEVEREST.index(verdicts[arm].state))
+    arms = sorted(verdicts, key=lambda arm: STATES_BY_SEVERITY.index(verdicts[arm].state))
     severest = verdicts[arms[0]]
     told: dict[str, list[str]] = {}
     for arm in arms:

@@ -9,7 +9,7 @@ from ur5lib.report.page.sentences import names, say
 from ur5lib.report.printed_numbers import EQUAL, UNEXPLAINED
 from ur5lib.report.results import Results, with_zero
 
-DIGITS = 4  # of computed numbers
+COMPUTED_DIGITS = 4  # of computed numbers
 
 
 def changes(results: Results) -> Iterator[str]:
@@ -53,7 +53,7 @@ def unexplained(results: Results) -> list[str]:
             nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
         gap = 100 * (nearest / row.printed - 1)
         place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
-        words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}
+        words = {"nearest": nearest, "source": source, "gap": gap, "digits": COMPUTED_DIGITS}
         found.append(say("printed.missed", row=row, place=place, **words))
     return found
 

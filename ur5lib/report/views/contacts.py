@@ -11,13 +11,19 @@ from ur5lib.pipeline.estimators import ESTIMATES, LEADING, NEW, SPOKEN
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.baseline import BETTER, ZERO, Rival, error_bar, state
+from ur5lib.report.views.baseline import MIN_GOOD_SKILL, ZERO_ESTIMATE, Rival, error_bar, state
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import FORCES, PUSHES, leading, pushes_found, searched
+from ur5lib.report.views.forces import (
+    FORCE_COMPONENTS,
+    SMALLEST_PUSHES,
+    leading,
+    pushes_found,
+    searched,
+)
 
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
-TOPIC = "Force in contact"
-UNCALIBRATED = "static"  # the estimate without any fit
+FORCE_TOPIC = "Force in contact"
+STATIC_ESTIMATE = "static"  # the estimate without any fit
 
 
 def sentences(results: Results) -> list[str]:
@@ -32,7 +38,7 @@ def sentences(results: Results) -> list[str]:
 
 def in_contact(results: Results) -> Iterator[str]:
     """Report the errors of the leading estimate, in contact and free."""
-    rows = results.rows("force_mae", kind="compensated", component=FORCES)
+    rows = results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS)
     touched = dict([*rows[rows["during"] == "contact"].groupby("recording", sort=False)])
     free = rows[rows["during"] == "free"]
     for name, contact in [*touched.items()][:MOST_SHOWN]:
@@ -73,7 +79,7 @@ def undetermined_moments(results: Results) -> Iterator[str]:
 
 def bands_held(results: Results) -> Iterator[str]:
     """Report the coverage of the stated bands, in contact and free."""
-    rows = results.rows("force_mae", kind="compensated", component=FORCES)
+    rows = results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS)
     held = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
     if {"contact", "free"} <= {*held}:
         known = held.dropna(subset=["contact", "free"])
@@ -105,7 +111,7 @@ def largest_contacts(results: Results) -> Iterator[str]:
     """Report the largest force on each contact recording without a sensor."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         if len(rows):
-            largest = rows.loc[(rows[FORCES] ** 2).sum(axis="columns").idxmax()]
+            largest = rows.loc[(rows[FORCE_COMPONENTS] ** 2).sum(axis="columns").idxmax()]
             yield say("contacts.largest", name=name, row=largest)
 
 
@@ -129,7 +135,7 @@ def detection(results: Results) -> Iterator[str]:
         if len(rated):
             delays = [*rated["causal_delay_s"].dropna()]
             yield say("contacts.causal", rows=rated, delays=delays, most=MOST_SHOWN)
-    smallest = pushes_found(results)[PUSHES].median(skipna=False)
+    smallest = pushes_found(results)[SMALLEST_PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield say("contacts.smallest", forces=smallest)
 
@@ -160,7 +166,7 @@ def a_minute(rows: pd.DataFrame, column: str) -> float:
     return float((known[column] * known["minutes"]).sum() / minutes) if minutes else math.nan
 
 
-class Score(NamedTuple):
+class ClaimScore(NamedTuple):
     """How an estimate detects pushes along z.
 
     found: of all pushes that reach the threshold at the sensor; above: largest share of a
@@ -172,7 +178,7 @@ class Score(NamedTuple):
     above: float
 
 
-def score(results: Results, estimate: str) -> Score | None:
+def score(results: Results, estimate: str) -> ClaimScore | None:
     """Return an estimate's score, None without such recordings.
 
     Pushes are counted on recordings with printed errors, time above on validate recordings.
@@ -184,7 +190,7 @@ def score(results: Results, estimate: str) -> Score | None:
     if pushed.empty or free.empty:
         return None
     found, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
-    return Score(found, pushes, float(free["time_above"].max()))
+    return ClaimScore(found, pushes, float(free["time_above"].max()))
 
 
 def claim(results: Results) -> Iterator[str]:
@@ -225,7 +231,9 @@ def uncalibrated(results: Results) -> Iterator[str]:
 
 def errors_in_contact(results: Results) -> pd.DataFrame:
     """Return the leading estimate's errors along x, y, z on recordings that no fit has seen."""
-    rows = results.rows("force_mae", kind="compensated", during="contact", component=FORCES)
+    rows = results.rows(
+        "force_mae", kind="compensated", during="contact", component=FORCE_COMPONENTS
+    )
     rows = leading(rows[~rows["recording"].isin(results.with_role("fit"))])
     return rows.assign(axis=rows["component"].str[1:])
 
@@ -235,7 +243,7 @@ def judge_force(results: Results) -> Verdict:
     the recording with the largest share, and by the smallest coverage of a stated band.
     """
     if results.stopped():
-        return Verdict(TOPIC, "do not use", say("force.stopped"))
+        return Verdict(FORCE_TOPIC, "do not use", say("force.stopped"))
     judged = errors_in_contact(results)
     if judged.empty:
         return _unjudged(results)
@@ -245,8 +253,8 @@ def judge_force(results: Results) -> Verdict:
     share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
     stated = judged.dropna(subset="coverage95")
     held = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
-    known, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != UNCALIBRATED
-    sure = row["mae_high"] < (1 - BETTER) * row["mean_force"]  # not if it has no interval
+    known, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != STATIC_ESTIMATE
+    sure = row["mae_high"] < (1 - MIN_GOOD_SKILL) * row["mean_force"]  # not if it has no interval
     doubted = doubted_biases(results, [*means.index])
     relied = sure and calibrated and rival.better.empty and not doubted
     error = max(one["mae"] / one["mean_force"] for one in (row, share))
@@ -254,12 +262,12 @@ def judge_force(results: Results) -> Verdict:
     about = {"known": known, "calibrated": calibrated, "doubted": doubted}
     told = say("force.verdict", row=row, estimate=_named(row["estimate"]))
     return Verdict(
-        topic=TOPIC,
+        topic=FORCE_TOPIC,
         state=state(error, 1.0, covered, tested=relied),
         sentence=rival.after(told, "N", 1),
         evidence=" ".join(
             [
-                say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
+                say("force.evidence", row=row, share=share, held=held, zero=ZERO_ESTIMATE, **about),
                 *false_alarms(results),
             ]
         ),
@@ -277,7 +285,9 @@ def doubted_biases(results: Results, among: list[str]) -> list[str]:
 
 def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:
     """Compare the leading estimate with least squares, means over x, y, z by recording."""
-    rows = results.rows("force_mae", kind="compensated", during="contact", component=FORCES)
+    rows = results.rows(
+        "force_mae", kind="compensated", during="contact", component=FORCE_COMPONENTS
+    )
     rows = rows[rows["recording"].isin(judged["recording"])]
     models = {judged["estimate"].iloc[0]: "ours", "least_squares": "rival"}
     return Rival.beside("least squares", rows, "mae", "recording", models)
@@ -285,7 +295,7 @@ def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:
 
 def _named(estimate: str) -> str:
     """Return an estimate's name as used in sentences."""
-    if estimate == UNCALIBRATED:
+    if estimate == STATIC_ESTIMATE:
         return f"{SPOKEN[estimate]} of the force"
     if SPOKEN[estimate] != ESTIMATES[estimate]:
         return SPOKEN[estimate]
@@ -298,9 +308,11 @@ def _numbers(row: pd.Series, share: pd.Series, held: pd.Series | None) -> Iterat
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     place = f"{row['recording']}, along {row['axis']}, in contact"
     error = Number(name, float(row["mae"]), "N", place)
-    yield error.within(row["mae_low"], row["mae_high"], "95 %").beside(row["mean_force"], ZERO)
+    yield error.within(row["mae_low"], row["mae_high"], "95 %").beside(
+        row["mean_force"], ZERO_ESTIMATE
+    )
     place = f"{share.name}, mean over x, y, z, in contact"
-    yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO)
+    yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO_ESTIMATE)
     if held is not None:
         place = f"{held['recording']}, along {held['axis']}, in contact"
         yield Number("least share in the 95 % band", 100 * float(held["coverage95"]), "%", place)
@@ -309,10 +321,12 @@ def _numbers(row: pd.Series, share: pd.Series, held: pd.Series | None) -> Iterat
 def _unjudged(results: Results) -> Verdict:
     """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
-        return Verdict(TOPIC, "not determined", say("force.none"), " ".join(readings(results)))
+        return Verdict(
+            FORCE_TOPIC, "not determined", say("force.none"), " ".join(readings(results))
+        )
     if len(results.tables["force_mae"]):
-        return Verdict(TOPIC, "not determined", say("force.untouched"))
+        return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
     found = [say("force.plausible", counts=counts)] if counts else []
     evidence = " ".join([*found, *false_alarms(results)])
-    return Verdict(TOPIC, "not determined", say("force.no sensor"), evidence)
+    return Verdict(FORCE_TOPIC, "not determined", say("force.no sensor"), evidence)

@@ -11,8 +11,8 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results, with_zero
 from ur5lib.report.views.baseline import AgainstBaseline, Rival
 
-LINEAR, ANGULAR = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
-MOTION = "Motion"  # topic
+LINEAR_LABEL, ANGULAR_LABEL = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
+MOTION_TOPIC = "Motion"  # topic
 
 
 def drawn(results: Results) -> list[str]:
@@ -49,7 +49,7 @@ def bands(results: Results) -> pd.DataFrame:
     """Return the differences from the IMU and their bands: three components a row."""
     rows = results.tables["acceleration_bands"]
     angular = rows["component"].str.startswith("r")
-    rows = rows.assign(axes=np.where(angular, ANGULAR, LINEAR), held=100 * rows["held"])
+    rows = rows.assign(axes=np.where(angular, ANGULAR_LABEL, LINEAR_LABEL), held=100 * rows["held"])
     key, errors = ["range", "during", "axes"], ["rms", "filterpy_rms"]
     rows[errors] = rows[errors] ** 2
     means = rows.groupby([*key, "component"], sort=False)[[*errors, "held"]].mean()
@@ -90,7 +90,7 @@ def judge_motion(results: Results) -> Verdict | None:
     if str(against.worst.name).startswith("r"):
         against = replace(against, unit="rad/s²")
     return Verdict(
-        topic=MOTION,
+        topic=MOTION_TOPIC,
         state=against.state(tested=rival.better.empty),
         sentence=rival.after(say("motion.verdict", against=against), against.unit, 3),
         evidence=say("motion.evidence", against=against),
