@@ -80,16 +80,16 @@ def judged(
     by_erratum: the number with each erratum's error; the nearest to the print is shown, and
     explains it if equal. tolerance: largest difference that counts as equal.
     """
-    found = {"printed": printed, "rebuilt": rebuilt, "ratio": rebuilt / printed}
+    comparison = {"printed": printed, "rebuilt": rebuilt, "ratio": rebuilt / printed}
     status = UNEXPLAINED
     if by_erratum:
         nearest = min(by_erratum, key=lambda erratum: abs(by_erratum[erratum] - printed))
-        found |= {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
+        comparison |= {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
         if abs(by_erratum[nearest] - printed) <= tolerance:
             status = f"erratum {nearest}"
     if abs(rebuilt - printed) <= tolerance:  # also false where nothing could be rebuilt
         status = EQUAL
-    return found | {"status": status}
+    return comparison | {"status": status}
 
 
 def _found(
@@ -109,5 +109,5 @@ def _found(
 def _decimals(table: PrintedTable) -> int:
     """Return the most decimals of a table's numbers."""
     numbers = chain.from_iterable(dict(table.values).values())
-    shown = (np.format_float_positional(number, trim="-") for number in numbers)
-    return max(len(text.partition(".")[2]) for text in shown)
+    texts = (np.format_float_positional(number, trim="-") for number in numbers)
+    return max(len(text.partition(".")[2]) for text in texts)

@@ -62,11 +62,11 @@ class Lookup(Strict):
     def of(self, row: str) -> tuple[str, dict[str, str]]:
         """Return the column of a published row's numbers, and what other columns hold there."""
 
-        def own(value: str | dict[str, str]) -> str:
+        def of_row(value: str | dict[str, str]) -> str:
             return value if isinstance(value, str) else value[row]
 
-        cells = {column: own(value) for column, value in self.where.items()}
-        return own(self.value), cells | ({self.row: row} if self.row else {})
+        cells = {column: of_row(value) for column, value in self.where.items()}
+        return of_row(self.value), cells | ({self.row: row} if self.row else {})
 
 
 class PrintedTable(Strict):
@@ -111,8 +111,8 @@ class Published(NamedTuple):
 
     def values(self, table: Name) -> dict[str, tuple[float, ...]]:
         """Return a table's printed values of this recording; empty for any other recording."""
-        found = self.printed.get(table)
-        return found.values if found and found.recording == self.recording else {}
+        printed = self.printed.get(table)
+        return printed.values if printed and printed.recording == self.recording else {}
 
 
 class Explanation(Strict):
@@ -141,7 +141,8 @@ class Reference(Strict):
 
     def recordings(self, *names: Name) -> set[str]:
         """Return the recordings with published values, in some tables or, without names, in any."""
-        return {one.recording for name, one in self.printed.items() if not names or name in names}
+        tables = self.printed.items()
+        return {table.recording for name, table in tables if not names or name in names}
 
     def of_older_model(self) -> set[str]:
         """Return the names of the recordings with published values of the older model."""

@@ -72,8 +72,8 @@ def cylinder_outline(part: Cylinder, center: Array, rotation: Array) -> Array:
         np.sin(CIRCLE_ANGLES), np.roll(along, 2)
     )
     ends = [part.radius * circle + sign * part.height / 2 * along for sign in (-1, 1)]
-    seen = (center + (np.concatenate(ends) + part.offset) @ rotation.T) @ SIDE_VIEW.T
-    corners: Array = seen[ConvexHull(seen).vertices]
+    projected = (center + (np.concatenate(ends) + part.offset) @ rotation.T) @ SIDE_VIEW.T
+    corners: Array = projected[ConvexHull(projected).vertices]
     return corners
 
 
@@ -178,9 +178,9 @@ def frame_panels(
 
 def _draw_frames(axis: Axes, rotation: Array, origin: Array, frames: Sequence[int]) -> None:
     """Draw the axes of some frames, labelled to the left of their tips."""
-    seen = origin[[*frames]] @ OBLIQUE_VIEW.T
-    length = AXIS_LENGTH * np.ptp(seen, axis=0).max()
-    low, high = seen.min(axis=0) - 1.5 * length, seen.max(axis=0) + 1.5 * length
+    projected = origin[[*frames]] @ OBLIQUE_VIEW.T
+    length = AXIS_LENGTH * np.ptp(projected, axis=0).max()
+    low, high = projected.min(axis=0) - 1.5 * length, projected.max(axis=0) + 1.5 * length
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     for k in frames:
         for part, (name, colour) in enumerate(AXIS_COLOURS.items()):

@@ -49,17 +49,17 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, sensed: bool = Fal
     rows = _with_temperatures(dates)
     if rows.empty:
         return nothing_to_draw()
-    shown = [name for name in PANEL_LABELS if name in {*rows["quantity"]}]
-    size = FIGURE_HEIGHT / 6 * len(shown), len(shown), int(rows["joint"].max())
+    quantities = [name for name in PANEL_LABELS if name in {*rows["quantity"]}]
+    size = FIGURE_HEIGHT / 6 * len(quantities), len(quantities), int(rows["joint"].max())
     with matplotlib.rc_context(TEXT_SIZES), house_style(*size, sharex=True) as (figure, panels):
-        for row, quantity in zip(panels, shown, strict=True):
+        for row, quantity in zip(panels, quantities, strict=True):
             for joint, axis in enumerate(row, start=1):
                 _panel(axis, rows[(rows["quantity"] == quantity) & (rows["joint"] == joint)])
-                here = (changes["quantity"] == quantity) & (changes["joint"] == joint)
-                for change in changes[here].itertuples():
+                of_panel = (changes["quantity"] == quantity) & (changes["joint"] == joint)
+                for change in changes[of_panel].itertuples():
                     _mark(axis, change)
             row[0].set_ylabel(labels[quantity].replace(" [", "\n["), fontsize=6.5)
-        _label(figure, len(shown))
+        _label(figure, len(quantities))
     return Drawing(figure, rows)
 
 
@@ -118,15 +118,15 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
 
     rows: observability.csv; wanted: share that suffices; most: largest push that was tried [N].
     """
-    felt, held = (
+    pushes, shares = (
         rows[rows["quantity"] == name] for name in ("smallest_push_95", "friction_in_band")
     )
-    if felt.empty and held.empty:
+    if pushes.empty and shares.empty:
         return nothing_to_draw()
     with house_style(2.9, 1, 2) as (figure, ((left, right),)):
-        _pushes(left, felt, most)
-        _shares(right, held, wanted)
-    return Drawing(figure, pd.concat([felt, held], ignore_index=True))
+        _pushes(left, pushes, most)
+        _shares(right, shares, wanted)
+    return Drawing(figure, pd.concat([pushes, shares], ignore_index=True))
 
 
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:

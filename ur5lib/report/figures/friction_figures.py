@@ -79,8 +79,8 @@ def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
         axes = panels.flat
         for empty in axes[data["joint"].nunique() :]:
             empty.set_visible(False)
-        for axis, (joint, own) in zip(axes, data.groupby("joint"), strict=False):
-            _draw_shares(axis, own)
+        for axis, (joint, of_joint) in zip(axes, data.groupby("joint"), strict=False):
+            _draw_shares(axis, of_joint)
             axis.set_title(f"joint {joint}", fontsize=8)
         figure.supxlabel("share of what is known [%]", fontsize=7.5)
         bars, labels = axes[0].get_legend_handles_labels()
@@ -88,15 +88,17 @@ def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
     return Drawing(figure, data)
 
 
-def _draw_shares(axis: Axes, own: pd.DataFrame) -> None:
+def _draw_shares(axis: Axes, parameters: pd.DataFrame) -> None:
     """Draw the shares of a joint's parameters."""
-    shares = 100 * own[[*KNOWLEDGE_SOURCES]].to_numpy()
+    shares = 100 * parameters[[*KNOWLEDGE_SOURCES]].to_numpy()
     ends = shares.cumsum(axis=1)
     for (label, color), width, end in zip(
         KNOWLEDGE_SOURCES.values(), shares.T, ends.T, strict=True
     ):
-        axis.barh(range(len(own)), width, 0.75, end - width, color=color, label=label)
-    axis.set_yticks(range(len(own)), [PARAMETER_SYMBOLS.get(name, name) for name in own["name"]])
+        axis.barh(range(len(parameters)), width, 0.75, end - width, color=color, label=label)
+    axis.set_yticks(
+        range(len(parameters)), [PARAMETER_SYMBOLS.get(name, name) for name in parameters["name"]]
+    )
     axis.set_xlim(0, 100)
     axis.invert_yaxis()
     axis.grid(visible=False)

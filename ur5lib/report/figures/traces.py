@@ -214,5 +214,5 @@ def _envelope(time: Array, values: Array, size: int) -> tuple[Array, Array]:
     first_low = np.min(np.where(buckets == low[:, None], place, size), axis=1)
     first_high = np.min(np.where(buckets == high[:, None], place, size), axis=1)
     rising = first_low <= first_high
-    both: Array = np.stack([np.where(rising, low, high), np.where(rising, high, low)], axis=1)
-    return time[:, [0, size // 2]].reshape(-1), both.reshape(2 * len(time), -1)
+    extremes: Array = np.stack([np.where(rising, low, high), np.where(rising, high, low)], axis=1)
+    return time[:, [0, size // 2]].reshape(-1), extremes.reshape(2 * len(time), -1)

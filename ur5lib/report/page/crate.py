@@ -28,13 +28,13 @@ def run_crate(
     used: Sequence[str],
     results: Sequence[str],
     citation: Mapping[str, Any],
-    known: Mapping[str, str],
+    checksums: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return the content of ro-crate-metadata.json for the results of one study.
 
     folder: holds configuration.yaml, Snakefile and the results. used: files of devices and of the
     lab's extensions, which stay where they are; they are identified by their checksums. citation:
-    of the software, as in CITATION.cff. known: checksums of files that need not be read again.
+    of the software, as in CITATION.cff. checksums: of files that need not be read again.
     """
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms["sha256"] = SHA256_TERM
@@ -47,8 +47,8 @@ def run_crate(
     workflow = _workflow(crate, folder / "Snakefile", citation)
     read = [_file(crate, folder / "configuration.yaml", "configuration.yaml")]
     for path in used:
-        own = known.get(path) or checksum(path)
-        read.append(_file(crate, Path(path), f"urn:sha256:{own}", own))
+        sha256 = checksums.get(path) or checksum(path)
+        read.append(_file(crate, Path(path), f"urn:sha256:{sha256}", sha256))
     made = [_file(crate, Path(path), os.path.relpath(path, folder)) for path in results]
     about = {
         "name": f"Run of the study {folder.name}",
@@ -68,8 +68,8 @@ def _workflow(crate: ROCrate, snakefile: Path, citation: Mapping[str, Any]) -> A
         snakefile, snakefile.name, main=True, lang="snakemake", properties=about
     )
     workflow["author"] = [
-        _context(crate, f"#{one['name']}", "Organization", one["name"])
-        for one in citation["authors"]
+        _context(crate, f"#{author['name']}", "Organization", author["name"])
+        for author in citation["authors"]
     ]
     workflow["softwareRequirements"] = [
         _context(crate, f"#{name}", "SoftwareApplication", name, softwareVersion=version)

@@ -50,17 +50,17 @@ PANEL_LAYOUT: Any = [
 PANEL_HEIGHTS = (1.2, 0.8, 0.8, 1.2, 1.6)
 
 
-def excitation_figure(found: Design) -> Drawing:
+def excitation_figure(design: Design) -> Drawing:
     """Return the figure; its data are the angles that are drawn."""
-    time, states = found.path.sampled(DRAWN_RATE)
+    time, states = design.path.sampled(DRAWN_RATE)
     with plt.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 1.5 * PAGE_WIDTH), layout="constrained")
         panels = figure.subplot_mosaic(PANEL_LAYOUT, height_ratios=PANEL_HEIGHTS)
         _draw_path(panels["path"], time, states.q)
-        _draw_spectrum(panels["spectrum"], found.path)
-        _draw_margins(panels["margins"], found.margins)
-        _draw_errors(panels["errors"], found.worth, found.task.problem.count)
-        _, origins = link_frames(found.task.cell.robot, states.q)
+        _draw_spectrum(panels["spectrum"], design.path)
+        _draw_margins(panels["margins"], design.margins)
+        _draw_errors(panels["errors"], design.worth, design.task.problem.count)
+        _, origins = link_frames(design.task.cell.robot, states.q)
         for view, axes in SWEEP_VIEWS.items():
             _draw_sweep(panels[view], view, origins[..., list(axes)], ["xyz"[k] for k in axes])
     columns = {f"q_{joint + 1}": states.q[:, joint] for joint in range(states.q.shape[1])}
@@ -85,9 +85,9 @@ def _draw_spectrum(panel: Axes, path: Path) -> None:
 
 def _draw_margins(panel: Axes, margins: Margins) -> None:
     """Draw the largest share of each limit, a bar for each joint."""
-    used = 100 * np.array([*margins.used.values()])
-    count, width = used.shape[1], 1 / (used.shape[1] + 2)
-    for joint, (shares, color) in enumerate(zip(used.T, JOINT_COLOURS, strict=False)):
+    percents = 100 * np.array([*margins.used.values()])
+    count, width = percents.shape[1], 1 / (percents.shape[1] + 2)
+    for joint, (shares, color) in enumerate(zip(percents.T, JOINT_COLOURS, strict=False)):
         place = np.arange(len(shares)) + (joint - (count - 1) / 2) * width
         panel.bar(place, shares, width, color=color)
     panel.axhline(100, color="black", linewidth=0.8)
@@ -119,7 +119,7 @@ def excitation_page(
     asked: Mapping[str, object],
     before: Sequence[str],
     command: str,
-    found: Design,
+    design: Design,
     outlook: Sequence[Bands],
     drawing: File,
 ) -> Document:
@@ -129,7 +129,7 @@ def excitation_page(
     command: the command that records it, empty if there is none; outlook: bands after it and other
     recordings, if any are known; drawing: the figure.
     """
-    problem, worth = found.task.problem, found.worth
+    problem, worth = design.task.problem, design.worth
     motion = Picture(
         "Angles, amplitudes of their harmonics, largest shares of the limits, standard errors "
         "after over before, and the arm's sweep from three sides, flange's path in colour.",
@@ -146,13 +146,13 @@ def excitation_page(
                 *([_outlook(outlook)] if outlook else []),
             ],
         ),
-        Section("The motion", [motion, Items(found.margins.lines()[len(found.margins.used) :])]),
+        Section("The motion", [motion, Items(design.margins.lines()[len(design.margins.used) :])]),
         Section("How to record it", [Items([*before]), *([Code(command)] if command else [])]),
         Section("All parameters", [_parameters(problem, worth)]),
     ]
     return Document(
         title=f"What to record next on {asked['robot']}",
-        subtitle=f"A motion of {found.path.seconds:g} s designed for the question "
+        subtitle=f"A motion of {design.path.seconds:g} s designed for the question "
         f"“{asked['question']}”, seed {asked['seed']}",
         sections=sections,
     ).numbered()
@@ -161,31 +161,30 @@ def excitation_page(
 def _worst(problem: Problem, worth: Worth) -> str:
     """Return how much the recording would lower the error of the least determined parameter."""
     names, order = problem.names(), worth.least_determined()
-    left = [f"{share:.0%}" for share in worth.after / worth.before]
+    ratios = [f"{share:.0%}" for share in worth.after / worth.before]
     worst, lowered = order[0], order[~worth.hardly_lowered()[order]]
-    least = f"Least determined so far is the {names[worst]}"
+    sentence = f"Least determined so far is the {names[worst]}"
     if worst in lowered:
         error = significant(worth.before[worst], 2, problem.units()[worst])
-        return (
-            f"{least}: this recording would lower its standard error, {error}, to {left[worst]}. "
-        )
-    least += f", whose error this recording would hardly lower: {LOAD_ADVICE}. "
+        lowers = "this recording would lower its standard error"
+        return f"{sentence}: {lowers}, {error}, to {ratios[worst]}. "
+    sentence += f", whose error this recording would hardly lower: {LOAD_ADVICE}. "
     if not len(lowered):
-        return least
+        return sentence
     first = lowered[0]
-    return least + (
+    return sentence + (
         f"The least determined parameter whose error it would lower is the {names[first]}: "
-        f"to {left[first]}. "
+        f"to {ratios[first]}. "
     )
 
 
 def _parameters(problem: Problem, worth: Worth) -> Table:
     """Return the table of all parameters, the least determined first."""
-    names, units, left = problem.names(), problem.units(), 100 / worth.prior
+    names, units, percent_of_prior = problem.names(), problem.units(), 100 / worth.prior
     rows = [
         [names[k], units[k]]
         + [significant(error[k], 2) for error in (worth.before, worth.after)]
-        + [f"{error[k] * left[k]:.1f} %" for error in (worth.before, worth.after)]
+        + [f"{error[k] * percent_of_prior[k]:.1f} %" for error in (worth.before, worth.after)]
         for k in worth.least_determined()
     ]
     header = ["parameter", "unit", "before", "after", "before, of prior", "after, of prior"]
@@ -199,7 +198,10 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
 def _outlook(outlook: Sequence[Bands]) -> Table:
     """Return the bands as they are, and after this motion and others."""
     rows = [
-        [row.after, *(significant(own, 3) for own in (row.force, row.current, row.mass))]
+        [
+            row.after,
+            *(significant(half_width, 3) for half_width in (row.force, row.current, row.mass)),
+        ]
         for row in outlook
     ]
     header = ["recording", "force in contact [N]", "current [A]", "load [kg]"]

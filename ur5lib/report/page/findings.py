@@ -35,8 +35,8 @@ def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFra
     """
     kind = ["recording", "device", "finding", "severity"]
     rows = [
-        (*names, own["count"].sum(), _stated_once(own, most))
-        for names, own in quality.groupby(kind, sort=False)
+        (*key, rows_of_kind["count"].sum(), _stated_once(rows_of_kind, most))
+        for key, rows_of_kind in quality.groupby(kind, sort=False)
     ]
     return pd.DataFrame(rows, columns=[*kind, "count", "detail"])
 
@@ -97,9 +97,9 @@ class Words(Formatter):
             return sentence(value["code"], value["values"])
         if not isinstance(value, list | tuple):
             return self._bounded(value, format_spec)
-        if all(isinstance(one, Mapping | str) for one in value):
-            return (format_spec or ", ").join(self.format_field(one, "") for one in value)
-        return ", ".join(self.format_field(one, format_spec) for one in value)
+        if all(isinstance(part, Mapping | str) for part in value):
+            return (format_spec or ", ").join(self.format_field(part, "") for part in value)
+        return ", ".join(self.format_field(part, format_spec) for part in value)
 
     def _bounded(self, value: Any, format_spec: str) -> str:
         """Return a value in words, beyond four digits before the point as `above 9999`."""

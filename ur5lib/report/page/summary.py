@@ -49,7 +49,7 @@ def summary(document: Document, results: Results) -> dict[str, object]:
         "$schema": SCHEMA_FILE,
         "study": results.study["study"],
         "title": results.study["title"],
-        "simulated": [each["name"] for each in recordings if each.get("simulate")],
+        "simulated": [entry["name"] for entry in recordings if entry.get("simulate")],
         "commit": results.commit,
         "verdicts": [
             verdict for block in blocks if isinstance(block, Verdicts) for verdict in block.verdicts

@@ -49,19 +49,19 @@ def values(results: Results, recording: str) -> pd.DataFrame:
 
 def verdicts(rows: pd.DataFrame) -> Iterator[str]:
     """Yield sentences about one recording's sensor, from its rows of audit.csv."""
-    known = rows.fillna({"component": "", "verdict": ""}).set_index("component")
-    audit = dict([*known.groupby("quantity")])
-    if len(known) == 1:
-        yield say("sensor.short", seconds=known["value"].iloc[0])
+    filled = rows.fillna({"component": "", "verdict": ""}).set_index("component")
+    audit = dict([*filled.groupby("quantity")])
+    if len(filled) == 1:
+        yield say("sensor.short", seconds=filled["value"].iloc[0])
         return
     if "mass" in audit:
         yield from _sensor(audit)
     if "zero" in audit:
-        zero, left = audit["zero"], audit["left_mass"].loc[""]
+        zero, remaining = audit["zero"], audit["left_mass"].loc[""]
         force = say("sensor.vector", values=zero["value"][:3])
         yield say("sensor.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
-        if left.verdict == "wrong":
-            yield say("sensor.left", left=_with_error(left))
+        if remaining.verdict == "wrong":
+            yield say("sensor.left", left=_with_error(remaining))
 
 
 def _sensor(audit: AuditRows) -> Iterator[str]:

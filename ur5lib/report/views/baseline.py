@@ -30,22 +30,22 @@ PALE_STYLE = "fill-opacity='.15'"
 def state(
     error: float,
     zero: float,
-    held: float = 1.0,
+    coverage: float = 1.0,
     tested: bool = True,
     better: float = MIN_GOOD_SKILL,
 ) -> State:
     """Return the state of an error beside the error of an estimate of zero.
 
-    held: share of readings in the stated 95 % band; tested: whether the error comes from recordings
-    that no fit has seen and, where errors have intervals, has one; better: least skill of a good
-    estimate.
+    coverage: share of readings in the stated 95 % band; tested: whether the error comes from
+    recordings that no fit has seen and, where errors have intervals, has one; better: least skill
+    of a good estimate.
     """
     if math.isnan(error) or not zero > 0:
         return "not determined"
     skill = 1 - error / zero
     if skill <= 0:
         return "do not use"
-    return "good" if skill > better and held >= MIN_GOOD_COVERAGE and tested else "usable"
+    return "good" if skill > better and coverage >= MIN_GOOD_COVERAGE and tested else "usable"
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ class Rival:
         if self.better.empty:
             return verdict
         words = {"better": self.better, "joints": self.better.index.name == "joint"}
-        told = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
-        return f"{verdict} {told}"
+        addition = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
+        return f"{verdict} {addition}"
 
 
 @dataclass(frozen=True)
@@ -122,10 +122,10 @@ class AgainstBaseline:
         return rows.loc[rows[self.error].idxmax()].rename(names)
 
     def state(
-        self, held: float = 1.0, tested: bool = True, better: float = MIN_GOOD_SKILL
+        self, coverage: float = 1.0, tested: bool = True, better: float = MIN_GOOD_SKILL
     ) -> State:
         """Judge the worst joint or component; arguments as of the function `state`."""
-        return state(self.worst["error"], self.worst["zero"], held, tested, better)
+        return state(self.worst["error"], self.worst["zero"], coverage, tested, better)
 
     def percent(self) -> str:
         """Return the worst error in per cent of zero's."""

@@ -38,15 +38,15 @@ def rebuilt(results: Results) -> Iterator[str]:
     """Report how many published numbers are rebuilt."""
     rows = results.rows("printed")
     if len(rows):
-        equal, left = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
-        yield say("printed.found", equal=equal, count=len(rows), left=left)
+        equal, missed = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
+        yield say("printed.found", equal=equal, count=len(rows), left=missed)
 
 
 def unexplained(results: Results) -> list[str]:
     """Return each unexplained number with its table and row, and the difference in per cent: that
     of the erratum's number, or else of the rebuilt one.
     """
-    found = []
+    sentences = []
     for row in results.rows("printed", status=UNEXPLAINED).itertuples():
         nearest, source = row.rebuilt, "rebuilt"
         if not np.isnan(row.as_erratum_says):
@@ -54,8 +54,8 @@ def unexplained(results: Results) -> list[str]:
         gap = 100 * (nearest / row.printed - 1)
         place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
         words = {"nearest": nearest, "source": source, "gap": gap, "digits": COMPUTED_DIGITS}
-        found.append(say("printed.missed", row=row, place=place, **words))
-    return found
+        sentences.append(say("printed.missed", row=row, place=place, **words))
+    return sentences
 
 
 def intervals(results: Results) -> pd.DataFrame:

@@ -44,7 +44,7 @@ def in_contact(results: Results) -> Iterator[str]:
     for name, contact in [*touched.items()][:MOST_SHOWN]:
         yield _errors_in_contact(contact, leading(free[free["recording"] == name]))
     if len(touched) > MOST_SHOWN:
-        means = [leading(own)[["mae", "mean_force"]].mean() for own in touched.values()]
+        means = [leading(errors)[["mae", "mean_force"]].mean() for errors in touched.values()]
         better = sum(mean["mae"] < mean["mean_force"] for mean in means)
         yield say("contacts.better", better=better, count=len(touched))
 
@@ -80,10 +80,10 @@ def undetermined_moments(results: Results) -> Iterator[str]:
 def bands_held(results: Results) -> Iterator[str]:
     """Report the coverage of the stated bands, in contact and free."""
     rows = results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS)
-    held = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
-    if {"contact", "free"} <= {*held}:
-        known = held.dropna(subset=["contact", "free"])
-        yield say("contacts.averaged", held=[*known.itertuples()])
+    coverage = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
+    if {"contact", "free"} <= {*coverage}:
+        complete = coverage.dropna(subset=["contact", "free"])
+        yield say("contacts.averaged", held=[*complete.itertuples()])
 
 
 def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
@@ -91,14 +91,14 @@ def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
     searched = {*results.rows("detection", estimate=LEADING)["recording"]}
     names = results.with_role("contact", searched.difference(results.listed("force_mae")))
     contacts = results.rows("contacts", estimate=LEADING, kind="contact")
-    found = dict([*contacts.groupby("recording")])
-    return {name: found.get(name, contacts[:0]) for name in names}
+    by_recording = dict([*contacts.groupby("recording")])
+    return {name: by_recording.get(name, contacts[:0]) for name in names}
 
 
 def felt_while_fitted(results: Results) -> list[str]:
     """Return the recordings of the role fit on which contacts are found, by a fit without them."""
-    found = results.rows("contacts", estimate=LEADING, kind="contact")
-    return results.with_role("fit", found["recording"])
+    contacts = results.rows("contacts", estimate=LEADING, kind="contact")
+    return results.with_role("fit", contacts["recording"])
 
 
 def counted(results: Results) -> Iterator[str]:
@@ -161,9 +161,9 @@ def false_alarms(results: Results) -> Iterator[str]:
 
 def a_minute(rows: pd.DataFrame, column: str) -> float:
     """Return the alarms a minute of recordings together, NaN where none has a rate."""
-    known = rows.dropna(subset=column)
-    minutes = known["minutes"].sum()
-    return float((known[column] * known["minutes"]).sum() / minutes) if minutes else math.nan
+    rated = rows.dropna(subset=column)
+    minutes = rated["minutes"].sum()
+    return float((rated[column] * rated["minutes"]).sum() / minutes) if minutes else math.nan
 
 
 class ClaimScore(NamedTuple):
@@ -189,8 +189,8 @@ def score(results: Results, estimate: str) -> ClaimScore | None:
     free = results.rows("fixed_threshold", recording=validated, **rows)
     if pushed.empty or free.empty:
         return None
-    found, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
-    return ClaimScore(found, pushes, float(free["time_above"].max()))
+    detected, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
+    return ClaimScore(detected, pushes, float(free["time_above"].max()))
 
 
 def claim(results: Results) -> Iterator[str]:
@@ -204,8 +204,8 @@ def scores(results: Results) -> list[str]:
     claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
     if claimed is None or ours is None:
         return []
-    both = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
-    return [say("claim.compared", pushes=claimed.pushes, scores=both)]
+    named_scores = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
+    return [say("claim.compared", pushes=claimed.pushes, scores=named_scores)]
 
 
 def touched(results: Results) -> list[str]:
@@ -252,35 +252,42 @@ def judge_force(results: Results) -> Verdict:
     means = judged.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
     share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
     stated = judged.dropna(subset="coverage95")
-    held = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
-    known, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != STATIC_ESTIMATE
+    least_covered = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
+    has_interval, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != STATIC_ESTIMATE
     sure = row["mae_high"] < (1 - MIN_GOOD_SKILL) * row["mean_force"]  # not if it has no interval
     doubted = doubted_biases(results, [*means.index])
     relied = sure and calibrated and rival.better.empty and not doubted
-    error = max(one["mae"] / one["mean_force"] for one in (row, share))
-    covered = 1.0 if held is None else held["coverage95"]
-    about = {"known": known, "calibrated": calibrated, "doubted": doubted}
-    told = say("force.verdict", row=row, estimate=_named(row["estimate"]))
+    error = max(errors["mae"] / errors["mean_force"] for errors in (row, share))
+    covered = 1.0 if least_covered is None else least_covered["coverage95"]
+    about = {"known": has_interval, "calibrated": calibrated, "doubted": doubted}
+    sentence = say("force.verdict", row=row, estimate=_named(row["estimate"]))
     return Verdict(
         topic=FORCE_TOPIC,
         state=state(error, 1.0, covered, tested=relied),
-        sentence=rival.after(told, "N", 1),
+        sentence=rival.after(sentence, "N", 1),
         evidence=" ".join(
             [
-                say("force.evidence", row=row, share=share, held=held, zero=ZERO_ESTIMATE, **about),
+                say(
+                    "force.evidence",
+                    row=row,
+                    share=share,
+                    held=least_covered,
+                    zero=ZERO_ESTIMATE,
+                    **about,
+                ),
                 *false_alarms(results),
             ]
         ),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=say("force.caption", known=known),
-        numbers=tuple(_numbers(row, share, held)),
+        caption=say("force.caption", known=has_interval),
+        numbers=tuple(_numbers(row, share, least_covered)),
     )
 
 
 def doubted_biases(results: Results, among: list[str]) -> list[str]:
     """Return the recordings, of some, on which the force sensor's bias is uncertain."""
-    told = {"device": "force", "severity": "warning", "finding": "offset"}
-    return [*results.rows("quality", recording=among, **told)["recording"].unique()]
+    doubt = {"device": "force", "severity": "warning", "finding": "offset"}
+    return [*results.rows("quality", recording=among, **doubt)["recording"].unique()]
 
 
 def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:
@@ -303,7 +310,7 @@ def _named(estimate: str) -> str:
     return f"{noun} {ESTIMATES[estimate]}"
 
 
-def _numbers(row: pd.Series, share: pd.Series, held: pd.Series | None) -> Iterator[Number]:
+def _numbers(row: pd.Series, share: pd.Series, least_covered: pd.Series | None) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     place = f"{row['recording']}, along {row['axis']}, in contact"
@@ -313,9 +320,11 @@ def _numbers(row: pd.Series, share: pd.Series, held: pd.Series | None) -> Iterat
     )
     place = f"{share.name}, mean over x, y, z, in contact"
     yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO_ESTIMATE)
-    if held is not None:
-        place = f"{held['recording']}, along {held['axis']}, in contact"
-        yield Number("least share in the 95 % band", 100 * float(held["coverage95"]), "%", place)
+    if least_covered is not None:
+        place = f"{least_covered['recording']}, along {least_covered['axis']}, in contact"
+        yield Number(
+            "least share in the 95 % band", 100 * float(least_covered["coverage95"]), "%", place
+        )
 
 
 def _unjudged(results: Results) -> Verdict:
@@ -327,6 +336,6 @@ def _unjudged(results: Results) -> Verdict:
     if len(results.tables["force_mae"]):
         return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
-    found = [say("force.plausible", counts=counts)] if counts else []
-    evidence = " ".join([*found, *false_alarms(results)])
+    plausible = [say("force.plausible", counts=counts)] if counts else []
+    evidence = " ".join([*plausible, *false_alarms(results)])
     return Verdict(FORCE_TOPIC, "not determined", say("force.no sensor"), evidence)

@@ -85,15 +85,15 @@ def farthest_in_time(results: Results) -> Iterator[str]:
     """Say which dated recording of each arm is farthest from all those of the fit."""
     arms, dates, roles = results.arms(), results.dates(), results.roles()
     for robot in results.robots():
-        own = {name: day for name, day in dates.items() if day and arms[name] == robot}
-        fitted = [day for name, day in own.items() if roles[name] == "fit"]
-        away = {
-            name: min(abs((day - one).days) for one in fitted)
-            for name, day in own.items()
+        dated = {name: day for name, day in dates.items() if day and arms[name] == robot}
+        fitted = [day for name, day in dated.items() if roles[name] == "fit"]
+        days_away = {
+            name: min(abs((day - other).days) for other in fitted)
+            for name, day in dated.items()
             if fitted and roles[name] in ("validate", "contact")
         }
-        if away and (days := max(away.values())):
-            name = max(away, key=lambda one: away[one])
+        if days_away and (days := max(days_away.values())):
+            name = max(days_away, key=days_away.__getitem__)
             yield say("currents.farthest in time", robot=robot, name=name, days=days)
 
 
@@ -179,9 +179,9 @@ def _fitted(results: Results, recording: str) -> pd.DataFrame:
 def doubted_joint(results: Results, recording: str) -> int:
     """Return the joint whose printed offset is furthest from this study's fit."""
     rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
-    here = _fitted(results, recording).xs("offset", level="parameter")["value"]
-    away = (rows.set_index("joint")["printed_offset"] - here).abs()
-    return int(away.idxmax())
+    fitted = _fitted(results, recording).xs("offset", level="parameter")["value"]
+    distance = (rows.set_index("joint")["printed_offset"] - fitted).abs()
+    return int(distance.idxmax())
 
 
 def on_every_run(results: Results, recording: str) -> pd.DataFrame:
@@ -229,21 +229,21 @@ def judge_constants(results: Results) -> Verdict | None:
         return None
     shares = rows.groupby("joint")["prior_share"].max()
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
-    known = [*rows.loc[determined, "joint"].unique()]
+    constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
     far = (rows["value"] - rows["known"]).abs() > NORMAL95 * rows["known_std"]
     apart = [*rows.loc[far & ~rows["joint"].isin(unlikely), "joint"]]
     state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
-    if unlikely or not known:
+    if unlikely or not constants:
         state = "do not use" if unlikely else "not determined"
-    words = {"known": known, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
+    words = {"known": constants, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
     return Verdict(
         topic=CONSTANTS_TOPIC,
         state=state,
         sentence=say("constants.verdict", **words),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
-        **_farthest(rows) if known else {},
+        **_farthest(rows) if constants else {},
     )
 
 
@@ -270,20 +270,20 @@ def judge_currents(results: Results) -> Verdict:
         reason = "no friction" if results.tables["friction"].empty else reason
         return Verdict(CURRENTS_TOPIC, "not determined", say(f"currents.{reason}"))
     least = rows.loc[rows["coverage95"].idxmin()]
-    held = float(least["coverage95"])
+    coverage = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
-    share = Number("least share in the 95 % band", 100 * held, "%", place)
+    share = Number("least share in the 95 % band", 100 * coverage, "%", place)
     cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
-    told = say(
+    sentence = say(
         "currents.verdict",
         against=against,
-        hold=held >= MIN_GOOD_COVERAGE,
-        wide=held >= WIDE_BAND_COVERAGE,
+        hold=coverage >= MIN_GOOD_COVERAGE,
+        wide=coverage >= WIDE_BAND_COVERAGE,
     )
     return Verdict(
         topic=CURRENTS_TOPIC,
-        state=against.state(held, tested=rival.better.empty),
-        sentence=rival.after(told, "A", 3),
+        state=against.state(coverage, tested=rival.better.empty),
+        sentence=rival.after(sentence, "A", 3),
         evidence=say("currents.evidence", against=against, least=least),
         drawing=against.drawing(),
         caption=say("error.bars", zero=CONSTANT_ESTIMATE),

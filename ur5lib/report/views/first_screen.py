@@ -235,9 +235,12 @@ def beside_truth(truth: pd.DataFrame) -> Iterator[str]:
     """Report how many stated intervals contain the simulated truth, and the expected count."""
     stated = truth["within95"].dropna()
     if len(stated):
-        count, held = len(stated), int((stated == "yes").sum())
-        yield say("findings.truth", count=count, held=held)
-        many, few = bdtrc(held - 1, count, 0.95), bdtr(held, count, 0.95)  # of independent values
+        count, inside = len(stated), int((stated == "yes").sum())
+        yield say("findings.truth", count=count, held=inside)
+        many, few = (
+            bdtrc(inside - 1, count, 0.95),
+            bdtr(inside, count, 0.95),
+        )  # of independent values
         chance = min(many, few)
         surprise = {"chance": chance if chance < REMARKABLE_CHANCE else None, "many": many < few}
         yield say("findings.right intervals", count=count, **surprise)

@@ -20,9 +20,9 @@ MIN_LINK_SKILL = 1 - MODELLED  # least skill of a good link model
 
 def compared(results: Results) -> list[str]:
     """Return recordings with a table of torques: printed errors, and validate recordings."""
-    known = results.printed("torque_mae", "mae")
-    others = results.with_role("validate", known)
-    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(known, 1)
+    rebuilt = results.printed("torque_mae", "mae")
+    others = results.with_role("validate", rebuilt)
+    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(rebuilt, 1)
 
 
 def mean_errors(results: Results) -> pd.DataFrame:
@@ -59,9 +59,9 @@ def identified(results: Results) -> Iterator[str]:
 
 def loop_drawn(results: Results) -> list[str]:
     """Return the recordings whose closed loop is drawn."""
-    known = results.listed("closed_loop_mae")
+    simulated = results.listed("closed_loop_mae")
     printed = results.shown(results.printed("closed_loop_mae"))
-    return printed or results.shown([*results.with_role("validate", known), *known], 1)
+    return printed or results.shown([*results.with_role("validate", simulated), *simulated], 1)
 
 
 def loop_older(results: Results) -> list[str]:

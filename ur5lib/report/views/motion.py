@@ -81,8 +81,8 @@ def judge_motion(results: Results) -> Verdict | None:
     """Judge the acceleration from encoders by its worst component, beside filterpy's plain filter;
     None without an IMU.
     """
-    models, both = {"encoders": "ours", "filterpy": "rival"}, results.rows("acceleration_mae")
-    rival = Rival.beside("filterpy's plain filter", both, "mae", "component", models)
+    models, methods = {"encoders": "ours", "filterpy": "rival"}, results.rows("acceleration_mae")
+    rival = Rival.beside("filterpy's plain filter", methods, "mae", "component", models)
     rows = results.rows("acceleration_mae", estimate="encoders")
     against = AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component")
     if against.errors.empty:

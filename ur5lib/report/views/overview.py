@@ -32,11 +32,13 @@ def pages(results: Results) -> Iterator[str]:
 
 def quality(results: Results, robot: str) -> pd.DataFrame:
     """Return each month's recordings, those with findings by severity, and lost frames."""
-    found = results.tables["quality"].groupby("severity")["recording"].unique()
-    sets = {severity: found.get(severity, ()) for severity in SEVERITIES[:-1]}
+    with_findings = results.tables["quality"].groupby("severity")["recording"].unique()
+    sets = {severity: with_findings.get(severity, ()) for severity in SEVERITIES[:-1]}
     sets["used"] = results.tables["recordings"]["recording"]
     months = _months(results, robot)
-    marks = pd.DataFrame({name: months.index.isin(one) for name, one in sets.items()}, months.index)
+    marks = pd.DataFrame(
+        {name: months.index.isin(names) for name, names in sets.items()}, months.index
+    )
     counts = marks.groupby(months).sum()
     return _by_month(months, {"lost": lost_shares(results)}).join(counts).reset_index()
 
@@ -85,9 +87,9 @@ def _by_month(
     `name`_of; NaN in months without a value.
     """
     parts = [months.value_counts().sort_index().rename("recordings").to_frame()]
-    for name, given in values.items():
-        of_months = pd.Series(given, dtype=float).dropna().groupby(months)
-        found = of_months.agg(["count", "median", "max", "idxmax"])
-        found.columns = [f"{name}_{kind}" for kind in ("count", "median", "most", "of")]
-        parts.append(found)
+    for name, by_recording in values.items():
+        of_months = pd.Series(by_recording, dtype=float).dropna().groupby(months)
+        summaries = of_months.agg(["count", "median", "max", "idxmax"])
+        summaries.columns = [f"{name}_{kind}" for kind in ("count", "median", "most", "of")]
+        parts.append(summaries)
     return reduce(pd.DataFrame.join, parts)

@@ -56,11 +56,11 @@ def findings(results: Results) -> pd.DataFrame:
 
 def count_findings(quality: pd.DataFrame) -> str:
     """Return how many findings there are of each severity, most serious first."""
-    found = quality["severity"].value_counts()
+    counts_by_severity = quality["severity"].value_counts()
     counts = [
-        (SPOKEN_SEVERITIES.get(name, name), int(found[name]))
+        (SPOKEN_SEVERITIES.get(name, name), int(counts_by_severity[name]))
         for name in SEVERITIES
-        if name in found
+        if name in counts_by_severity
     ]
     return say("quality.severities", counts=counts)
 
@@ -87,7 +87,7 @@ def versions(results: Results) -> pd.DataFrame:
 
 def errata(results: Results) -> list[str]:
     """Return each error found in the published work, with its place and the choice made here."""
-    return [f"{each.place}: {each.error} Here: {each.choice}" for each in results.errata]
+    return [f"{entry.place}: {entry.error} Here: {entry.choice}" for entry in results.errata]
 
 
 def total_time(results: Results) -> Iterator[str]:
