@@ -23,7 +23,7 @@ from ur5lib.report.reference import (
     Lookup,
     LoopError,
     PrintedTable,
-    Reference,
+    PublishedValues,
     read_reference,
 )
 from ur5lib.report.results import Results
@@ -46,7 +46,7 @@ def rebuilt(values: list[float], largest: float = 3.0) -> dict[str, pd.DataFrame
     return {"torque_mae": pd.DataFrame(rows)}
 
 
-def reference(**more: object) -> Reference:
+def reference(**more: object) -> PublishedValues:
     place = Lookup(table="torque_mae", value="mae", row="model")
     known = {
         "source": "Table 1",
@@ -56,7 +56,7 @@ def reference(**more: object) -> Reference:
     }
     table = PrintedTable.model_validate(known | more)
     erratum = Erratum(place="Table 1", error="2 % less", choice="none")
-    return Reference(printed={"torque_mae": table}, errata=(erratum,))
+    return PublishedValues(printed={"torque_mae": table}, errata=(erratum,))
 
 
 def statuses(own: list[float], said: list[float] | None = None, **more: object) -> list[str]:

@@ -29,11 +29,11 @@ from ur5lib.report.page.document import (
     Equation,
     Heading,
     Items,
+    Mention,
     Paragraph,
     Picture,
-    Reference,
     Section,
-    Table,
+    TableBlock,
 )
 from ur5lib.report.page.render import write_html, write_pdf
 from ur5lib.report.page.sentences import cell
@@ -70,12 +70,12 @@ def picture(tmp_path: Path) -> Path:
 def document(picture: Path) -> Document:
     rows = [[Cell(HOSTILE), Cell("0.5", "lowest")]]
     blocks = [
-        Paragraph([HOSTILE, Reference("later")]),
+        Paragraph([HOSTILE, Mention("later")]),
         Heading(HOSTILE),
         Items([HOSTILE], numbered=True),
-        Table(HOSTILE, ["joint", "mae"], rows, "first"),
+        TableBlock(HOSTILE, ["joint", "mae"], rows, "first"),
         Picture(HOSTILE, picture, HOSTILE, "picture", "figures/a.csv", "draw_figures"),
-        Table(HOSTILE, ["joint", "mae"], rows, "later", "tables/a.csv"),
+        TableBlock(HOSTILE, ["joint", "mae"], rows, "later", "tables/a.csv"),
         Equation("a / b", "a over b"),
         Code(HOSTILE),
     ]
@@ -85,12 +85,16 @@ def document(picture: Path) -> Document:
 def test_tables_and_figures_are_counted_and_mentioned_by_their_number(document: Document) -> None:
     first, *blocks = document.blocks()
     assert isinstance(first, Paragraph)
-    assert first.spans[1] == Reference("later", "Table 2")
-    assert [block.number for block in blocks if isinstance(block, Table | Picture)] == [1, 1, 2]
+    assert first.spans[1] == Mention("later", "Table 2")
+    assert [block.number for block in blocks if isinstance(block, TableBlock | Picture)] == [
+        1,
+        1,
+        2,
+    ]
 
 
 def test_a_mention_of_nothing_is_an_error() -> None:
-    lost = Document("", "", [Section("", [Paragraph([Reference("lost")])])])
+    lost = Document("", "", [Section("", [Paragraph([Mention("lost")])])])
     with pytest.raises(KeyError, match="lost"):
         lost.numbered()
 
@@ -148,7 +152,7 @@ def test_cells_show_sign_absence_and_no_exponent(template: str, value: Any, text
 
 def test_columns_of_numbers_stand_right() -> None:
     rows = [[Cell("Fx [N]"), Cell("−1.5"), Cell("–")], [Cell("Fy [N]"), Cell("2"), Cell("3 %")]]
-    assert Table("", ["", "", ""], rows).alignment() == ["left", "right", "right"]
+    assert TableBlock("", ["", "", ""], rows).alignment() == ["left", "right", "right"]
 
 
 # Tables of results

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.reference import Lookup, PrintedTable, Reference
+from ur5lib.report.reference import Lookup, PrintedTable, PublishedValues
 from ur5lib.timeseries.arrays import Array
 
 PRINTED_COLUMNS = [
@@ -34,7 +34,9 @@ class ExplainedRow(NamedTuple):
 
 
 def compared(
-    reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[ExplainedRow]
+    reference: PublishedValues,
+    tables: Mapping[str, pd.DataFrame],
+    explained: Sequence[ExplainedRow],
 ) -> Iterator[dict[str, object]]:
     """Yield a row for each published number of the recordings in the study's tables (by name)."""
     for name, table in reference.printed.items():

@@ -11,7 +11,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Quality
 from ur5lib.report.explained_errors import explained_accelerations, loop_error
 from ur5lib.report.printed_numbers import PRINTED_COLUMNS, ExplainedRow, compared
-from ur5lib.report.reference import Reference, read_reference
+from ur5lib.report.reference import PublishedValues, read_reference
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_csv, read_record, read_table, write_csv
 from ur5lib.timeseries.metrics import mean_absolute_error
@@ -24,7 +24,7 @@ def compare_with_print(input: Any, output: Any, params: Any) -> None:
     write_csv(pd.DataFrame(rows, columns=PRINTED_COLUMNS), output.printed)
 
 
-def explained(reference: Reference, input: Any, params: Any) -> Iterator[ExplainedRow]:
+def explained(reference: PublishedValues, input: Any, params: Any) -> Iterator[ExplainedRow]:
     """Yield the numbers of the errata's explanations, of the recordings of this study."""
     for number, erratum in enumerate(reference.errata, 1):
         for way in erratum.explains:

@@ -15,17 +15,17 @@ from ur5lib.report.page.document import (
     Block,
     Code,
     Contents,
+    DeclaredSection,
     DeclaredTable,
     Document,
     Heading,
     Items,
+    Mention,
     Paragraph,
-    Part,
     Picture,
-    Reference,
     Repeated,
     Section,
-    Table,
+    TableBlock,
     Verdicts,
     contents,
 )
@@ -112,10 +112,10 @@ def _analysed(results: Results) -> str:
 
 def _labels(blocks: Iterable[Block | DraftedText]) -> set[str]:
     """Return the labels of the tables and figures among blocks."""
-    return {block.label for block in blocks if isinstance(block, Table | Picture)}
+    return {block.label for block in blocks if isinstance(block, TableBlock | Picture)}
 
 
-def _blocks(part: Part, results: Results, above: Set[str] = frozenset()) -> list[Block]:
+def _blocks(part: DeclaredSection, results: Results, above: Set[str] = frozenset()) -> list[Block]:
     """Return the blocks of a section, without sentences about missing tables and figures.
 
     above: labels of the tables and figures in an earlier section.
@@ -131,19 +131,19 @@ def _paragraph(text: str, beside: str, name: str, shown: Set[str]) -> Paragraph 
 
     beside: what the text requires, if anything; name: recording or arm of what is mentioned.
     """
-    spans: list[str | Reference] = []
+    spans: list[str | Mention] = []
     for sentence in SENTENCE_END.split(text.strip()):
         parts = [  # every second one is a mention
-            Reference(_label(part, name)) if i % 2 else part
+            Mention(_label(part, name)) if i % 2 else part
             for i, part in enumerate(MENTION.split(sentence))
         ]
-        if all(part.label in shown for part in parts if isinstance(part, Reference)):
+        if all(part.label in shown for part in parts if isinstance(part, Mention)):
             spans += [" "] * bool(spans) + parts
     required = not beside or _label(beside, name) in shown
     return Paragraph(spans) if spans and required else None
 
 
-def _drafts(part: Part, results: Results) -> Iterator[Block | DraftedText]:
+def _drafts(part: DeclaredSection, results: Results) -> Iterator[Block | DraftedText]:
     """Yield blocks, and texts that depend on other blocks."""
     for declared in part.blocks:
         if not isinstance(declared, Repeated):
@@ -233,7 +233,7 @@ def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
     return tabulate(declared, rows, {"results": results})
 
 
-def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> Table:
+def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> TableBlock:
     caption, rows = _filled(declared.caption, results, name), body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
@@ -245,7 +245,7 @@ def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> 
         ]
         for row in rows[:MOST_ROWS]
     ]
-    return Table(caption, body.header, linked, _label(declared.table, name), declared.source)
+    return TableBlock(caption, body.header, linked, _label(declared.table, name), declared.source)
 
 
 def _has_numbers(path: Path) -> bool:

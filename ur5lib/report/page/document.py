@@ -42,7 +42,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Reference:
+class Mention:
     """A mention of a table or figure by its label; its text is known once all are numbered."""
 
     label: str
@@ -65,7 +65,7 @@ class Paragraph(FromContents):
     view that returns paragraphs.
     """
 
-    spans: list[str | Reference] = field(default_factory=list)
+    spans: list[str | Mention] = field(default_factory=list)
     text: str = ""
     beside: str = ""
     sentences: str = ""
@@ -89,7 +89,7 @@ class Items(FromContents):
 
 
 @dataclass(frozen=True)
-class Table:
+class TableBlock:
     """A table with one header row; the first column names the rows.
 
     source: the file it was made from, relative to the study's results.
@@ -110,7 +110,7 @@ class Table:
 
 @dataclass(frozen=True)
 class DeclaredTable(FromContents):
-    """A table of the contents, which becomes a `Table`; left out without rows.
+    """A table of the contents, which becomes a `TableBlock`; left out without rows.
 
     table: its name, by which texts mention it. rows: the view that returns its rows, by default all
     of the table of results in `source` or of the same name; where: a query of pandas that selects
@@ -225,8 +225,8 @@ class Code(FromContents):
     listing: str = ""
 
 
-Block = Paragraph | Heading | Items | Table | Picture | Verdicts | Equation | Code
-NUMBERED_KINDS = {Table: "Table", Picture: "Figure"}
+Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Equation | Code
+NUMBERED_KINDS = {TableBlock: "Table", Picture: "Figure"}
 
 
 @dataclass(frozen=True)
@@ -256,7 +256,7 @@ class Document:
         names: dict[str, str] = {}
 
         def count(block: Block) -> Block:
-            if not isinstance(block, Table | Picture):
+            if not isinstance(block, TableBlock | Picture):
                 return block
             kind = NUMBERED_KINDS[type(block)]
             counts[kind] += 1
@@ -267,7 +267,7 @@ class Document:
             if not isinstance(block, Paragraph):
                 return block
             spans = [
-                replace(span, text=names[span.label]) if isinstance(span, Reference) else span
+                replace(span, text=names[span.label]) if isinstance(span, Mention) else span
                 for span in block.spans
             ]
             return replace(block, spans=spans)
@@ -283,12 +283,12 @@ class Document:
             yield from section.blocks
 
     def as_data(self) -> dict[str, Any]:
-        """Return the document as plain data, for templates; `kind` is a block's class."""
+        """Return the document as plain data, for templates; `kind` names the class of a block."""
         data = asdict(self)
         plain = (block for section in data["sections"] for block in section["blocks"])
         for block, fields in zip(self.blocks(), plain, strict=True):
-            fields["kind"] = type(block).__name__.lower()
-            if isinstance(block, Table):
+            fields["kind"] = type(block).__name__.removesuffix("Block").lower()
+            if isinstance(block, TableBlock):
                 fields["alignment"] = block.alignment()
             if isinstance(block, Picture):
                 fields["path"] = str(block.path)
@@ -306,7 +306,7 @@ class Repeated(Strict):
     blocks: list[Block | DeclaredTable]
 
 
-class Part(Strict):
+class DeclaredSection(Strict):
     """A section; absent: the reason that the report states if the study has no data for it."""
 
     title: str
@@ -322,10 +322,10 @@ class Part(Strict):
 class Contents(Strict):
     """The whole report; run: the sections of a recording's own page."""
 
-    sections: list[Part]
-    run: list[Part] = Field(default_factory=list)
+    sections: list[DeclaredSection]
+    run: list[DeclaredSection] = Field(default_factory=list)
 
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[DeclaredSection]:
         """Return the sections of the report and of a recording's page."""
         return [*self.sections, *self.run]
 

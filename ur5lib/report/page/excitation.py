@@ -22,11 +22,11 @@ from ur5lib.report.page.document import (
     Code,
     Document,
     Items,
+    Mention,
     Paragraph,
     Picture,
-    Reference,
     Section,
-    Table,
+    TableBlock,
 )
 from ur5lib.report.page.formats import significant
 from ur5lib.timeseries.arrays import Array
@@ -142,7 +142,7 @@ def excitation_page(
         Section(
             "What it would determine",
             [
-                Paragraph([_worst(problem, worth), Reference("parameters"), " lists all."]),
+                Paragraph([_worst(problem, worth), Mention("parameters"), " lists all."]),
                 *([_outlook(outlook)] if outlook else []),
             ],
         ),
@@ -178,7 +178,7 @@ def _worst(problem: Problem, worth: Worth) -> str:
     )
 
 
-def _parameters(problem: Problem, worth: Worth) -> Table:
+def _parameters(problem: Problem, worth: Worth) -> TableBlock:
     """Return the table of all parameters, the least determined first."""
     names, units, percent_of_prior = problem.names(), problem.units(), 100 / worth.prior
     rows = [
@@ -192,10 +192,10 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
         "Predicted standard errors before and after the recording, least determined first. 100 % "
         "of the prior means that no recording determines the parameter."
     )
-    return Table(caption, header, _cells(rows), "parameters", DATA_FILE)
+    return TableBlock(caption, header, _cells(rows), "parameters", DATA_FILE)
 
 
-def _outlook(outlook: Sequence[Bands]) -> Table:
+def _outlook(outlook: Sequence[Bands]) -> TableBlock:
     """Return the bands as they are, and after this motion and others."""
     rows = [
         [
@@ -209,7 +209,7 @@ def _outlook(outlook: Sequence[Bands]) -> Table:
         "Half of the 95 % bands as they are now and after one more recording, the narrowest force "
         "first."
     )
-    return Table(caption, header, _cells(rows), "outlook")
+    return TableBlock(caption, header, _cells(rows), "outlook")
 
 
 def _cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
