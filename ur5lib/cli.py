@@ -121,13 +121,15 @@ def import_(
 
     from ur5lib.commands.check import text_console
     from ur5lib.commands.exported import described
-    from ur5lib.importing.contents import Stated
+    from ur5lib.importing.contents import UserStatement
     from ur5lib.importing.files import add_to_study, as_entries, import_files, write_study
 
     if robot is not None:
         described(robot)
     units = dict(_pair(one) for one in unit or [])
-    stated = Stated(robot or "", tuple((columns or "").split(",")) if columns else (), rate, units)
+    stated = UserStatement(
+        robot or "", tuple((columns or "").split(",")) if columns else (), rate, units
+    )
     console = text_console(stderr=True)
     imported = import_files(track(files, "reading", console=console, transient=True), stated)
     if study := write or add:
