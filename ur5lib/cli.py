@@ -361,11 +361,11 @@ def leaderboard(
     ] = None,
 ) -> None:
     """Compare published estimators of the contact force with ours, and yours, on your studies."""
-    from ur5lib.leaderboard.board import TABLE
+    from ur5lib.leaderboard.board import TABLE_FILE
     from ur5lib.leaderboard.board import leaderboard as compared
 
     typer.echo(compared(results, estimator))
-    typer.echo(f"all figures: {TABLE}")
+    typer.echo(f"all figures: {TABLE_FILE}")
 
 
 @app.command()

@@ -382,7 +382,7 @@ def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
     np.savetxt(tmp_path / "run.csv", np.hstack(blocks), delimiter=",", fmt="%.6f")
     entry, comments = entry_and_comments(tmp_path / "run.csv", robot="ur5")
     assert {"time", "actual_q", "target_moment"} <= {*entry["columns"]}
-    assert "NIST_COLUMNS" in comments
+    assert "NIST" in comments
     rows = zip(*(block.tolist() for block in blocks), strict=True)
     lines = [", ".join([str(stamp), *map(str, groups)]) for (stamp,), *groups in rows]
     (tmp_path / "run.csv").write_text(

@@ -1,10 +1,10 @@
 """This project's gated estimates, as the study holds them (docs/methods.md)."""
 
-from ur5lib.leaderboard.estimator import Estimator, ready
+from ur5lib.leaderboard.estimator import Contender, ready
 from ur5lib.pipeline.estimators import ESTIMATES, GATED, LEADING
 
 OURS = ESTIMATES[LEADING]
 ESTIMATORS = [
-    Estimator(OURS if name == LEADING else f"{OURS}, {ESTIMATES[name]}", "ours", False, ready(name))
+    Contender(OURS if name == LEADING else f"{OURS}, {ESTIMATES[name]}", "ours", False, ready(name))
     for name in GATED
 ]
