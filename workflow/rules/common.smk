@@ -16,7 +16,7 @@ from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import JOINT_SIZES, robot_path
 from ur5lib.steps.batches import Batches, Step
 from ur5lib.steps.workers import FAILED, run_batch, run_step
-from ur5lib.strict import PLACEHOLDER, read_yaml
+from ur5lib.strict import SNAKEMAKE_PLACEHOLDER, read_yaml
 from ur5lib.study.reading import names_by_pattern, parse_study, study_text
 from ur5lib.study.turn import share_turn, take_turn
 
@@ -253,7 +253,7 @@ def raw_files(name):
         return [str(path) for path in named]
     files = named or [*folder.glob("*"), *folder.glob("csv_files/*")]
     paths = sorted(str(path) for path in files if path.is_file())
-    return [path for path in paths if not PLACEHOLDER.search(path)]
+    return [path for path in paths if not SNAKEMAKE_PLACEHOLDER.search(path)]
 
 
 def illustrated():

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.commands.compare import COLUMNS, compare, rows
+from ur5lib.commands.compare import CHANGE_COLUMNS, compare, rows
 from ur5lib.tables import write_csv
 
 
@@ -17,4 +17,4 @@ def compare_studies(input: Any, output: Any, params: Any) -> None:
         for before in others
         for row in rows(before.name, compare(before, after))
     ]
-    write_csv(pd.DataFrame(found, columns=COLUMNS), output.changes)
+    write_csv(pd.DataFrame(found, columns=CHANGE_COLUMNS), output.changes)
