@@ -19,6 +19,7 @@ from benchmarks.harness.sections import detection_tables, sections
 from ur5lib.errors import InputError
 from ur5lib.force.estimators import OWN
 from ur5lib.leaderboard.board import RESULTS, TABLE, contenders, scored
+from ur5lib.leaderboard.board import RESULTS_FOLDER, TABLE_FILE, contenders, scored
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.study import read_arms
@@ -27,7 +28,7 @@ from ur5lib.tables import write_csv, write_text
 
 QUICK = (OURS, "zero", "least squares", "momentum observer")
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
-BESIDE = RESULTS / "benchmark.md"  # with estimators that are not the project's
+BESIDE = RESULTS_FOLDER / "benchmark.md"  # with estimators that are not the project's
 
 
 def main() -> None:
@@ -36,7 +37,7 @@ def main() -> None:
     options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
     options.add_argument("--estimator", help="package.module:Class, beside the rivals")
     given = options.parse_args()
-    folders = built(RESULTS / name for name in given.studies)
+    folders = built(RESULTS_FOLDER / name for name in given.studies)
     try:
         slow = {own.name for own in all_estimators()} - {*QUICK} if given.quick else {}
         chosen = [own for own in contenders(given.estimator) if own.name not in slow]
@@ -44,10 +45,10 @@ def main() -> None:
         table = scored(arms, chosen)
     except InputError as error:
         sys.exit(str(error))
-    write_csv(table, TABLE)
+    write_csv(table, TABLE_FILE)
     print(tables(table))
     if given.page:
-        further = sections(RESULTS) | {"detections": detection_tables(folders)}
+        further = sections(RESULTS_FOLDER) | {"detections": detection_tables(folders)}
         text, names = page.page(table, arms, further), [*table["estimator"].unique()]
         text = page.with_kept(text, PAGE.read_text(), further, names)
         if given.estimator or OWN:

@@ -28,7 +28,7 @@ from benchmarks.harness.prediction import FIGAROH
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import InertialEstimate, identify, prior_width, stack
 from ur5lib.leaderboard.tables import markdown, number
-from ur5lib.report.house_style import STYLES
+from ur5lib.report.figures.house_style import LINE_STYLES
 from ur5lib.robots.description import Robot
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
@@ -307,10 +307,10 @@ def drawing(curves: pd.DataFrame) -> Figure:
     figure, axes = plt.subplots(2, 4, figsize=(9, 4.5), layout="constrained")
     for (joint, own), axis in zip(curves.groupby("joint"), axes.flat, strict=False):
         for name, style in ((SEEN, "first"), (MOTOR, "second")):
-            axis.add_line(STYLES[style].line(0, own["speed"], own[name]))
+            axis.add_line(LINE_STYLES[style].line(0, own["speed"], own[name]))
             half = NORMAL95 * own[f"{name}, error"]
             axis.fill_between(own["speed"], own[name] - half, own[name] + half, alpha=0.2,
-                              color=STYLES[style].colours[0], linewidth=0)  # fmt: skip
+                              color=LINE_STYLES[style].colours[0], linewidth=0)  # fmt: skip
         axis.plot(own["speed"], own["seen"], "k.", markersize=3)
         axis.set_title(f"Joint {joint}")
     for axis in axes[:, 0]:

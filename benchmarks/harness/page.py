@@ -11,7 +11,7 @@ import pandas as pd
 from ur5lib.force import contact_figures, detection
 from ur5lib.leaderboard import tuning
 from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.study import Arm
+from ur5lib.leaderboard.study import StudyArm
 from ur5lib.leaderboard.tables import interval, markdown, tables
 
 TEMPLATE = "page.md.jinja"
@@ -52,7 +52,7 @@ class Comparison(NamedTuple):
     others: int
 
 
-def page(table: pd.DataFrame, arms: Sequence[Arm], further: Mapping[str, Any]) -> str:
+def page(table: pd.DataFrame, arms: Sequence[StudyArm], further: Mapping[str, Any]) -> str:
     """Return the page in Markdown.
 
     further: what the sections that other benchmarks measure hold, None where they did not run.
@@ -103,9 +103,9 @@ def section(text: str, title: str) -> str:
 def rule() -> dict[str, str]:
     """Return the numbers of the rule and of the scores, as the page writes them."""
     return {
-        "latency": f"{1000 * tuning.MOST:.0f} ms",
-        "reached": f"{tuning.REACHED:.0%}".replace("%", " %"),
-        "push": f"{tuning.PUSH:g} N",
+        "latency": f"{1000 * tuning.MAX_LATENCY:.0f} ms",
+        "reached": f"{tuning.STEP_SHARE:.0%}".replace("%", " %"),
+        "push": f"{tuning.PUSH_FORCE:g} N",
         "contact": f"{detection.CONTACT_FORCE:g} N",
         "free": f"{detection.FREE_FORCE:g} N",
         "apart": f"{detection.CONTACT_CLEARANCE:g} s",

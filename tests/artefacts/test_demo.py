@@ -18,7 +18,7 @@ from tests.conftest import PROJECT, Workflow
 from tests.library.test_benchmarks import run_benchmark
 from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
-from ur5lib.importing.contents import Stated
+from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.tables import read_csv, read_json
 
@@ -222,7 +222,7 @@ def test_an_exported_recording_is_imported(
     results: Path, tmp_path: Path, to: str, file: str
 ) -> None:
     (_,) = write_recordings(results, ["way_points"], to, tmp_path)
-    (found,) = import_files([tmp_path / file], Stated("ur5"))
+    (found,) = import_files([tmp_path / file], UserStatement("ur5"))
     assert not found.entry.keys() & {"joints", "units"}
     assert any(
         "actual_current in A" in one or "actual_current_5 in A" in one for one in found.comments

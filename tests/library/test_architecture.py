@@ -128,6 +128,12 @@ def test_tables_are_read_and_written_in_one_place() -> None:
     assert users == {"tables.py"}
 
 
+def test_readers_ask_the_registry_which_estimate_leads() -> None:
+    readers = ("report", "commands", "leaderboard")
+    paths = [path for room in readers for path in (PROJECT / "ur5lib" / room).rglob("*.py")]
+    assert [path for path in paths if '"Fmap"' in path.read_text()] == []
+
+
 def test_no_script_reads_the_configuration() -> None:
     for path in SCRIPTS:
         assert not re.search(r"\.config\b", path.read_text()), path

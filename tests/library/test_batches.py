@@ -5,10 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ur5lib.steps.absent import left_out, without, write_stamp
-from ur5lib.steps.batches import NUMBER, Batches, Step, divided
 from ur5lib.jobs.job import Job, Names
-from ur5lib.steps.upkeep import run_if_changed, run_or_restore
 
 NAMES = ["a", "b", "c.1"]
 

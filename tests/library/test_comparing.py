@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ur5lib.cli import app
-from ur5lib.commands.compare import COLUMNS, TOPICS, compare, lines, rows, write_junit
+from ur5lib.commands.compare import CHANGE_COLUMNS, TOPICS, compare, lines, rows, write_junit
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 
@@ -126,7 +126,7 @@ def test_tables_without_rows_have_nothing_to_compare(
 def test_a_row_of_the_report_says_what_the_command_says(tmp_path: Path) -> None:
     found = compare(results(tmp_path / "a"), results(tmp_path / "b", error=2.0))
     reported = [*rows("monday", found)]
-    assert [*reported[0]] == COLUMNS
+    assert [*reported[0]] == CHANGE_COLUMNS
     assert [row["name"] for row in reported if row["changed"] == "yes"] == [
         one.name for one in found if one.changed
     ]

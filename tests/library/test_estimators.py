@@ -26,7 +26,12 @@ from ur5lib.leaderboard.estimators.adaptive_kalman_filter import AdaptiveKalman
 from ur5lib.leaderboard.estimators.disturbance_kalman_filter import DisturbanceKalman
 from ur5lib.leaderboard.estimators.extended_state_observer import ExtendedState
 from ur5lib.leaderboard.estimators.least_squares import LowPassed
-from ur5lib.leaderboard.estimators.long_short_term_memory import PAST, STEP, motion, train
+from ur5lib.leaderboard.estimators.long_short_term_memory import (
+    SEQUENCE_LENGTH,
+    SEQUENCE_STEP,
+    motion,
+    train,
+)
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
@@ -69,7 +74,7 @@ def free_runs() -> list[Run]:
 def few_rounds() -> Iterator[None]:
     """A network that has learnt little is as causal as one that has learnt much."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(long_short_term_memory, "ROUNDS", 10)
+        patch.setattr(long_short_term_memory, "MAX_STEPS", 10)
         yield
 
 
@@ -166,9 +171,11 @@ def test_the_gains_of_a_position_loop_are_found() -> None:
 
 def test_the_last_states_are_read_in_the_order_of_time_and_not_across_a_gap() -> None:
     run = replace(synthetic_run(), segment=(np.arange(COUNT) >= LATER).astype(int))
-    seen = motion(run, with_error=False).inputs.reshape(COUNT, PAST, 12)
-    back = round(STEP / PERIOD)
-    assert np.array_equal(seen[LATER - 1, :, 0], run.q[LATER - 1 - back * np.arange(PAST)[::-1], 0])
+    seen = motion(run, with_error=False).inputs.reshape(COUNT, SEQUENCE_LENGTH, 12)
+    back = round(SEQUENCE_STEP / PERIOD)
+    assert np.array_equal(
+        seen[LATER - 1, :, 0], run.q[LATER - 1 - back * np.arange(SEQUENCE_LENGTH)[::-1], 0]
+    )
     assert np.array_equal(seen[LATER + back, -2:, 6:], run.qd[[LATER, LATER + back]])
     assert (seen[LATER + back, :-1, 6:] == run.qd[LATER]).all()
 
@@ -177,7 +184,7 @@ def test_a_network_learns_the_torque_of_an_arm_that_it_knows_nothing_of(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Trained on a path, it is tried on the same one."""
-    monkeypatch.setattr(long_short_term_memory, "ROUNDS", 200)
+    monkeypatch.setattr(long_short_term_memory, "MAX_STEPS", 200)
     run = synthetic_run(noise=0.3)
     known = samples([run], 0.04, partial(motion, with_error=False))
     error = standardised(train, known, known)(known.inputs) - known.torque
@@ -212,7 +219,7 @@ def test_the_least_false_force_is_chosen_among_the_prompt() -> None:
 def test_latencies_are_at_most_50_ms(learned: dict[str, Learned]) -> None:
     known = [own.latency for own in learned.values() if own.latency is not None]
     assert len(known) >= 8
-    assert max(known) <= tuning.MOST + 1e-9
+    assert max(known) <= tuning.MAX_LATENCY + 1e-9
 
 
 @pytest.mark.parametrize("name", NAMES)

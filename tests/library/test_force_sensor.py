@@ -20,7 +20,7 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
-from ur5lib.report.findings import in_words
+from ur5lib.report.page.findings import in_words
 
 PERIOD = 0.01
 GRAVITY = np.array([0, 0, -9.81])

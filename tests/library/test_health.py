@@ -27,9 +27,12 @@ from ur5lib.identification.validation import Scores
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.records.prediction import Prediction
-from ur5lib.report.arm_state_figures import health_figure
-from ur5lib.report.compose import shown_table
-from ur5lib.report.formats import days
+from ur5lib.report.figures.arm_state_figures import health_figure
+from ur5lib.report.page.compose import shown_table
+from ur5lib.report.page.formats import days
+from ur5lib.report.figures.arm_state_figures import health_figure
+from ur5lib.report.page.compose import shown_table
+from ur5lib.report.page.formats import days
 from ur5lib.report.results import Results
 from ur5lib.report.views import arm_state
 from ur5lib.report.views.arm_state import judge_drift

@@ -30,8 +30,8 @@ from ur5lib import cli
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.readings import IMPOSSIBLE_MOTION_PENALTY, in_order, readings
 from ur5lib.errors import InputError
-from ur5lib.importing.blocks import Block, grouped
-from ur5lib.importing.contents import NIST, Stated
+from ur5lib.importing.blocks import ColumnBlock, grouped
+from ur5lib.importing.contents import NIST_COLUMNS, UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.recordings.entries import expand
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -60,7 +60,7 @@ def ur5e_data() -> Path:
 
 def entry_and_comments(*paths: Path, robot: str = "") -> tuple[dict[str, Any], str]:
     """The entry of the first file, and the comments on it."""
-    (one, *_) = import_files(paths, Stated(robot))
+    (one, *_) = import_files(paths, UserStatement(robot))
     return one.entry, "\n".join(one.comments)
 
 
@@ -218,7 +218,7 @@ def test_a_bad_file_stops_no_other(
     ],
 )
 def test_columns_of_a_force_are_known_by_many_names(names: list[str]) -> None:
-    blocks = [Block(own, np.zeros((9, len(own))), "time") for own in grouped(names)]
+    blocks = [ColumnBlock(own, np.zeros((9, len(own))), "time") for own in grouped(names)]
     assert [block.meaning() for block in blocks] in (["force", "torque"], ["wrench"])
     assert [name for block in blocks for name in block.names] == names
 
@@ -374,9 +374,10 @@ def test_an_arm_that_cannot_turn_so_far_is_unlikely(farthest: float, lead: float
 def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
     time, channels = made
     targets = {name.replace("actual", "target"): values for name, values in channels.items()}
-    columns = {name: (targets | channels).get(name) for name in NIST}
+    columns = {name: (targets | channels).get(name) for name in NIST_COLUMNS}
     blocks = [time[:, None]] + [
-        np.zeros((len(time), 6)) if columns[name] is None else columns[name] for name in NIST[1:]
+        np.zeros((len(time), 6)) if columns[name] is None else columns[name]
+        for name in NIST_COLUMNS[1:]
     ]
     np.savetxt(tmp_path / "run.csv", np.hstack(blocks), delimiter=",", fmt="%.6f")
     entry, comments = entry_and_comments(tmp_path / "run.csv", robot="ur5")
@@ -384,7 +385,9 @@ def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
     assert "NIST" in comments
     rows = zip(*(block.tolist() for block in blocks), strict=True)
     lines = [", ".join([str(stamp), *map(str, groups)]) for (stamp,), *groups in rows]
-    (tmp_path / "run.csv").write_text("\n".join(lines) + "\n")  # as NIST's own files group them
+    (tmp_path / "run.csv").write_text(
+        "\n".join(lines) + "\n"
+    )  # as NIST_COLUMNS's own files group them
     assert entry_and_comments(tmp_path / "run.csv", robot="ur5")[0] == entry
 
 
@@ -515,7 +518,7 @@ def test_runs_of_one_joint(ur10e_data: Path, joint: int, robot: str) -> None:
 
 def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> None:
     paths = [ur10e_data / f"ur-20_01_22-joint_{joint}.csv" for joint in (1, 2)]
-    one, other = import_files(paths, Stated("ur10e"))
+    one, other = import_files(paths, UserStatement("ur10e"))
     assert one.entry["columns"] == other.entry["columns"]
     assert other.entry["columns"][3:] == WHOLE
     assert one.entry["file"] != other.entry["file"]

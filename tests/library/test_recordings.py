@@ -13,7 +13,7 @@ from tests.conftest import said
 from tests.entries import read_and_check, read_recording
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
-from ur5lib.channels import SIX, SUFFIXES
+from ur5lib.channels import SIX_SUFFIXES, SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.lab.stand.device_files import MESSAGE_BYTES, messages
 from ur5lib.lab.stand.faults import FIRST_PART_BYTES
@@ -30,7 +30,7 @@ from ur5lib.robots.realtime_message import fields
 from ur5lib.study.model import Recording
 from ur5lib.tables import channel, named
 
-LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX]
+LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX_SUFFIXES]
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, model_validator
 from pydantic_core import PydanticCustomError
 
-from ur5lib.channels import SIX, joint_count, meant
+from ur5lib.channels import SIX_SUFFIXES, joint_count, meant
 from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import SENSORS, Device
@@ -65,7 +65,7 @@ class InUnits(Strict):
         Raises InputError for an unknown unit, and for units of channels that the table lacks.
         """
         table = table.drop(columns=[name for name in table if name.startswith(SKIPPED_COLUMN)])
-        joints = joint_count(table.columns) or len(SIX)
+        joints = joint_count(table.columns) or len(SIX_SUFFIXES)
         for channel, unit in self.known_units().items():
             names = columns_of(channel, joints)
             factor = UNIT_FACTORS.get(unit) if isinstance(unit, str) else unit

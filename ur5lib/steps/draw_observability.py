@@ -4,8 +4,8 @@ import pandas as pd
 
 from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
 from ur5lib.identification.validation import MIN_SHARE_IN_BAND
-from ur5lib.report.arm_state_figures import observability_figure
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.arm_state_figures import observability_figure
+from ur5lib.report.figures.house_style import Drawing
 
 
 def draw_observability(observability: pd.DataFrame) -> dict[str, Drawing]:

@@ -10,6 +10,7 @@ from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.channels import check_robot
 from ur5lib.checks.postures import (
     large_constants,
+    posture_means,
     posture_stop_signs,
     what_gravity_shows,
 )

@@ -12,10 +12,15 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.force.external_torque import JointState, finite_rows, is_still
-from ur5lib.force.residual_model import ResidualModel, TorqueStretch, few_paths, fit_residual_model
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.force.residual_model import (
+    ResidualModel,
+    TorqueStretch,
+    few_paths,
+    fit_residual_model,
+)
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.force import CUTOFF, breakaway_of, learned_noise, most_probable
+from ur5lib.leaderboard.force import CUTOFF_HZ, breakaway_of, learned_noise, most_probable
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import unbroken
@@ -53,16 +58,18 @@ def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel
         for torque in [repeated(run)]
         for rows in unbroken(run.segment)
     ]
-    own = fit_residual_model(stretches, CUTOFF, noise.breakaway).wider(few_paths(len(runs)))
+    of_repeats = fit_residual_model(stretches, CUTOFF_HZ, noise.breakaway).wider(
+        few_paths(len(runs))
+    )
 
     def joined(moving: Array, resting: Array) -> Array:
         return np.concatenate([moving[: JointState.RESTING], resting[JointState.RESTING :]])
 
     return replace(
         noise,
-        spread=joined(own.spread, noise.spread),
-        change=joined(own.change, noise.change),
-        rate=joined(own.rate, noise.rate),
+        spread=joined(of_repeats.spread, noise.spread),
+        change=joined(of_repeats.change, noise.change),
+        rate=joined(of_repeats.rate, noise.rate),
     )
 
 
@@ -78,4 +85,4 @@ def learn(runs: Sequence[Run]) -> Learned:
     return Learned(estimate, {})
 
 
-ESTIMATORS = [Estimator(f"{OURS}, repeat-aware", "ours", False, learn)]
+ESTIMATORS = [Contender(f"{OURS}, repeat-aware", "ours", False, learn)]

@@ -7,16 +7,16 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
-from ur5lib.report.baseline import bars
-from ur5lib.report.document import State, Verdict
-from ur5lib.report.formats import capital, day, days
+from ur5lib.report.page.document import State, Verdict
+from ur5lib.report.page.formats import capital, day, days
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import bars
 from ur5lib.timeseries.changes import MIN_DATES
 
-LEAST = 0.5  # %, smallest effect of temperature that is mentioned
-DRIFT = "Drift over time"  # topic
-ALONG = [f"smallest_push_95_{axis}" for axis in "xyz"]
+MIN_TEMPERATURE_EFFECT = 0.5  # %, smallest effect of temperature that is mentioned
+DRIFT_TOPIC = "Drift over time"  # topic
+PUSHES_BY_AXIS = [f"smallest_push_95_{axis}" for axis in "xyz"]
 
 
 def dates(results: Results) -> Iterator[str]:
@@ -57,7 +57,7 @@ def change(row: Any) -> str:
         size, error = 100 * abs(row.size) / before, 100 * row.std_error / before
         by = say("health.by share", share=size, error=error, digits=int(error < 1))
         added = 100 * row.by_temperature / before
-    added = added if abs(added) >= LEAST else 0.0
+    added = added if abs(added) >= MIN_TEMPERATURE_EFFECT else 0.0
     return say("health.change", row=row, by=by, added=added)
 
 
@@ -79,7 +79,7 @@ def detectable(results: Results) -> Iterator[str]:
             yield say(
                 "observed.pushes", robot=robot, best=ends[0], worst=ends[1], most=MAX_TRIAL_FORCE
             )
-        by_axis = results.rows("observability", robot=robot, quantity=ALONG)
+        by_axis = results.rows("observability", robot=robot, quantity=PUSHES_BY_AXIS)
         limits = [(slowest, [*part.itertuples()]) for slowest, part in by_axis.groupby("speed_low")]
         if limits:
             yield say("observed.missed", robot=robot, limits=limits, most=MAX_TRIAL_FORCE)
@@ -135,7 +135,7 @@ def judge_drift(results: Results) -> Verdict | None:
     if len(changes):
         state, sentence = "usable", capital(change(next(changes.itertuples())))
     return Verdict(
-        topic=DRIFT,
+        topic=DRIFT_TOPIC,
         state=state,
         sentence=sentence,
         evidence=say("health.evidence", changes=len(changes), **words),

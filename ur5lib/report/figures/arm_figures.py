@@ -9,22 +9,29 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 from scipy.spatial import ConvexHull
 
-from ur5lib.report.house_style import JOINTS, WIDTH, Drawing, house_style
+from ur5lib.report.figures.house_style import JOINT_COLOURS, PAGE_WIDTH, Drawing, house_style
 from ur5lib.robots.description import Cylinder, DenavitHartenberg, Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
-UPRIGHT = [0.0, -np.pi / 2, 0.0, -np.pi / 2, 0.0, 0.0]  # rad, position 2 of Figure 4.1 of a UR
-MARGIN = 0.03  # m, around the drawing
-FARTHEST = 0.3  # m, largest distance from the joints that is drawn
-IN_A_ROW = 4  # panels
-TURN = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad, along the edge of a circle
-SIDE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # along x: y to the right, z up
-OBLIQUE = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])  # the same, x towards the lower left
-AXES = {"x": "#D55E00", "y": "#009E73", "z": "#0072B2"}
+UPRIGHT_POSTURE = [
+    0.0,
+    -np.pi / 2,
+    0.0,
+    -np.pi / 2,
+    0.0,
+    0.0,
+]  # rad, position 2 of Figure 4.1 of a UR
+DRAWING_MARGIN = 0.03  # m, around the drawing
+MAX_DISTANCE_FROM_JOINTS = 0.3  # m, largest distance from the joints that is drawn
+PANELS_PER_ROW = 4  # panels
+CIRCLE_ANGLES = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad, along the edge of a circle
+SIDE_VIEW = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # along x: y to the right, z up
+OBLIQUE_VIEW = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])  # the same, x towards the lower left
+AXIS_COLOURS = {"x": "#D55E00", "y": "#009E73", "z": "#0072B2"}
 AXIS_LENGTH = 0.11  # share of the drawing's largest extent
-LABEL_ASIDE = 8  # points from the tip of an axis
-PLACE, PARAMETERS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]", "alpha [rad]"]
+LABEL_DISTANCE = 8  # points from the tip of an axis
+PLACE_COLUMNS, PARAMETER_COLUMNS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]", "alpha [rad]"]
 
 
 class MassModel(NamedTuple):
@@ -61,10 +68,12 @@ def cylinder_outline(part: Cylinder, center: Array, rotation: Array) -> Array:
     center: (3,) [m], the link's centre of mass; rotation: (3, 3), of the link's frame; base axes.
     """
     along = np.roll([1.0, 0.0, 0.0], "xyz".index(part.axis))
-    circle = np.outer(np.cos(TURN), np.roll(along, 1)) + np.outer(np.sin(TURN), np.roll(along, 2))
+    circle = np.outer(np.cos(CIRCLE_ANGLES), np.roll(along, 1)) + np.outer(
+        np.sin(CIRCLE_ANGLES), np.roll(along, 2)
+    )
     ends = [part.radius * circle + sign * part.height / 2 * along for sign in (-1, 1)]
-    seen = (center + (np.concatenate(ends) + part.offset) @ rotation.T) @ SIDE.T
-    corners: Array = seen[ConvexHull(seen).vertices]
+    projected = (center + (np.concatenate(ends) + part.offset) @ rotation.T) @ SIDE_VIEW.T
+    corners: Array = projected[ConvexHull(projected).vertices]
     return corners
 
 
@@ -75,9 +84,9 @@ def ellipsoid_outline(mass: float, inertia: Array, center: Array) -> Array:
     Its mass is spread with covariance (tr(I)/2 1 − I) / m, a fifth of its squared half-axes.
     """
     spread = (np.trace(inertia) / 2 * np.eye(3) - inertia) / mass
-    squares, axes = np.linalg.eigh(5 * SIDE @ spread @ SIDE.T)
-    circle = np.column_stack([np.cos(TURN), np.sin(TURN)])
-    outline: Array = SIDE @ center + circle * np.sqrt(np.maximum(squares, 0)) @ axes.T
+    squares, axes = np.linalg.eigh(5 * SIDE_VIEW @ spread @ SIDE_VIEW.T)
+    circle = np.column_stack([np.cos(CIRCLE_ANGLES), np.sin(CIRCLE_ANGLES)])
+    outline: Array = SIDE_VIEW @ center + circle * np.sqrt(np.maximum(squares, 0)) @ axes.T
     return outline
 
 
@@ -86,12 +95,12 @@ def mass_panels(joints: Array, models: Mapping[str, MassModel]) -> Drawing:
 
     joints: (n + 1, 3) [m], origins of the frames.
     """
-    line = joints @ SIDE.T
+    line = joints @ SIDE_VIEW.T
     bodies = [body for model in models.values() for link in model.outlines for body in link]
     low, high = _limits(line, bodies)
-    panels = min(IN_A_ROW, len(models))
+    panels = min(PANELS_PER_ROW, len(models))
     rows = -(-len(models) // panels)
-    height = min(4.6, WIDTH / panels * (high - low)[1] / (high - low)[0])
+    height = min(4.6, PAGE_WIDTH / panels * (high - low)[1] / (high - low)[0])
     tall = rows * (height + 0.3) + 0.3
     with house_style(tall, rows, panels, sharex=True, sharey=True) as (figure, axes):
         for axis in axes.flat[len(models) :]:
@@ -105,7 +114,7 @@ def mass_panels(joints: Array, models: Mapping[str, MassModel]) -> Drawing:
             axis.set_ylabel("z [m]")
         links = [
             Patch(color=colour, label=f"link {k}")
-            for k, colour in enumerate(JOINTS[: len(joints) - 1], 1)
+            for k, colour in enumerate(JOINT_COLOURS[: len(joints) - 1], 1)
         ]
         figure.legend(handles=links, loc="outside lower center", frameon=False, ncols=6)
     return Drawing(figure, pd.concat([_masses(name, model) for name, model in models.items()]))
@@ -115,23 +124,23 @@ def _limits(line: Array, outlines: Sequence[Array]) -> tuple[Array, Array]:
     """Return the lower and the upper ends of the axes, around joints and outlines (K, 2)."""
     drawn = np.concatenate([line, *outlines])
     # undetermined parameters can have any value, so the arm limits the axes
-    low = np.maximum(drawn.min(axis=0), line.min(axis=0) - FARTHEST)
-    high = np.minimum(drawn.max(axis=0), line.max(axis=0) + FARTHEST)
-    return low - MARGIN, high + MARGIN
+    low = np.maximum(drawn.min(axis=0), line.min(axis=0) - MAX_DISTANCE_FROM_JOINTS)
+    high = np.minimum(drawn.max(axis=0), line.max(axis=0) + MAX_DISTANCE_FROM_JOINTS)
+    return low - DRAWING_MARGIN, high + DRAWING_MARGIN
 
 
 def _draw_masses(axis: Axes, model: MassModel) -> None:
-    colours = JOINTS[: len(model.masses)]
+    colours = JOINT_COLOURS[: len(model.masses)]
     for bodies, colour in zip(model.outlines, colours, strict=True):
         for body in bodies:
             axis.fill(*body.T, facecolor=f"{colour}40", edgecolor=colour, linewidth=0.8)
-    y, z = SIDE @ model.centers.T
+    y, z = SIDE_VIEW @ model.centers.T
     axis.scatter(y, z, 12 * model.masses, colours, zorder=3)
 
 
 def _masses(name: str, model: MassModel) -> pd.DataFrame:
     numbers = np.column_stack([model.masses, model.centers.round(9)])
-    values = pd.DataFrame(numbers, columns=["mass [kg]", *PLACE])
+    values = pd.DataFrame(numbers, columns=["mass [kg]", *PLACE_COLUMNS])
     return values.assign(model=name, link=range(1, len(model.masses) + 1))
 
 
@@ -158,25 +167,27 @@ def frame_panels(
             axis.spines[:].set_visible(False)
     axes = [f"{axis} axis, {part}" for axis in "xyz" for part in "xyz"]
     turned = rotation.transpose(0, 2, 1).reshape(-1, 9)
-    values = pd.DataFrame(np.column_stack([origin, turned]).round(9), columns=[*PLACE, *axes])
+    values = pd.DataFrame(
+        np.column_stack([origin, turned]).round(9), columns=[*PLACE_COLUMNS, *axes]
+    )
     links = pd.DataFrame(
-        [[p.a, p.d, p.alpha] for p in parameters], range(1, len(parameters) + 1), PARAMETERS
+        [[p.a, p.d, p.alpha] for p in parameters], range(1, len(parameters) + 1), PARAMETER_COLUMNS
     )
     return Drawing(figure, values.rename_axis("frame").join(links).reset_index())
 
 
 def _draw_frames(axis: Axes, rotation: Array, origin: Array, frames: Sequence[int]) -> None:
     """Draw the axes of some frames, labelled to the left of their tips."""
-    seen = origin[[*frames]] @ OBLIQUE.T
-    length = AXIS_LENGTH * np.ptp(seen, axis=0).max()
-    low, high = seen.min(axis=0) - 1.5 * length, seen.max(axis=0) + 1.5 * length
+    projected = origin[[*frames]] @ OBLIQUE_VIEW.T
+    length = AXIS_LENGTH * np.ptp(projected, axis=0).max()
+    low, high = projected.min(axis=0) - 1.5 * length, projected.max(axis=0) + 1.5 * length
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     for k in frames:
-        for part, (name, colour) in enumerate(AXES.items()):
-            start, way = OBLIQUE @ origin[k], OBLIQUE @ rotation[k, :, part] * length
+        for part, (name, colour) in enumerate(AXIS_COLOURS.items()):
+            start, way = OBLIQUE_VIEW @ origin[k], OBLIQUE_VIEW @ rotation[k, :, part] * length
             arrow = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0}
             axis.annotate("", start + way, start, arrowprops=arrow)
-            aside = LABEL_ASIDE * np.array([-way[1], way[0]]) / np.hypot(*way)
+            aside = LABEL_DISTANCE * np.array([-way[1], way[0]]) / np.hypot(*way)
             label = axis.annotate(f"${name}_{k}$", start + way, aside, textcoords="offset points")
             label.set(color=colour, ha="center", va="center")
 
@@ -185,13 +196,15 @@ def _draw_links(
     axis: Axes, origin: Array, parameters: Sequence[DenavitHartenberg], frames: Sequence[int]
 ) -> None:
     """Draw the links between some frames, each with its parameters other than zero beside it."""
-    axis.plot(*(OBLIQUE @ origin[[*frames]].T), "o-", color="#999999", markersize=4, linewidth=3)
+    axis.plot(
+        *(OBLIQUE_VIEW @ origin[[*frames]].T), "o-", color="#999999", markersize=4, linewidth=3
+    )
     for k in frames[1:] if parameters else ():
         link = parameters[k - 1]
         lengths = {f"d_{k}": link.d, f"a_{k}": link.a}
         parts = [f"${name}$ = {1000 * value:g} mm" for name, value in lengths.items() if value]
         parts += [rf"$\alpha_{k}$ = {np.degrees(link.alpha):.4g}°"] if link.alpha else []
-        start, end = OBLIQUE @ origin[k - 1], OBLIQUE @ origin[k]
+        start, end = OBLIQUE_VIEW @ origin[k - 1], OBLIQUE_VIEW @ origin[k]
         level = abs(end - start)[0] > abs(end - start)[1]
         aside, side = ((0, 24), "center") if level else ((20, 3), "left")
         middle = (start + end) / 2

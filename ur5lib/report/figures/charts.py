@@ -7,17 +7,17 @@ from itertools import cycle
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.house_style import (
-    DOTS,
-    FITTED_DOTS,
-    JOINTS,
+from ur5lib.report.figures.house_style import (
+    DOT_STYLE,
+    FITTED_DOT_STYLE,
+    JOINT_COLOURS,
     Drawing,
     house_style,
     nothing_to_draw,
 )
 from ur5lib.timeseries.arrays import Array
 
-LINES = ("-", "--")
+LINE_DASHES = ("-", "--")
 
 
 def scatter_panels(
@@ -41,11 +41,11 @@ def scatter_panels(
         for empty in axes_of[x.shape[1] :]:
             empty.set_visible(False)
         for joint, axis in enumerate(axes_of[: x.shape[1]]):
-            axis.plot(x[:, joint], y[:, joint], ".", color=JOINTS[joint], **DOTS)
-            for (along, values), dashes in zip(lines, LINES, strict=False):
+            axis.plot(x[:, joint], y[:, joint], ".", color=JOINT_COLOURS[joint], **DOT_STYLE)
+            for (along, values), dashes in zip(lines, LINE_DASHES, strict=False):
                 axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
             if fitted is not None:
-                axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOTS)
+                axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOT_STYLE)
             labels = (label.format(joint + 1) for label in axes)
             xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", label) for label in labels)
             axis.set(xlabel=xlabel, ylabel=ylabel)
@@ -67,7 +67,13 @@ def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) ->
     with house_style(*size, sharey="row") as (figure, rows):
         for joint, row in enumerate(rows):
             for axis, (name, values) in zip(row, against.items(), strict=True):
-                axis.plot(values[:, joint], residual[:, joint], ".", color=JOINTS[joint], **DOTS)
+                axis.plot(
+                    values[:, joint],
+                    residual[:, joint],
+                    ".",
+                    color=JOINT_COLOURS[joint],
+                    **DOT_STYLE,
+                )
                 if joint == joints - 1:
                     axis.set_xlabel(name)
             row[0].set_ylabel(f"joint {joint + 1} [{unit}]")
@@ -80,7 +86,7 @@ def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz
     """Draw the gain of filters over frequency, both logarithmic. gains: six at most, (K,)."""
     with house_style(3.2) as (figure, ((axis,),)):
         dashes = cycle(["-", "--", ":"])
-        for (label, gain), colour in zip(gains.items(), JOINTS[: len(gains)], strict=True):
+        for (label, gain), colour in zip(gains.items(), JOINT_COLOURS[: len(gains)], strict=True):
             axis.loglog(frequency, gain, next(dashes), label=label, color=colour)
         axis.set(xlabel=f"frequency [{unit}]", ylabel="gain", ylim=(1e-4, 2))
         axis.legend(loc="lower left", frameon=False)
@@ -103,7 +109,7 @@ def calibration_panels(
         for axis, (estimate, during) in zip(axes, held.items(), strict=True):
             axis.plot([0, 100], [0, 100], color="black", linewidth=0.8)
             for (name, shares), line in zip(during.items(), ("o-", "o:"), strict=False):
-                for values, part, colour in zip(shares.T, components, JOINTS, strict=False):
+                for values, part, colour in zip(shares.T, components, JOINT_COLOURS, strict=False):
                     label = f"{part} {name}"
                     axis.plot(stated, values, line, color=colour, markersize=3, label=label)
             axis.set(title=estimate, xlabel="stated [%]", xlim=(40, 100), ylim=(0, 101))

@@ -10,14 +10,25 @@ from matplotlib.axes import Axes
 
 from ur5lib.identification.currents import CurrentFit, Parameter, predict
 from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
-from ur5lib.report.charts import residual_panels, scatter_panels
-from ur5lib.report.house_style import Drawing, house_style, nothing_to_draw
+from ur5lib.report.figures.charts import residual_panels, scatter_panels
+from ur5lib.report.figures.house_style import Drawing, house_style, nothing_to_draw
 from ur5lib.robots.description import CurrentToTorque
 from ur5lib.thesis.published_constants import CurrentTorque
 from ur5lib.timeseries.arrays import Array
 
-STEP = 0.1  # s between the samples that are drawn
-CURRENT, SENSED = ("i_{} [A]", "A"), ("sensed τ_{} [Nm]", "Nm")  # label and unit
+DRAWN_STEP = 0.1  # s between the samples that are drawn
+CURRENT_AXIS, TORQUE_AXIS = ("i_{} [A]", "A"), ("sensed τ_{} [Nm]", "Nm")  # label and unit
+KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours
+    "prior_share": ("other arms and the maker", "#BBBBBB"),
+    "arm_share": ("other days", "#0072B2"),
+    "day_share": ("other recordings of the day", "#56B4E9"),
+    "run_share": ("the one recording that tells most", "#E69F00"),
+}
+PARAMETER_SYMBOLS = {
+    "torque_constant": "k",
+    "offset": "b",
+    "coulomb": "Coulomb",
+}  # on a narrow axis
 
 
 @dataclass(frozen=True)
@@ -34,7 +45,7 @@ class MovingSamples:
     @classmethod
     def from_record(cls, record: CurrentSamples, fit: CurrentFit, smooth: Smooth) -> Self:
         """Return a recording's samples where each joint moves."""
-        every = max(1, round(STEP / record.period))
+        every = max(1, round(DRAWN_STEP / record.period))
         moving = smoothed_moving(record, smooth)[::every]
 
         def thinned(values: Array) -> Array:
@@ -58,27 +69,18 @@ class MovingSamples:
         return cls(*map(np.concatenate, arrays))
 
 
-KNOWN_FROM = {  # the shares of a parameter's knowledge, and their colours
-    "prior_share": ("other arms and the maker", "#BBBBBB"),
-    "arm_share": ("other days", "#0072B2"),
-    "day_share": ("other recordings of the day", "#56B4E9"),
-    "run_share": ("the one recording that tells most", "#E69F00"),
-}
-SYMBOLS = {"torque_constant": "k", "offset": "b", "coulomb": "Coulomb"}  # on a narrow axis
-
-
 def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
     """Draw a bar of shares for each parameter, in a panel for each joint."""
     if not parameters:
         return nothing_to_draw()
-    data = pd.DataFrame([asdict(row) for row in parameters])[["joint", "name", *KNOWN_FROM]]
+    data = pd.DataFrame([asdict(row) for row in parameters])[["joint", "name", *KNOWLEDGE_SOURCES]]
     rows = -(-data["joint"].nunique() // 3)
     with house_style(1.3 * rows + 0.3, rows, 3, sharex=True) as (figure, panels):
         axes = panels.flat
         for empty in axes[data["joint"].nunique() :]:
             empty.set_visible(False)
-        for axis, (joint, own) in zip(axes, data.groupby("joint"), strict=False):
-            _draw_shares(axis, own)
+        for axis, (joint, of_joint) in zip(axes, data.groupby("joint"), strict=False):
+            _draw_shares(axis, of_joint)
             axis.set_title(f"joint {joint}", fontsize=8)
         figure.supxlabel("share of what is known [%]", fontsize=7.5)
         bars, labels = axes[0].get_legend_handles_labels()
@@ -86,13 +88,17 @@ def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
     return Drawing(figure, data)
 
 
-def _draw_shares(axis: Axes, own: pd.DataFrame) -> None:
+def _draw_shares(axis: Axes, parameters: pd.DataFrame) -> None:
     """Draw the shares of a joint's parameters."""
-    shares = 100 * own[[*KNOWN_FROM]].to_numpy()
+    shares = 100 * parameters[[*KNOWLEDGE_SOURCES]].to_numpy()
     ends = shares.cumsum(axis=1)
-    for (label, color), width, end in zip(KNOWN_FROM.values(), shares.T, ends.T, strict=True):
-        axis.barh(range(len(own)), width, 0.75, end - width, color=color, label=label)
-    axis.set_yticks(range(len(own)), [SYMBOLS.get(name, name) for name in own["name"]])
+    for (label, color), width, end in zip(
+        KNOWLEDGE_SOURCES.values(), shares.T, ends.T, strict=True
+    ):
+        axis.barh(range(len(parameters)), width, 0.75, end - width, color=color, label=label)
+    axis.set_yticks(
+        range(len(parameters)), [PARAMETER_SYMBOLS.get(name, name) for name in parameters["name"]]
+    )
     axis.set_xlim(0, 100)
     axis.invert_yaxis()
     axis.grid(visible=False)
@@ -106,7 +112,7 @@ def friction_figures(
     constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; sensed:
     whether sensed torques take the currents' place.
     """
-    measured_axis, unit = SENSED if sensed else CURRENT
+    measured_axis, unit = TORQUE_AXIS if sensed else CURRENT_AXIS
     friction = constant * samples.predicted - samples.torque
     needed = samples.torque + friction
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
@@ -139,12 +145,12 @@ def printed_friction(
     """
     if samples is None:
         return nothing_to_draw(), nothing_to_draw()
-    labels = "τ_{} of rigid links [Nm]", CURRENT[0]
+    labels = "τ_{} of rigid links [Nm]", CURRENT_AXIS[0]
     rigid = scatter_panels(samples.rigid, samples.current, labels)
     if constants is None:
         return rigid, nothing_to_draw()
     torque = samples.total
     ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
     lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
-    labels = "τ_{} with friction [Nm]", CURRENT[0]
+    labels = "τ_{} with friction [Nm]", CURRENT_AXIS[0]
     return rigid, scatter_panels(torque, samples.current, labels, lines)

@@ -8,30 +8,31 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ur5lib.report.document import (
+from ur5lib.force.estimators import ESTIMATES, LEADING
+from ur5lib.report.page.document import (
     MOST_ROWS,
     MOST_SHOWN,
     Block,
     Code,
     Contents,
+    DeclaredSection,
     DeclaredTable,
     Document,
     Heading,
     Items,
+    Mention,
     Paragraph,
-    Part,
     Picture,
-    Reference,
     Repeated,
     Section,
-    Table,
+    TableBlock,
     Verdicts,
     contents,
 )
+from ur5lib.report.page.sentences import say
+from ur5lib.report.page.tabulated import Body, tabulate
+from ur5lib.report.page.torques import in_torques
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
-from ur5lib.report.tabulated import Body, tabulate
-from ur5lib.report.torques import in_torques
 from ur5lib.report.views import (
     arm_state,
     audit,
@@ -54,11 +55,13 @@ VIEWS: dict[str, ModuleType] = {
     )
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
-REMARK = re.compile(r"\{(thesis|ur|other)\|(.*?)\}")  # of that study, or of such arms, alone
+CONDITIONAL_TEXT = re.compile(
+    r"\{(thesis|ur|other)\|(.*?)\}"
+)  # of that study, or of such arms, alone
 SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
-Draft = Callable[[Set[str]], Paragraph | None]
+DraftedText = Callable[[Set[str]], Paragraph | None]
 """Returns a text, given the labels of the tables and figures that are shown."""
 
 
@@ -70,11 +73,11 @@ def compose(contents: Contents, results: Results) -> Document:
     first, *others = contents.sections
     above = _labels(_drafts(first, results))
     sections = [Section(part.title, _blocks(part, results, above)) for part in others]
-    kept = [part for part in sections if any(map(_is_evidence, part.blocks))]
+    filled = [part for part in sections if any(map(_is_evidence, part.blocks))]
     left_out = [
         say("findings.left out", title=part.title, reason=part.absent)
         for part, section in zip(others, sections, strict=True)
-        if section not in kept and part.absent
+        if section not in filled and part.absent
     ]
     opening = Section(first.title, _blocks(first, replace(results, left_out=left_out)))
     study = results.study
@@ -82,7 +85,7 @@ def compose(contents: Contents, results: Results) -> Document:
     document = Document(
         title=f"{study['title']} (simulated)" if notice else study["title"],
         subtitle=_analysed(results),
-        sections=[opening, *kept],
+        sections=[opening, *filled],
         notice=notice,
     ).numbered()
     names = {study["study"], study["title"], *results.robots(), *results.roles()}
@@ -92,8 +95,8 @@ def compose(contents: Contents, results: Results) -> Document:
 def view(name: str) -> Callable[..., Any]:
     """Return the view `module.function`. Raises KeyError or AttributeError where there is none."""
     module, _, function = name.partition(".")
-    found: Callable[..., Any] = getattr(VIEWS[module], function)
-    return found
+    views_function: Callable[..., Any] = getattr(VIEWS[module], function)
+    return views_function
 
 
 def _analysed(results: Results) -> str:
@@ -107,12 +110,12 @@ def _analysed(results: Results) -> str:
     )
 
 
-def _labels(blocks: Iterable[Block | Draft]) -> set[str]:
+def _labels(blocks: Iterable[Block | DraftedText]) -> set[str]:
     """Return the labels of the tables and figures among blocks."""
-    return {block.label for block in blocks if isinstance(block, Table | Picture)}
+    return {block.label for block in blocks if isinstance(block, TableBlock | Picture)}
 
 
-def _blocks(part: Part, results: Results, above: Set[str] = frozenset()) -> list[Block]:
+def _blocks(part: DeclaredSection, results: Results, above: Set[str] = frozenset()) -> list[Block]:
     """Return the blocks of a section, without sentences about missing tables and figures.
 
     above: labels of the tables and figures in an earlier section.
@@ -128,73 +131,74 @@ def _paragraph(text: str, beside: str, name: str, shown: Set[str]) -> Paragraph 
 
     beside: what the text requires, if anything; name: recording or arm of what is mentioned.
     """
-    spans: list[str | Reference] = []
+    spans: list[str | Mention] = []
     for sentence in SENTENCE_END.split(text.strip()):
         parts = [  # every second one is a mention
-            Reference(_label(part, name)) if i % 2 else part
+            Mention(_label(part, name)) if i % 2 else part
             for i, part in enumerate(MENTION.split(sentence))
         ]
-        if all(part.label in shown for part in parts if isinstance(part, Reference)):
+        if all(part.label in shown for part in parts if isinstance(part, Mention)):
             spans += [" "] * bool(spans) + parts
     required = not beside or _label(beside, name) in shown
     return Paragraph(spans) if spans and required else None
 
 
-def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
+def _drafts(part: DeclaredSection, results: Results) -> Iterator[Block | DraftedText]:
     """Yield blocks, and texts that depend on other blocks."""
-    for wanted in part.blocks:
-        if not isinstance(wanted, Repeated):
-            yield from _single(wanted, results)
+    for declared in part.blocks:
+        if not isinstance(declared, Repeated):
+            yield from _single(declared, results)
             continue
-        each, *arguments = wanted.each.split()
+        each, *arguments = declared.each.split()
         listed = partial(view(each), results) if "." in each else getattr(results, each)
         for name in listed(*arguments):
-            drafts = [draft for block in wanted.blocks for draft in _single(block, results, name)]
-            if wanted.heading and any(map(_is_evidence, drafts)):
-                yield Heading(wanted.heading.format(of=name))
+            drafts = [draft for block in declared.blocks for draft in _single(block, results, name)]
+            if declared.heading and any(map(_is_evidence, drafts)):
+                yield Heading(declared.heading.format(of=name))
             yield from drafts
 
 
 def _single(
-    wanted: Block | DeclaredTable, results: Results, name: str = ""
-) -> Iterator[Block | Draft]:
+    declared: Block | DeclaredTable, results: Results, name: str = ""
+) -> Iterator[Block | DraftedText]:
     """Yield a block of the contents, filled from results; name: recording, arm or study of it."""
     arguments = (results, name) if name else (results,)
-    match wanted:
+    match declared:
         case Paragraph(sentences=sentences) if sentences:
             yield from (Paragraph([text]) for text in view(sentences)(*arguments))
         case Paragraph():
-            yield partial(_paragraph, _filled(wanted.text, results, name), wanted.beside, name)
+            yield partial(_paragraph, _filled(declared.text, results, name), declared.beside, name)
         case Items():
-            items = [*view(wanted.entries)(*arguments)]
-            if items and wanted.above:
-                yield Paragraph([wanted.above])
+            items = [*view(declared.entries)(*arguments)]
+            if items and declared.above:
+                yield Paragraph([declared.above])
             if items:
-                yield replace(wanted, items=items)
+                yield replace(declared, items=items)
         case DeclaredTable():
-            by_recording = "recording" in {*wanted.lines, *wanted.across, *wanted.columns.values()}
+            columns = declared.columns.values()
+            by_recording = "recording" in {*declared.lines, *declared.across, *columns}
             listed = results.many and not name and by_recording
-            body = Body([], []) if listed else body_of(wanted, results, name)
+            body = Body([], []) if listed else body_of(declared, results, name)
             if body.rows:
-                yield _table(wanted, body, results, name)
+                yield _table(declared, body, results, name)
         case Picture():
-            path = results.figures / name / f"{wanted.figure}.svg"
+            path = results.figures / name / f"{declared.figure}.svg"
             if _has_numbers(path):
                 yield replace(
-                    wanted,
-                    caption=_filled(wanted.caption, results, name),
+                    declared,
+                    caption=_filled(declared.caption, results, name),
                     path=path,
-                    alternative=_filled(wanted.alternative, results, name),
-                    label=_label(wanted.figure, name),
+                    alternative=_filled(declared.alternative, results, name),
+                    label=_label(declared.figure, name),
                     source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
                     of=name,
                 )
         case Verdicts():
-            yield replace(wanted, verdicts=view(wanted.judged)(*arguments))
+            yield replace(declared, verdicts=view(declared.judged)(*arguments))
         case Code():
-            yield replace(wanted, text=view(wanted.listing)(*arguments))
+            yield replace(declared, text=view(declared.listing)(*arguments))
         case _:
-            yield wanted
+            yield declared
 
 
 def _label(block: str, name: str) -> str:
@@ -202,11 +206,13 @@ def _label(block: str, name: str) -> str:
 
 
 def _filled(text: str, results: Results, name: str) -> str:
-    """Return a text with the name of its recording or arm, and the remarks that concern it."""
+    """Return a text with the names of its recording or arm and of the leading estimate, and with
+    the remarks that concern it.
+    """
     other = name in results.other_arms
-    said = {"thesis": results.of_thesis, "other": other, "ur": not other}
-    text = REMARK.sub(lambda remark: remark[2] if said[remark[1]] else "", text)
-    return text.replace("{of}", name)
+    conditions = {"thesis": results.of_thesis, "other": other, "ur": not other}
+    text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] if conditions[remark[1]] else "", text)
+    return text.replace("{leading}", ESTIMATES[LEADING]).replace("{of}", name)
 
 
 def shown_table(table: str, results: Results, name: str = "") -> Body:
@@ -227,16 +233,19 @@ def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
     return tabulate(declared, rows, {"results": results})
 
 
-def _table(wanted: DeclaredTable, body: Body, results: Results, name: str) -> Table:
-    caption, rows = _filled(wanted.caption, results, name), body.rows
+def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> TableBlock:
+    caption, rows = _filled(declared.caption, results, name), body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
     pages = {*results.roles()} if results.many else set()
     linked = [
-        [replace(one, link=f"runs/{one.text}.html") if one.text in pages else one for one in row]
+        [
+            replace(cell, link=f"runs/{cell.text}.html") if cell.text in pages else cell
+            for cell in row
+        ]
         for row in rows[:MOST_ROWS]
     ]
-    return Table(caption, body.header, linked, _label(wanted.table, name), wanted.source)
+    return TableBlock(caption, body.header, linked, _label(declared.table, name), declared.source)
 
 
 def _has_numbers(path: Path) -> bool:
@@ -248,7 +257,7 @@ def _has_numbers(path: Path) -> bool:
         return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
 
 
-def _is_evidence(block: Block | Draft) -> bool:
+def _is_evidence(block: Block | DraftedText) -> bool:
     """Whether a block comes from results, unlike the texts that are the same in every report."""
     return not (callable(block) or isinstance(block, Paragraph | Heading))
 

@@ -21,7 +21,7 @@ State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # shown of a table; its CSV file has all
-UNDETERMINED = "undetermined"  # replaces a number that the data do not determine
+UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not determine
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,13 @@ class Cell:
     mark: Mark | None = None
     link: str = ""
 
-
-def _is_number(cell: Cell) -> bool:
-    return cell.text == UNDETERMINED or not re.search(r"[A-Za-z]|\d–", cell.text)
+    def is_number(self) -> bool:
+        """Whether it holds a number, one that is not determined among them."""
+        return self.text == UNDETERMINED_TEXT or not re.search(r"[A-Za-z]|\d–", self.text)
 
 
 @dataclass(frozen=True)
-class Reference:
+class Mention:
     """A mention of a table or figure by its label; its text is known once all are numbered."""
 
     label: str
@@ -59,12 +59,13 @@ class FromContents:
 class Paragraph(FromContents):
     """Running text, with mentions of tables and figures.
 
-    text: as in the contents, with mentions as @name, and {of} for the recording or arm of repeated
-    blocks; sentences that mention a table or figure that is not shown are left out. beside: the
-    text is shown only where this table or figure is. sentences: the view that returns paragraphs.
+    text: as in the contents, with mentions as @name, {of} for the recording or arm of repeated
+    blocks, {leading} for the leading estimate; sentences that mention a table or figure that is not
+    shown are left out. beside: the text is shown only where this table or figure is. sentences: the
+    view that returns paragraphs.
     """
 
-    spans: list[str | Reference] = field(default_factory=list)
+    spans: list[str | Mention] = field(default_factory=list)
     text: str = ""
     beside: str = ""
     sentences: str = ""
@@ -88,7 +89,7 @@ class Items(FromContents):
 
 
 @dataclass(frozen=True)
-class Table:
+class TableBlock:
     """A table with one header row; the first column names the rows.
 
     source: the file it was made from, relative to the study's results.
@@ -104,12 +105,12 @@ class Table:
     def alignment(self) -> list[str]:
         """ "left" for columns that hold words, "right" for numbers."""
         columns = zip(*self.rows, strict=True) if self.rows else [[] for _ in self.header]
-        return ["right" if all(map(_is_number, column)) else "left" for column in columns]
+        return ["right" if all(map(Cell.is_number, column)) else "left" for column in columns]
 
 
 @dataclass(frozen=True)
 class DeclaredTable(FromContents):
-    """A table of the contents, which becomes a `Table`; left out without rows.
+    """A table of the contents, which becomes a `TableBlock`; left out without rows.
 
     table: its name, by which texts mention it. rows: the view that returns its rows, by default all
     of the table of results in `source` or of the same name; where: a query of pandas that selects
@@ -224,8 +225,8 @@ class Code(FromContents):
     listing: str = ""
 
 
-Block = Paragraph | Heading | Items | Table | Picture | Verdicts | Equation | Code
-NAMES = {Table: "Table", Picture: "Figure"}
+Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Equation | Code
+NUMBERED_KINDS = {TableBlock: "Table", Picture: "Figure"}
 
 
 @dataclass(frozen=True)
@@ -251,13 +252,13 @@ class Document:
 
         Mentions of what is not in the document raise KeyError.
         """
-        counts = dict.fromkeys(NAMES.values(), 0)
+        counts = dict.fromkeys(NUMBERED_KINDS.values(), 0)
         names: dict[str, str] = {}
 
         def count(block: Block) -> Block:
-            if not isinstance(block, Table | Picture):
+            if not isinstance(block, TableBlock | Picture):
                 return block
-            kind = NAMES[type(block)]
+            kind = NUMBERED_KINDS[type(block)]
             counts[kind] += 1
             names[block.label] = f"{kind} {counts[kind]}"
             return replace(block, number=counts[kind])
@@ -266,7 +267,7 @@ class Document:
             if not isinstance(block, Paragraph):
                 return block
             spans = [
-                replace(span, text=names[span.label]) if isinstance(span, Reference) else span
+                replace(span, text=names[span.label]) if isinstance(span, Mention) else span
                 for span in block.spans
             ]
             return replace(block, spans=spans)
@@ -282,12 +283,12 @@ class Document:
             yield from section.blocks
 
     def as_data(self) -> dict[str, Any]:
-        """Return the document as plain data, for templates; `kind` is a block's class."""
+        """Return the document as plain data, for templates; `kind` names the class of a block."""
         data = asdict(self)
         plain = (block for section in data["sections"] for block in section["blocks"])
         for block, fields in zip(self.blocks(), plain, strict=True):
-            fields["kind"] = type(block).__name__.lower()
-            if isinstance(block, Table):
+            fields["kind"] = type(block).__name__.removesuffix("Block").lower()
+            if isinstance(block, TableBlock):
                 fields["alignment"] = block.alignment()
             if isinstance(block, Picture):
                 fields["path"] = str(block.path)
@@ -305,7 +306,7 @@ class Repeated(Strict):
     blocks: list[Block | DeclaredTable]
 
 
-class Part(Strict):
+class DeclaredSection(Strict):
     """A section; absent: the reason that the report states if the study has no data for it."""
 
     title: str
@@ -321,10 +322,10 @@ class Part(Strict):
 class Contents(Strict):
     """The whole report; run: the sections of a recording's own page."""
 
-    sections: list[Part]
-    run: list[Part] = Field(default_factory=list)
+    sections: list[DeclaredSection]
+    run: list[DeclaredSection] = Field(default_factory=list)
 
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[DeclaredSection]:
         """Return the sections of the report and of a recording's page."""
         return [*self.sections, *self.run]
 

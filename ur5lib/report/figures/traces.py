@@ -5,7 +5,7 @@ singular stretches shaded.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -15,60 +15,37 @@ from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.patches import Patch
 
-from ur5lib.channels import MOST_JOINTS
-from ur5lib.report.house_style import (
-    BAND,
-    GAP,
+from ur5lib.report.figures.house_style import (
+    BAND_STYLE,
+    GAP_STYLE,
     HOUSE_STYLE,
-    SHADE,
-    STYLES,
-    WIDTH,
+    LINE_STYLES,
+    PAGE_WIDTH,
+    SHADE_STYLE,
     Drawing,
     nothing_to_draw,
 )
+from ur5lib.report.figures.panels import Panel, cartesian_quantity, joint_quantity
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
-Series = Mapping[str, tuple[Array, str]]
-POINTS = 1400  # about two for each dot across a printed page
-SMALLEST_SPAN = 1e-3  # of a panel
-IN_A_ROW = 60  # letters of six labels of a legend that fit side by side
-ERRORS = "error of {}"
+StyledLines = Mapping[str, tuple[Array, str]]
+MAX_DRAWN_POINTS = 1400  # about two for each dot across a printed page
+MIN_PANEL_SPAN = 1e-3  # of a panel
+LEGEND_ROW_LETTERS = 60  # letters of six labels of a legend that fit side by side
+ERROR_LABEL = "error of {}"
 BAND_EDGES = ("95 % band, lower", "95 % band, upper")
-
-
-class Panel(NamedTuple):
-    """The quantity of one of the six panels: in plain text, as mathematics, its unit."""
-
-    name: str
-    symbol: str
-    unit: str
-
-
-def joint_quantity(symbol: str, unit: str) -> list[Panel]:
-    """Return the panels of a quantity of each joint, of as many as an arm may have."""
-    joints = range(1, MOST_JOINTS + 1)
-    return [Panel(f"joint {joint}", f"{symbol}_{joint}", unit) for joint in joints]
-
-
-def cartesian_quantity(linear: tuple[str, str, str], angular: tuple[str, str, str]) -> list[Panel]:
-    """Return the panels of a quantity with x, y, z; linear, angular: name, symbol and unit."""
-    return [
-        Panel(f"{name}{axis}", f"{symbol}_{axis}", unit)
-        for name, symbol, unit in (linear, angular)
-        for axis in "xyz"
-    ]
-
-
-TORQUE = joint_quantity(r"\tau", "Nm")
-CURRENT = joint_quantity("i", "A")
-WRENCH = cartesian_quantity(("F", "F", "N"), ("n", "n", "Nm"))
-ACCELERATION = cartesian_quantity(("a", r"\ddot{p}", "m/s²"), ("α", r"\dot{\omega}", "rad/s²"))
+TORQUE_PANELS = joint_quantity(r"\tau", "Nm")
+CURRENT_PANELS = joint_quantity("i", "A")
+WRENCH_PANELS = cartesian_quantity(("F", "F", "N"), ("n", "n", "Nm"))
+ACCELERATION_PANELS = cartesian_quantity(
+    ("a", r"\ddot{p}", "m/s²"), ("α", r"\dot{\omega}", "rad/s²")
+)
 
 
 @dataclass(frozen=True)
 class Traces:
-    """Series drawn over time (N,) [s]; NaN in time is a gap.
+    """Lines drawn over time (N,) [s]; NaN in time is a gap.
 
     series, errors: by label, values (N, k) of k panels and a style; errors get panels under the
     values'.
@@ -77,8 +54,8 @@ class Traces:
     """
 
     time: Array
-    series: Series
-    errors: Series = field(default_factory=dict)
+    series: StyledLines
+    errors: StyledLines = field(default_factory=dict)
     band: tuple[Array, Array] | None = None
     hidden: Mask | None = None
 
@@ -112,7 +89,7 @@ def _decimated(traces: Traces) -> Traces:
     def thin(values: Array) -> Array:  # one after the other, which takes less memory
         return decimate(traces.time, values)[1]
 
-    def all_thin(series: Series) -> Series:
+    def all_thin(series: StyledLines) -> StyledLines:
         return {label: (thin(values), style) for label, (values, style) in series.items()}
 
     time, _ = decimate(traces.time, traces.time[:, None])
@@ -126,7 +103,7 @@ def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], 
     pairs = 2 if traces.errors else 1
     rows = -(-len(panels) // 2)
     height = (4.7 if traces.errors else 3.8) * (rows / 3)
-    figure = Figure(figsize=(WIDTH, height))
+    figure = Figure(figsize=(PAGE_WIDTH, height))
     # Margins of its own: a layout that looks for room takes a third of the drawing time.
     figure.subplots_adjust(0.105, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.27, hspace=0.3)
     ratios = [2, 1] * rows if traces.errors else [1] * rows
@@ -144,15 +121,15 @@ def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], 
 
 
 def _draw_panel(
-    axis: Axes, traces: Traces, series: Series, i: int, band: tuple[Array, Array] | None = None
+    axis: Axes, traces: Traces, series: StyledLines, i: int, band: tuple[Array, Array] | None = None
 ) -> None:
     if band:
-        axis.fill_between(traces.time, band[0][:, i], band[1][:, i], **BAND)
+        axis.fill_between(traces.time, band[0][:, i], band[1][:, i], **BAND_STYLE)
     for values, style in series.values():
-        axis.add_line(STYLES[style].line(i, traces.time, values[:, i]))
+        axis.add_line(LINE_STYLES[style].line(i, traces.time, values[:, i]))
     axis.autoscale_view()
     low, high = axis.get_ylim()
-    missing = SMALLEST_SPAN - (high - low)
+    missing = MIN_PANEL_SPAN - (high - low)
     if missing > 0:  # values change by less than rounding noise
         axis.set_ylim(low - missing / 2, high + missing / 2)
 
@@ -162,16 +139,16 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
     handles: Any = {}  # lines, or several of one label, which the stubs do not know
     for label, (_, style) in [*traces.series.items(), *traces.errors.items()]:
         count = next(iter(traces.series.values()))[0].shape[1]
-        lines = tuple(STYLES[style].line(i) for i in range(count))
+        lines = tuple(LINE_STYLES[style].line(i) for i in range(count))
         handles.setdefault(label, lines if style.startswith("joint") else lines[0])
     if traces.band:
-        handles["95 % band"] = Patch(**BAND)
+        handles["95 % band"] = Patch(**BAND_STYLE)
     handles |= {name: Patch(**style) for style, name in spans}
     figure.legend(
         handles.values(),
         handles.keys(),
         loc="upper center",
-        ncols=6 if sum(map(len, handles)) <= IN_A_ROW else 4,
+        ncols=6 if sum(map(len, handles)) <= LEGEND_ROW_LETTERS else 4,
         frameon=False,
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
         handlelength=2.5,
@@ -181,7 +158,7 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
 def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
     """Return the drawn numbers, a column for each line."""
     lines = {label: values for label, (values, _) in traces.series.items()}
-    lines |= {ERRORS.format(label): values for label, (values, _) in traces.errors.items()}
+    lines |= {ERROR_LABEL.format(label): values for label, (values, _) in traces.errors.items()}
     if traces.band:
         lines |= zip(BAND_EDGES, traces.band, strict=True)
     columns = {
@@ -201,14 +178,14 @@ def _shaded(traces: Traces) -> list[tuple[Array, Array, Any, str]]:
     """Return the times at which shaded stretches begin and end, with their style and name."""
     time = traces.time
     gaps = np.flatnonzero(np.isnan(time[1:-1])) + 1
-    shaded = [(time[gaps - 1], time[gaps + 1], GAP, "gap")]
+    shaded = [(time[gaps - 1], time[gaps + 1], GAP_STYLE, "gap")]
     if traces.hidden is not None:
         first, end = runs(np.isfinite(time) & (traces.hidden == 1)).T
-        shaded.append((time[first], time[end - 1], SHADE, "near a singularity"))
+        shaded.append((time[first], time[end - 1], SHADE_STYLE, "near a singularity"))
     return shaded
 
 
-def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
+def decimate(time: Array, values: Array, points: int = MAX_DRAWN_POINTS) -> tuple[Array, Array]:
     """Return time (N,) and values (N, M) with the same envelope in about `points` rows, at most.
 
     Rows are grouped in buckets. Each bucket keeps the lowest and the highest value of every column,
@@ -237,5 +214,5 @@ def _envelope(time: Array, values: Array, size: int) -> tuple[Array, Array]:
     first_low = np.min(np.where(buckets == low[:, None], place, size), axis=1)
     first_high = np.min(np.where(buckets == high[:, None], place, size), axis=1)
     rising = first_low <= first_high
-    both: Array = np.stack([np.where(rising, low, high), np.where(rising, high, low)], axis=1)
-    return time[:, [0, size // 2]].reshape(-1), both.reshape(2 * len(time), -1)
+    extremes: Array = np.stack([np.where(rising, low, high), np.where(rising, high, low)], axis=1)
+    return time[:, [0, size // 2]].reshape(-1), extremes.reshape(2 * len(time), -1)

@@ -13,36 +13,43 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.signals import Signals
-from ur5lib.report.house_style import JOINTS, Drawing, house_style, nothing_to_draw
-from ur5lib.report.traces import (
-    ACCELERATION,
-    CURRENT,
-    TORQUE,
-    WRENCH,
-    Panel,
+from ur5lib.report.figures.house_style import JOINT_COLOURS, Drawing, house_style, nothing_to_draw
+from ur5lib.report.figures.panels import Panel, joint_quantity
+from ur5lib.report.figures.traces import (
+    ACCELERATION_PANELS,
+    CURRENT_PANELS,
+    TORQUE_PANELS,
+    WRENCH_PANELS,
     Traces,
     draw_traces,
-    joint_quantity,
 )
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import starts
 
-Lines = Mapping[str, tuple[Array | None, str]]  # values (N, 6), if known, and style, by label
-Series = dict[str, tuple[Array, str]]
-Timed = Signals | Accelerations | Forces | SensorWrenches
-DRAWN = ("third", "first", "second", "fourth", "fifth")  # of estimates; the first has the band
+OptionalLines = Mapping[
+    str, tuple[Array | None, str]
+]  # values (N, 6), if known, and style, by label
+StyledLines = dict[str, tuple[Array, str]]
+TimedTable = Signals | Accelerations | Forces | SensorWrenches
+ESTIMATE_STYLES = (
+    "third",
+    "first",
+    "second",
+    "fourth",
+    "fifth",
+)  # of estimates; the first has the band
 PUBLISHED_STYLES = {
     "Fu": ("controller's estimate", "first"),
     "F": ("without friction", "second"),
     "F*": ("with friction", "third"),
 }
-THROUGH_ANGLES = "Euler angles, Equation 2.33 as printed"
-STATES = {"q": ("q", "rad"), "qd": (r"\dot{q}", "rad/s")}  # symbol, unit
-LATE = 1.5  # periods: a longer step lacks frames
-ENLARGED = (-0.15, 0.35)  # s, around the first late frame
-RECEIVED, LOST, SPEED = JOINTS[0], JOINTS[1], "#666666"
+EULER_LABEL = "Euler angles, Equation 2.33 as printed"
+STATE_AXES = {"q": ("q", "rad"), "qd": (r"\dot{q}", "rad/s")}  # symbol, unit
+LATE_STEP_PERIODS = 1.5  # periods: a longer step lacks frames
+ENLARGED_SPAN = (-0.15, 0.35)  # s, around the first late frame
+RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1], "#666666"
 
 
 def chosen_gains(robot: Robot) -> str:
@@ -58,23 +65,23 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state
     simulated = getattr(closed_loop, state).get(gains)
     if simulated is None:
         return nothing_to_draw()
-    lines: Lines = {
+    lines: OptionalLines = {
         "measured": (getattr(signals, f"actual_{state}"), "measured"),
         "target": (getattr(signals, f"target_{state}"), "first"),
         f"closed loop, gains {gains}": (simulated, "second"),
     }
-    return draw_lines(signals, lines, joint_quantity(*STATES[state]))
+    return draw_lines(signals, lines, joint_quantity(*STATE_AXES[state]))
 
 
 def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
     """Return Figures 5.11 and 5.12: the chosen model against the controller's torque."""
     motion = "target" if model in torques.target else "measured"
     modelled = getattr(torques, motion)[model]
-    lines: Lines = {
+    lines: OptionalLines = {
         "controller's target_moment": (signals.target_moment, "measured"),
         f"Model {model}, {motion} motion": (modelled, "joint"),
     }
-    return draw_lines(signals, lines, TORQUE)
+    return draw_lines(signals, lines, TORQUE_PANELS)
 
 
 def older_torque_figure(
@@ -88,10 +95,11 @@ def older_torque_figure(
         return nothing_to_draw()
     lines = {"controller's target_moment": (signals.target_moment, "measured")}
     lines |= {
-        label: (modelled[label], style) for label, style in zip(modelled, DRAWN, strict=False)
+        label: (modelled[label], style)
+        for label, style in zip(modelled, ESTIMATE_STYLES, strict=False)
     }
     mean = np.ones_like(signals.target_moment) * printed
-    return draw_lines(signals, lines, TORQUE, {"[21], printed mean": (mean, "second")})
+    return draw_lines(signals, lines, TORQUE_PANELS, {"[21], printed mean": (mean, "second")})
 
 
 def current_figure(signals: Signals, currents: Currents, sensed: bool) -> Drawing:
@@ -99,20 +107,20 @@ def current_figure(signals: Signals, currents: Currents, sensed: bool) -> Drawin
 
     sensed: whether they are torques that the joints sense.
     """
-    lines: Lines = {
+    lines: OptionalLines = {
         "actual_torque" if sensed else "actual_current": (signals.actual_current, "measured"),
         "predicted without contact": (currents.predicted_current, "joint"),
     }
-    return draw_lines(signals, lines, TORQUE if sensed else CURRENT)
+    return draw_lines(signals, lines, TORQUE_PANELS if sensed else CURRENT_PANELS)
 
 
 def acceleration_figure(accelerations: Accelerations) -> Drawing:
     """Return Figures 5.14 and 5.15 by the calibrated IMU and the joints."""
-    lines: Lines = {
+    lines: OptionalLines = {
         "IMU": (accelerations.felt, "measured"),
         "from the joints": (accelerations.acceleration.get("encoders"), "first"),
     }
-    return draw_lines(accelerations, lines, ACCELERATION)
+    return draw_lines(accelerations, lines, ACCELERATION_PANELS)
 
 
 def euler_figure(
@@ -122,8 +130,8 @@ def euler_figure(
 
     felt, modelled: of the IMU and through the angles, (N, 6) [m/s², rad/s²].
     """
-    lines: Lines = {"IMU": (felt, "measured"), THROUGH_ANGLES: (modelled, "second")}
-    return draw_lines(table, lines, ACCELERATION)
+    lines: OptionalLines = {"IMU": (felt, "measured"), EULER_LABEL: (modelled, "second")}
+    return draw_lines(table, lines, ACCELERATION_PANELS)
 
 
 def published_force_figure(
@@ -136,7 +144,7 @@ def published_force_figure(
     for estimate in estimates:
         label, style = PUBLISHED_STYLES[estimate]
         lines[label] = getattr(published, kind).get(estimate), style
-    return draw_lines(sensor, lines, WRENCH)
+    return draw_lines(sensor, lines, WRENCH_PANELS)
 
 
 def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
@@ -145,20 +153,20 @@ def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Dra
     lines: dict[str, tuple[Array | None, str]] = {
         "force sensor": (sensor.wrench.get("compensated"), "measured")
     }
-    for (name, label), style in zip(labels.items(), DRAWN, strict=False):
+    for (name, label), style in zip(labels.items(), ESTIMATE_STYLES, strict=False):
         lines[label] = forces.wrench[name], style
     band = None
     if (lead := next(iter(labels), None)) in forces.std:
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
         band = whole - half, whole + half
-    return draw_lines(forces, lines, WRENCH, band=band, hidden=hidden)
+    return draw_lines(forces, lines, WRENCH_PANELS, band=band, hidden=hidden)
 
 
 def draw_lines(
-    table: Timed,
-    lines: Lines,
+    table: TimedTable,
+    lines: OptionalLines,
     panels: Sequence[Panel],
-    further: Lines | None = None,
+    further: OptionalLines | None = None,
     band: tuple[Array, Array] | None = None,
     hidden: Mask | None = None,
 ) -> Drawing:
@@ -169,7 +177,7 @@ def draw_lines(
     """
     first = next(iter(lines))
     series = _broken(lines, table.segment)
-    errors: Series = {}
+    errors: StyledLines = {}
     if first in series:
         measured, _ = series[first]
         others = ((label, line) for label, line in series.items() if label != first)
@@ -184,7 +192,7 @@ def draw_lines(
     return draw_traces(traces, panels)
 
 
-def _broken(lines: Lines, segment: Labels) -> Series:
+def _broken(lines: OptionalLines, segment: Labels) -> StyledLines:
     return {
         label: (with_breaks(values, segment), style)
         for label, (values, style) in lines.items()
@@ -207,17 +215,17 @@ def packet_figure(signals: Signals) -> Drawing:
     """
     received = ~signals.interpolated
     time, steps = signals.time[received][1:], 1000 * np.diff(signals.time[received])
-    late = np.flatnonzero(steps > LATE * 1000 * signals.period)
+    late = np.flatnonzero(steps > LATE_STEP_PERIODS * 1000 * signals.period)
     if not len(late):
         return nothing_to_draw()
     lost = signals.time[signals.interpolated]
     with house_style(4.2, 3, height_ratios=[2, 1, 2]) as (figure, panels):
         above, middle, below = panels[:, 0]
         above.sharex(middle)
-        above.plot(time, steps, ".", color=RECEIVED, markersize=2.5, rasterized=True)
+        above.plot(time, steps, ".", color=RECEIVED_COLOUR, markersize=2.5, rasterized=True)
         if signals.actual_qd is not None:
             fastest = np.abs(signals.actual_qd).max(axis=1)
-            middle.plot(signals.time, fastest, color=SPEED, linewidth=0.8)
+            middle.plot(signals.time, fastest, color=SPEED_COLOUR, linewidth=0.8)
         middle.set_ylabel("speed [rad/s]")
         _enlarge(below, time, steps, lost, time[late[0]])
         for axis in (above, below):
@@ -230,6 +238,8 @@ def packet_figure(signals: Signals) -> Drawing:
 
 def _enlarge(axis: Axes, time: Array, steps: Array, lost: Array, at: float) -> None:
     """Draw received and lost frames one by one, around a time."""
-    axis.plot(time, steps, "o-", color=RECEIVED, markersize=3, linewidth=0.6, label="received")
-    axis.plot(lost, np.zeros_like(lost), "x", color=LOST, markersize=4, label="lost")
-    axis.set_xlim(*(at + np.array(ENLARGED)))
+    axis.plot(
+        time, steps, "o-", color=RECEIVED_COLOUR, markersize=3, linewidth=0.6, label="received"
+    )
+    axis.plot(lost, np.zeros_like(lost), "x", color=LOST_COLOUR, markersize=4, label="lost")
+    axis.set_xlim(*(at + np.array(ENLARGED_SPAN)))

@@ -11,11 +11,17 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from ur5lib.report.formats import flange_speeds
-from ur5lib.report.house_style import JOINTS, SHADE, Drawing, house_style, nothing_to_draw
+from ur5lib.report.figures.house_style import (
+    JOINT_COLOURS,
+    SHADE_STYLE,
+    Drawing,
+    house_style,
+    nothing_to_draw,
+)
+from ur5lib.report.page.formats import flange_speeds
 from ur5lib.timeseries.metrics import NORMAL95
 
-PANELS = {
+PANEL_LABELS = {
     "coulomb": "Coulomb friction [Nm]",
     "viscous": "viscous friction [Nm s/rad]",
     "torque_constant": "torque constant [Nm/A]",
@@ -23,12 +29,15 @@ PANELS = {
     "noise": "noise [A]",
     "temperature": "temperature [°C]",
 }
-SENSED = {"torque_constant": "gain [Nm/Nm]", "noise": "noise [Nm]"}  # of torques, not currents
-HEIGHT = 7.4  # inches, of six rows of panels
-MARKS = ("o", "s", "^", "v", "D", "P", "X", "*")
-SMALL: Any = {"axes.titlesize": 7.5, "xtick.labelsize": 6.5}
-SLOWEST = 0.003  # rad/s, where the axis of speeds begins
-PALE: Any = SHADE | {"alpha": 0.06}  # a drift, which lasts all the time
+SENSED_TORQUE_LABELS = {
+    "torque_constant": "gain [Nm/Nm]",
+    "noise": "noise [Nm]",
+}  # of torques, not currents
+FIGURE_HEIGHT = 7.4  # inches, of six rows of panels
+JOINT_MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
+TEXT_SIZES: Any = {"axes.titlesize": 7.5, "xtick.labelsize": 6.5}
+MIN_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
+DRIFT_STYLE: Any = SHADE_STYLE | {"alpha": 0.06}  # a drift, which lasts all the time
 
 
 def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, sensed: bool = False) -> Drawing:
@@ -36,21 +45,21 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, sensed: bool = Fal
 
     dates, changes: health.csv, health_changes.csv; sensed: whether the joints sense torque.
     """
-    labels = PANELS | SENSED if sensed else PANELS
+    labels = PANEL_LABELS | SENSED_TORQUE_LABELS if sensed else PANEL_LABELS
     rows = _with_temperatures(dates)
     if rows.empty:
         return nothing_to_draw()
-    shown = [name for name in PANELS if name in {*rows["quantity"]}]
-    size = HEIGHT / 6 * len(shown), len(shown), int(rows["joint"].max())
-    with matplotlib.rc_context(SMALL), house_style(*size, sharex=True) as (figure, panels):
-        for row, quantity in zip(panels, shown, strict=True):
+    quantities = [name for name in PANEL_LABELS if name in {*rows["quantity"]}]
+    size = FIGURE_HEIGHT / 6 * len(quantities), len(quantities), int(rows["joint"].max())
+    with matplotlib.rc_context(TEXT_SIZES), house_style(*size, sharex=True) as (figure, panels):
+        for row, quantity in zip(panels, quantities, strict=True):
             for joint, axis in enumerate(row, start=1):
                 _panel(axis, rows[(rows["quantity"] == quantity) & (rows["joint"] == joint)])
-                here = (changes["quantity"] == quantity) & (changes["joint"] == joint)
-                for change in changes[here].itertuples():
+                of_panel = (changes["quantity"] == quantity) & (changes["joint"] == joint)
+                for change in changes[of_panel].itertuples():
                     _mark(axis, change)
             row[0].set_ylabel(labels[quantity].replace(" [", "\n["), fontsize=6.5)
-        _label(figure, len(shown))
+        _label(figure, len(quantities))
     return Drawing(figure, rows)
 
 
@@ -68,7 +77,7 @@ def _with_temperatures(rows: pd.DataFrame) -> pd.DataFrame:
 def _panel(axis: Axes, rows: pd.DataFrame) -> None:
     """Draw the values of a joint with their 95 % intervals."""
     days = [_place(day) for day in rows["date"]]
-    colour = JOINTS[int(rows["joint"].iloc[0]) - 1] if len(rows) else "none"
+    colour = JOINT_COLOURS[int(rows["joint"].iloc[0]) - 1] if len(rows) else "none"
     half = NORMAL95 * rows["std_error"].fillna(0.0)
     axis.errorbar(
         days, rows["value"], half, fmt="o", markersize=2, linewidth=0.7, color=colour, zorder=3
@@ -84,7 +93,7 @@ def _place(day: str) -> float:
 
 def _mark(axis: Axes, change: Any) -> None:
     """Draw a change: the time of a jump shaded, its size in words."""
-    style = SHADE if change.kind == "jump" else PALE
+    style = SHADE_STYLE if change.kind == "jump" else DRIFT_STYLE
     axis.axvspan(_place(change.first), _place(change.last), **style)
     size = change.size / change.before
     text = f"{100 * size:+.0f} %" if change.quantity != "offset" else f"{change.size:+.2g}"
@@ -109,15 +118,15 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
 
     rows: observability.csv; wanted: share that suffices; most: largest push that was tried [N].
     """
-    felt, held = (
+    pushes, shares = (
         rows[rows["quantity"] == name] for name in ("smallest_push_95", "friction_in_band")
     )
-    if felt.empty and held.empty:
+    if pushes.empty and shares.empty:
         return nothing_to_draw()
     with house_style(2.9, 1, 2) as (figure, ((left, right),)):
-        _pushes(left, felt, most)
-        _shares(right, held, wanted)
-    return Drawing(figure, pd.concat([felt, held], ignore_index=True))
+        _pushes(left, pushes, most)
+        _shares(right, shares, wanted)
+    return Drawing(figure, pd.concat([pushes, shares], ignore_index=True))
 
 
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
@@ -130,7 +139,7 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
             axis.text(place, 0.94 * most, f"> {most:.0f}", ha="center", va="top")
         else:
             half = NORMAL95 * row.std_error
-            axis.errorbar(place, row.value, half, fmt="o", markersize=4, color=JOINTS[0])
+            axis.errorbar(place, row.value, half, fmt="o", markersize=4, color=JOINT_COLOURS[0])
     speeds = [flange_speeds(row.speed_low, row.speed_high) for row in rows.itertuples()]
     axis.set_xticks(range(len(rows)), speeds)
     axis.set(xlabel="speed of the flange [m/s]", ylabel="smallest push [N]")
@@ -144,8 +153,8 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
         estimated = part.dropna(subset="value")
         low, high = estimated["speed_low"], estimated["speed_high"].astype(float)
         high = high.fillna(2 * low)  # an open range is drawn up to twice its lower end
-        middle = (low.clip(lower=SLOWEST) * high) ** 0.5
-        colour, mark = JOINTS[int(joint) - 1], MARKS[int(joint) - 1]
+        middle = (low.clip(lower=MIN_DRAWN_SPEED) * high) ** 0.5
+        colour, mark = JOINT_COLOURS[int(joint) - 1], JOINT_MARKERS[int(joint) - 1]
         style: Any = {"color": colour, "marker": mark, "markersize": 3, "linewidth": 0.9}
         axis.plot(middle, 100 * estimated["value"], label=f"joint {joint}", **style)
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))

@@ -20,23 +20,23 @@ import pandas as pd
 import typst
 from markupsafe import Markup
 
-from ur5lib.report.document import Document
-from ur5lib.report.house_style import STYLES
-from ur5lib.report.traces import BAND_EDGES, column_name
+from ur5lib.report.figures.house_style import LINE_STYLES
+from ur5lib.report.figures.traces import BAND_EDGES, column_name
+from ur5lib.report.page.document import Document
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 
-TEMPLATES = Path(__file__).parent / "templates"
+TEMPLATE_FOLDER = Path(__file__).parent / "templates"
 EQUATION_PAGES = "#set page(width: auto, height: auto, margin: 1pt, fill: none)\n"
-PLAIN = " '!$()*+,-./:;=?@[]_~"  # characters that a data URI need not escape
-LEVELS = 511  # to which a line's values are rounded: two for each dot of a panel on the screen
-COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
+UNESCAPED_CHARACTERS = " '!$()*+,-./:;=?@[]_~"  # characters that a data URI need not escape
+LINE_LEVELS = 511  # to which a line's values are rounded: two for each dot of a panel on the screen
+LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 
 
 def html_page(document: Document) -> str:
     """Return a self-contained page, with styles, figures and a script that zooms into them."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
+        loader=jinja2.FileSystemLoader(TEMPLATE_FOLDER),
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -55,7 +55,7 @@ def pdf_document(document: Document) -> bytes:
     data = document.as_data()
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
-        shutil.copy(TEMPLATES / "report.typ", root)
+        shutil.copy(TEMPLATE_FOLDER / "report.typ", root)
         verdicts = [verdict for block in _blocks(data, "verdicts") for verdict in block["verdicts"]]
         for i, verdict in enumerate(verdicts):
             verdict["path"] = f"verdict_{i}.svg" if verdict["drawing"] else ""
@@ -95,7 +95,7 @@ def _data_uri(path: str) -> str:
     three characters each.
     """
     text = " ".join(Path(path).read_text(encoding="utf-8").split())
-    return "data:image/svg+xml," + quote(text, safe=PLAIN)
+    return "data:image/svg+xml," + quote(text, safe=UNESCAPED_CHARACTERS)
 
 
 def packed_lines(path: str | Path) -> str:
@@ -105,10 +105,10 @@ def packed_lines(path: str | Path) -> str:
 
     The decoded and decompressed (zlib) text is one line of JSON, followed by the values. The JSON
     holds panels, lines, the range (smallest and largest value) of each column, and the steps of
-    time in ms, null in gaps. Each value is a level from 1 to LEVELS within the range of its column,
-    or 0 if it is missing. Stored are the steps from each level to the next, column by column, as
-    two-byte numbers: 2 n for n levels up, 2 n − 1 for n down; all low bytes come before all high
-    ones.
+    time in ms, null in gaps. Each value is a level from 1 to LINE_LEVELS within the range of its
+    column, or 0 if it is missing. Stored are the steps from each level to the next, column by
+    column, as two-byte numbers: 2 n for n levels up, 2 n − 1 for n down; all low bytes come before
+    all high ones.
     """
     figure = Path(path)
     styles = re.findall(r"<rdf:li>(\w+)</rdf:li>", figure.read_text(encoding="utf-8"))
@@ -124,14 +124,14 @@ def packed_lines(path: str | Path) -> str:
         "lines": [
             {
                 "label": label,
-                "colours": STYLES[style].colours[: len(panels)],
-                "dashes": STYLES[style].dashes,
+                "colours": LINE_STYLES[style].colours[: len(panels)],
+                "dashes": LINE_STYLES[style].dashes,
             }
             for label, style in zip(labels, styles, strict=True)
         ],
         "band": len(edges) > 0,
         "ranges": [[float(f"{end:.6g}") for end in _range(column)] for column in values],
-        "levels": LEVELS,
+        "levels": LINE_LEVELS,
         "steps": _time_steps(data.iloc[:, 0]),
     }
     content = json.dumps(head, separators=(",", ":")).encode() + b"\n" + _packed(values)
@@ -140,7 +140,7 @@ def packed_lines(path: str | Path) -> str:
 
 def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, str]], list[str]]:
     """Return name and unit of each panel, and the labels of the first `lines` lines."""
-    parts = [match.groups() for match in map(COLUMN.fullmatch, columns) if match]
+    parts = [match.groups() for match in map(LINE_COLUMN.fullmatch, columns) if match]
     panels = [*dict.fromkeys((name, unit) for _, name, unit in parts)]
     return panels, [*dict.fromkeys(label for label, *_ in parts)][:lines]
 
@@ -163,7 +163,7 @@ def _packed(columns: Array) -> bytes:
     ends = np.array([_range(column) for column in columns])
     low, width = ends[:, :1], np.diff(ends, axis=1)
     shares = (columns - low) / np.where(width > 0, width, 1.0)
-    levels = np.where(np.isfinite(shares), 1 + np.round(shares * (LEVELS - 1)), 0)
+    levels = np.where(np.isfinite(shares), 1 + np.round(shares * (LINE_LEVELS - 1)), 0)
     steps = np.diff(levels, prepend=0, axis=1)
     codes = np.where(steps < 0, -2 * steps - 1, 2 * steps).astype("<u2")
     return codes.view(np.uint8).reshape(-1, 2).T.tobytes()

@@ -4,14 +4,14 @@ from itertools import pairwise
 
 from pydantic import Field
 
-from ur5lib.report.document import Document, Heading, Items, Number, State, Verdicts
+from ur5lib.report.page.document import Document, Heading, Items, Number, State, Verdicts
 from ur5lib.report.results import Results
 from ur5lib.strict import Strict
 
-SCHEMA = "results.schema.json"
+SCHEMA_FILE = "results.schema.json"
 
 
-class Judged(Strict, from_attributes=True):
+class VerdictSummary(Strict, from_attributes=True):
     """A verdict: one topic and whether its result can be used; docs/report.md has the rules."""
 
     topic: str
@@ -21,7 +21,7 @@ class Judged(Strict, from_attributes=True):
     numbers: list[Number]
 
 
-class Listed(Strict):
+class ListSummary(Strict):
     """A list under its heading."""
 
     heading: str
@@ -36,18 +36,20 @@ class Summary(Strict):
     title: str
     simulated: list[str] = Field(description="recordings of the virtual test stand")
     commit: str = Field(description="of the code")
-    verdicts: list[Judged]
-    lists: list[Listed] = Field(description="what to do next, findings, and what may follow them")
+    verdicts: list[VerdictSummary]
+    lists: list[ListSummary] = Field(
+        description="what to do next, findings, and what may follow them"
+    )
 
 
 def summary(document: Document, results: Results) -> dict[str, object]:
     """Return the first section of a report as plain data that fit `summary_schema`."""
     recordings, blocks = results.study["recordings"], document.sections[0].blocks
     plain = {
-        "$schema": SCHEMA,
+        "$schema": SCHEMA_FILE,
         "study": results.study["study"],
         "title": results.study["title"],
-        "simulated": [each["name"] for each in recordings if each.get("simulate")],
+        "simulated": [entry["name"] for entry in recordings if entry.get("simulate")],
         "commit": results.commit,
         "verdicts": [
             verdict for block in blocks if isinstance(block, Verdicts) for verdict in block.verdicts

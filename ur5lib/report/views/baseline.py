@@ -12,36 +12,40 @@ from xml.sax.saxutils import quoteattr
 
 import pandas as pd
 
-from ur5lib.report.document import Number, State
-from ur5lib.report.formats import SMALLEST_DIFFERENCE, rounded
-from ur5lib.report.sentences import say
+from ur5lib.report.page.document import Number, State
+from ur5lib.report.page.formats import VISIBLE_DIFFERENCE, rounded
+from ur5lib.report.page.sentences import say
 
-ZERO = "an estimate of zero"
-BETTER = 0.5  # smallest skill of a good estimate: less than half the error of zero
-LESS = 0.95  # share of an error, below which that of a simple rival is less
-HELD = 0.9  # smallest share of readings in a good 95 % band
-WIDE = 0.99  # smallest share, from which on a 95 % band is wider than it states
-WIDTH, HEIGHT = 160.0, 48.0  # of a drawing
-GAP = 0.25  # of the step from bar to bar
-LEAST = 1.5  # height that is still seen
-PALE = "fill-opacity='.15'"
+ZERO_ESTIMATE = "an estimate of zero"
+MIN_GOOD_SKILL = 0.5  # smallest skill of a good estimate: less than half the error of zero
+BETTER_RIVAL_RATIO = 0.95  # share of an error, below which that of a simple rival is less
+MIN_GOOD_COVERAGE = 0.9  # smallest share of readings in a good 95 % band
+WIDE_BAND_COVERAGE = 0.99  # smallest share, from which on a 95 % band is wider than it states
+DRAWING_WIDTH, DRAWING_HEIGHT = 160.0, 48.0  # of a drawing
+BAR_GAP = 0.25  # of the step from bar to bar
+MIN_BAR_HEIGHT = 1.5  # height that is still seen
+PALE_STYLE = "fill-opacity='.15'"
 
 
 def state(
-    error: float, zero: float, held: float = 1.0, tested: bool = True, better: float = BETTER
+    error: float,
+    zero: float,
+    coverage: float = 1.0,
+    tested: bool = True,
+    better: float = MIN_GOOD_SKILL,
 ) -> State:
     """Return the state of an error beside the error of an estimate of zero.
 
-    held: share of readings in the stated 95 % band; tested: whether the error comes from recordings
-    that no fit has seen and, where errors have intervals, has one; better: least skill of a good
-    estimate.
+    coverage: share of readings in the stated 95 % band; tested: whether the error comes from
+    recordings that no fit has seen and, where errors have intervals, has one; better: least skill
+    of a good estimate.
     """
     if math.isnan(error) or not zero > 0:
         return "not determined"
     skill = 1 - error / zero
     if skill <= 0:
         return "do not use"
-    return "good" if skill > better and held >= HELD and tested else "usable"
+    return "good" if skill > better and coverage >= MIN_GOOD_COVERAGE and tested else "usable"
 
 
 @dataclass(frozen=True)
@@ -65,15 +69,15 @@ class Rival:
         rows = rows.assign(who=rows[column].map(models))
         means = rows.pivot_table(error, place, "who", sort=False)
         means = means.reindex(columns=["ours", "rival"])
-        return cls(name, means[means["rival"] < LESS * means["ours"]])
+        return cls(name, means[means["rival"] < BETTER_RIVAL_RATIO * means["ours"]])
 
     def after(self, verdict: str, unit: str, digits: int) -> str:
         """Return the sentence of a verdict, and where the rival errs less."""
         if self.better.empty:
             return verdict
         words = {"better": self.better, "joints": self.better.index.name == "joint"}
-        told = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
-        return f"{verdict} {told}"
+        addition = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
+        return f"{verdict} {addition}"
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ class AgainstBaseline:
     unit: str
     digits: int
     place: str = "joint"
-    zero: str = ZERO
+    zero: str = ZERO_ESTIMATE
 
     @cached_property
     def errors(self) -> pd.DataFrame:
@@ -101,7 +105,7 @@ class AgainstBaseline:
         groups = self.rows.groupby(self.place, sort=False)
         table = groups[self.error].agg(error="mean", low="min", high="max", count="size")
         table["zero"] = groups[self.baseline].mean()
-        return table[table["zero"] > SMALLEST_DIFFERENCE]
+        return table[table["zero"] > VISIBLE_DIFFERENCE]
 
     @cached_property
     def worst(self) -> pd.Series:
@@ -117,9 +121,11 @@ class AgainstBaseline:
         names = {self.place: "place", self.error: "error", self.baseline: "zero"}
         return rows.loc[rows[self.error].idxmax()].rename(names)
 
-    def state(self, held: float = 1.0, tested: bool = True, better: float = BETTER) -> State:
+    def state(
+        self, coverage: float = 1.0, tested: bool = True, better: float = MIN_GOOD_SKILL
+    ) -> State:
         """Judge the worst joint or component; arguments as of the function `state`."""
-        return state(self.worst["error"], self.worst["zero"], held, tested, better)
+        return state(self.worst["error"], self.worst["zero"], coverage, tested, better)
 
     def percent(self) -> str:
         """Return the worst error in per cent of zero's."""
@@ -153,12 +159,12 @@ class AgainstBaseline:
 
 def bars(shares: Mapping[str, float]) -> str:
     """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG."""
-    step = WIDTH / max(len(shares), 1)
+    step = DRAWING_WIDTH / max(len(shares), 1)
     parts = [
-        _rectangle(i * step, 0.0, step * (1 - GAP), HEIGHT, PALE)
-        + _rectangle(i * step, HEIGHT - height, step * (1 - GAP), height)
+        _rectangle(i * step, 0.0, step * (1 - BAR_GAP), DRAWING_HEIGHT, PALE_STYLE)
+        + _rectangle(i * step, DRAWING_HEIGHT - height, step * (1 - BAR_GAP), height)
         for i, height in enumerate(
-            max(HEIGHT * min(x, 1.0), LEAST * (x > 0)) for x in shares.values()
+            max(DRAWING_HEIGHT * min(x, 1.0), MIN_BAR_HEIGHT * (x > 0)) for x in shares.values()
         )
     ]
     label = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
@@ -167,10 +173,12 @@ def bars(shares: Mapping[str, float]) -> str:
 
 def error_bar(value: float, low: float, high: float, zero: float) -> str:
     """Draw a value as a dot with its interval, if known, beside the error of zero, a line."""
-    scale = 0.95 * WIDTH / max(zero, value, 0.0 if math.isnan(high) else high)
-    middle = HEIGHT / 2
-    parts = [_rectangle(0.0, middle - 0.5, WIDTH, 1.0, PALE)]
-    parts.append(_rectangle(zero * scale - 1.5, 4.0, 3.0, HEIGHT - 8.0, "fill-opacity='.5'"))
+    scale = 0.95 * DRAWING_WIDTH / max(zero, value, 0.0 if math.isnan(high) else high)
+    middle = DRAWING_HEIGHT / 2
+    parts = [_rectangle(0.0, middle - 0.5, DRAWING_WIDTH, 1.0, PALE_STYLE)]
+    parts.append(
+        _rectangle(zero * scale - 1.5, 4.0, 3.0, DRAWING_HEIGHT - 8.0, "fill-opacity='.5'")
+    )
     if not math.isnan(low):
         parts.append(_rectangle(low * scale, middle - 1.5, (high - low) * scale, 3.0))
     parts.append(f"<circle cx='{value * scale:.1f}' cy='{middle:.1f}' r='6' fill='currentColor'/>")
@@ -183,7 +191,8 @@ def _rectangle(x: float, y: float, width: float, height: float, style: str = "")
 
 
 def _svg(content: str, label: str) -> str:
+    box = f"0 0 {DRAWING_WIDTH:.0f} {DRAWING_HEIGHT:.0f}"
     return (
-        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH:.0f} {HEIGHT:.0f}' "
+        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='{box}' "
         f"role='img' aria-label={quoteattr(label or 'nothing to show')}>{content}</svg>"
     )

@@ -13,11 +13,11 @@ import jinja2
 import pandas as pd
 from jinja2.environment import TemplateExpression
 
-from ur5lib.force.estimators import ESTIMATES, PUBLISHED
-from ur5lib.report import formats
+from ur5lib.force.estimators import ESTIMATES, LEADING, PUBLISHED
+from ur5lib.report.page import formats
 from ur5lib.strict import read_yaml
 
-FILTERS = (
+FORMAT_NAMES = (
     *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joints"),
     *("percent", "power", "rounded", "signed", "significant", "to"),
 )
@@ -28,8 +28,8 @@ def say(name: str, /, **values: Any) -> str:
 
     Raises KeyError where there is no such template.
     """
-    topic, _, own = name.partition(".")
-    text = _template(_written()[1][topic][own]).render(values)
+    topic, _, key = name.partition(".")
+    text = _template(_written()[1][topic][key]).render(values)
     return re.sub(r" +", " ", text).strip()
 
 
@@ -40,8 +40,8 @@ def cell(template: str, values: Mapping[Hashable, object]) -> str | None:
     """
     if "{" in template:
         return filled(template, values)
-    found = _expression(template)(values)
-    return None if found is None else str(found)
+    value = _expression(template)(values)
+    return None if value is None else str(value)
 
 
 def filled(template: str, values: Mapping[Hashable, object]) -> str:
@@ -70,7 +70,9 @@ def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
 @cache
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
-    environment.filters |= {own: getattr(formats, own) for own in FILTERS} | {"name": name}
+    environment.filters |= {function: getattr(formats, function) for function in FORMAT_NAMES}
+    environment.filters["name"] = name
+    environment.globals["leading"] = ESTIMATES[LEADING]
     environment.tests |= {"known": pd.notna, "published": PUBLISHED.__contains__}
     return environment
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-SMALLEST_DIFFERENCE = 5e-5  # visible with four decimals
+VISIBLE_DIFFERENCE = 5e-5  # visible with four decimals
 
 
 def capital(text: str) -> str:

@@ -14,12 +14,12 @@ from rocrate.rocrate import ROCrate
 from ur5lib.report.results import commit, versions
 from ur5lib.tables import checksum
 
-PROFILES = {
+CRATE_PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
-SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
+SHA256_TERM = "https://w3id.org/ro/terms/workflow-run#sha256"
 
 
 def run_crate(
@@ -28,7 +28,7 @@ def run_crate(
     used: Sequence[str],
     results: Sequence[str],
     citation: Mapping[str, Any],
-    known: Mapping[str, str],
+    checksums: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return the content of ro-crate-metadata.json for the results of one study.
 
@@ -37,18 +37,18 @@ def run_crate(
     the software, as in CITATION.cff. known: checksums of files that need not be read again.
     """
     crate = ROCrate(version="1.1")
-    crate.metadata.extra_terms["sha256"] = SHA256
+    crate.metadata.extra_terms["sha256"] = SHA256_TERM
     crate.name, crate.license = title, f"https://spdx.org/licenses/{citation['license']}"
     crate.description = f"Results of the study {folder.name}: {title}"
     crate.root_dataset["conformsTo"] = [
         _context(crate, url, "CreativeWork", name, version=url[-3:])
-        for url, name in PROFILES.items()
+        for url, name in CRATE_PROFILES.items()
     ]
     workflow = _workflow(crate, folder / "Snakefile", citation)
     read = [_file(crate, folder / "configuration.yaml", "configuration.yaml")]
     for path in used:
-        own = known.get(path) or checksum(path)
-        read.append(_file(crate, Path(path), f"urn:sha256:{own}", own))
+        sha256 = checksums.get(path) or checksum(path)
+        read.append(_file(crate, Path(path), f"urn:sha256:{sha256}", sha256))
     made = [_file(crate, Path(path), os.path.relpath(path, folder)) for path in results]
     about = {
         "name": f"Run of the study {folder.name}",
@@ -68,8 +68,8 @@ def _workflow(crate: ROCrate, snakefile: Path, citation: Mapping[str, Any]) -> A
         snakefile, snakefile.name, main=True, lang="snakemake", properties=about
     )
     workflow["author"] = [
-        _context(crate, f"#{one['name']}", "Organization", one["name"])
-        for one in citation["authors"]
+        _context(crate, f"#{author['name']}", "Organization", author["name"])
+        for author in citation["authors"]
     ]
     workflow["softwareRequirements"] = [
         _context(crate, f"#{name}", "SoftwareApplication", name, softwareVersion=version)

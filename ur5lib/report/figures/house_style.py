@@ -26,7 +26,7 @@ from ur5lib.tables import write_bytes, write_csv
 from ur5lib.timeseries.arrays import Array
 
 # Okabe and Ito's palette, which colour-blind readers can distinguish; dashes help in print.
-JOINTS = (
+JOINT_COLOURS = (
     *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"),
     *("#8C6D31", "#999999"),  # of arms with seven or eight joints
 )
@@ -49,14 +49,14 @@ class Style:
         return Line2D(x, y, color=colour, linewidth=self.width, linestyle=shape)
 
 
-STYLES = {
+LINE_STYLES = {
     "measured": Style(("#000000",), width=1.1),
     "first": Style(("#0072B2",), (5, 1.2)),
     "second": Style(("#D55E00",), (1.2, 1)),
     "third": Style(("#009E73",), (4, 1, 1, 1)),
     "fourth": Style(("#CC79A7",), (3, 1, 1, 1, 1, 1)),
     "fifth": Style(("#56B4E9",), (2, 1, 2, 3)),
-    "joint": Style(JOINTS),  # each joint in its own colour
+    "joint": Style(JOINT_COLOURS),  # each joint in its own colour
 }
 HOUSE_STYLE: Any = {
     "axes.formatter.limits": (-3, 4),
@@ -71,24 +71,24 @@ HOUSE_STYLE: Any = {
     "pdf.fonttype": 42,  # TrueType, which publishers ask for
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
-DOTS: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
-FITTED_DOTS: Any = {"markersize": 0.8, "rasterized": True}
-BAND: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
-GAP: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
-SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
-WIDTH = 7.2  # inches, of A4 between margins
-LABELS = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
-DPI = 130  # of images inside a figure
-COLOURS = 256  # of such an image: a third of the size of one with all colours
-EMBEDDED = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
-TALLER = 1.5  # than in the report: text keeps its size while panels become narrow
-COLUMN = 88 / 25.4  # inches, of a paper
-LETTERS = 6.5  # points
-THINNER = 0.6  # of the widths of lines in the report
-LEGEND: Any = {"loc": "outside upper center", "frameon": False, "fontsize": LETTERS}
-ROW = 64  # letters of a legend side by side, with room for its lines
-INSIDE = (0, 0, 0.98, 1)  # of a figure: room for the label of the last panel
-LONGEST = 16  # letters of an axis's label in one row
+DOT_STYLE: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
+FITTED_DOT_STYLE: Any = {"markersize": 0.8, "rasterized": True}
+BAND_STYLE: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
+GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
+SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
+PAGE_WIDTH = 7.2  # inches, of A4 between margins
+LABEL_DISTANCE = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
+IMAGE_DPI = 130  # of images inside a figure
+PALETTE_SIZE = 256  # of such an image: a third of the size of one with all colours
+EMBEDDED_IMAGE = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
+COLUMN_STRETCH = 1.5  # than in the report: text keeps its size while panels become narrow
+COLUMN_WIDTH = 88 / 25.4  # inches, of a paper
+COLUMN_FONT_SIZE = 6.5  # points
+COLUMN_LINE_SCALE = 0.6  # of the widths of lines in the report
+COLUMN_LEGEND: Any = {"loc": "outside upper center", "frameon": False, "fontsize": COLUMN_FONT_SIZE}
+LEGEND_ROW_LETTERS = 64  # letters of a legend side by side, with room for its lines
+COLUMN_MARGINS = (0, 0, 0.98, 1)  # of a figure: room for the label of the last panel
+MAX_LABEL_LETTERS = 16  # letters of an axis's label in one row
 MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
 
 
@@ -123,13 +123,13 @@ def house_style(
     height: in inches; layout: further arguments of `Figure.subplots`.
     """
     with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
         yield figure, figure.subplots(rows, columns, squeeze=False, **layout)
 
 
 def nothing_to_draw() -> Drawing:
     """Return the placeholder of a figure without data."""
-    figure = Figure(figsize=(WIDTH, 0.5))
+    figure = Figure(figsize=(PAGE_WIDTH, 0.5))
     figure.text(0.5, 0.5, "not recorded", ha="center", va="center")
     return Drawing(figure, pd.DataFrame())
 
@@ -163,7 +163,7 @@ def _place_labels(figure: Figure) -> None:
     Matplotlib's own search for that distance takes a quarter of the drawing time.
     """
     for axes in figure.axes:
-        left = ScaledTranslation(-LABELS, 0, figure.dpi_scale_trans)
+        left = ScaledTranslation(-LABEL_DISTANCE, 0, figure.dpi_scale_trans)
         axes.yaxis.set_label_coords(0, 0.5, transform=axes.transAxes + left)
 
 
@@ -174,15 +174,17 @@ def _rendered(drawing: Drawing, kind: str, metadata: dict[str, list[str] | None]
         for axis in (axis for axes in drawing.figure.axes for axis in (axes.xaxis, axes.yaxis)):
             if type(axis.get_major_formatter()) is ScalarFormatter:
                 axis.set_major_formatter(Ticks())
-        drawing.figure.savefig(buffer, format=kind, dpi=DPI, metadata=metadata)
-    return EMBEDDED.sub(_with_palette, buffer.getvalue()) if kind == "svg" else buffer.getvalue()
+        drawing.figure.savefig(buffer, format=kind, dpi=IMAGE_DPI, metadata=metadata)
+    return (
+        EMBEDDED_IMAGE.sub(_with_palette, buffer.getvalue()) if kind == "svg" else buffer.getvalue()
+    )
 
 
 def _with_palette(image: re.Match[bytes]) -> bytes:
-    """Return an image, PNG as base64, with a palette of COLOURS."""
+    """Return an image, PNG as base64, with a palette of PALETTE_SIZE."""
     buffer = BytesIO()
     full = Image.open(BytesIO(b64decode(image[0])))
-    full.quantize(COLOURS, Image.Quantize.FASTOCTREE).save(buffer, "PNG")
+    full.quantize(PALETTE_SIZE, Image.Quantize.FASTOCTREE).save(buffer, "PNG")
     return b64encode(buffer.getvalue())
 
 
@@ -192,18 +194,20 @@ def fit_column(figure: Figure) -> None:
     All parts stay vector graphics.
     """
     wide, high = figure.get_size_inches()
-    figure.set_size_inches(COLUMN, TALLER * high * COLUMN / wide)
-    figure.set_layout_engine("constrained", w_pad=0.03, h_pad=0.02, hspace=0.03, rect=INSIDE)
+    figure.set_size_inches(COLUMN_WIDTH, COLUMN_STRETCH * high * COLUMN_WIDTH / wide)
+    figure.set_layout_engine(
+        "constrained", w_pad=0.03, h_pad=0.02, hspace=0.03, rect=COLUMN_MARGINS
+    )
     for artist in figure.findobj():
         artist.set_rasterized(False)
         if isinstance(artist, Text):
-            artist.set_fontsize(LETTERS)
+            artist.set_fontsize(COLUMN_FONT_SIZE)
         if isinstance(artist, Line2D | Spine):
-            artist.set_linewidth(THINNER * artist.get_linewidth())
+            artist.set_linewidth(COLUMN_LINE_SCALE * artist.get_linewidth())
     for axes in figure.axes:
         axes.tick_params(width=0.5, length=2, pad=1.5)
         label = axes.get_xlabel()
-        axes.set_xlabel(label.replace(" [", "\n[") if len(label) > LONGEST else label)
+        axes.set_xlabel(label.replace(" [", "\n[") if len(label) > MAX_LABEL_LETTERS else label)
     _narrow_legends(figure)
 
 
@@ -213,6 +217,6 @@ def _narrow_legends(figure: Figure) -> None:
     for legend in [*figure.legends, *inside]:
         labels = [text.get_text() for text in legend.get_texts()]
         handles = [handle for handle in legend.legend_handles if handle]
-        columns = max(1, ROW // (max(map(len, labels)) + 8))
-        figure.legend(handles, labels, ncols=columns, **LEGEND)
+        columns = max(1, LEGEND_ROW_LETTERS // (max(map(len, labels)) + 8))
+        figure.legend(handles, labels, ncols=columns, **COLUMN_LEGEND)
         legend.remove()

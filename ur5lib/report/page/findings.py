@@ -17,10 +17,14 @@ from ur5lib.strict import read_yaml
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
-FEW = 3  # places of a meaning that are named beside the findings of other recordings
-TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
-MOST = 9999  # of a number in a sentence; a larger one only says that something is wrong
-PARTICULAR = re.compile(r"\S*(?:[/\\]|\d[\d.e]|\w\.\w)\S*")  # a path, or a number of two digits
+MAX_NAMED_PLACES = 3  # places of a meaning that are named beside the findings of other recordings
+TEMPLATE_FILE = Path(__file__).parent / "templates/findings.yaml"
+MAX_STATED_NUMBER = (
+    9999  # of a number in a sentence; a larger one only says that something is wrong
+)
+PARTICULAR_WORD = re.compile(
+    r"\S*(?:[/\\]|\d[\d.e]|\w\.\w)\S*"
+)  # a path, or a number of two digits
 
 
 def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFrame:
@@ -31,8 +35,8 @@ def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFra
     """
     kind = ["recording", "device", "finding", "severity"]
     rows = [
-        (*names, own["count"].sum(), _stated_once(own, most))
-        for names, own in quality.groupby(kind, sort=False)
+        (*key, rows_of_kind["count"].sum(), _stated_once(rows_of_kind, most))
+        for key, rows_of_kind in quality.groupby(kind, sort=False)
     ]
     return pd.DataFrame(rows, columns=[*kind, "count", "detail"])
 
@@ -44,8 +48,10 @@ def by_finding(quality: pd.DataFrame) -> pd.DataFrame:
     that of the recording with the largest count, and `alike` whether all recordings have the same.
     `recordings` is a list.
     """
-    grouped = group_findings(quality, FEW).sort_values("count", ascending=False, kind="stable")
-    general = grouped["detail"].str.replace(PARTICULAR, "…", regex=True)
+    grouped = group_findings(quality, MAX_NAMED_PLACES).sort_values(
+        "count", ascending=False, kind="stable"
+    )
+    general = grouped["detail"].str.replace(PARTICULAR_WORD, "…", regex=True)
     meaning = general.where(grouped["severity"].isin(("stop", "error")), "")
     kinds = grouped.groupby(["severity", "device", "finding", meaning], sort=False)
     rows = kinds.agg(
@@ -91,13 +97,13 @@ class Words(Formatter):
             return sentence(value["code"], value["values"])
         if not isinstance(value, list | tuple):
             return self._bounded(value, format_spec)
-        if all(isinstance(one, Mapping | str) for one in value):
-            return (format_spec or ", ").join(self.format_field(one, "") for one in value)
-        return ", ".join(self.format_field(one, format_spec) for one in value)
+        if all(isinstance(part, Mapping | str) for part in value):
+            return (format_spec or ", ").join(self.format_field(part, "") for part in value)
+        return ", ".join(self.format_field(part, format_spec) for part in value)
 
     def _bounded(self, value: Any, format_spec: str) -> str:
         """Return a value in words, beyond four digits before the point as `above 9999`."""
-        most = MOST / 100 if format_spec.endswith("%") else MOST
+        most = MAX_STATED_NUMBER / 100 if format_spec.endswith("%") else MAX_STATED_NUMBER
         if format_spec[-1:] not in ("f", "%") or not abs(value) > most:
             return str(super().format_field(value, format_spec))
         bound = super().format_field(math.copysign(most, value), f".0{format_spec[-1]}")
@@ -107,7 +113,7 @@ class Words(Formatter):
 @cache
 def templates() -> dict[str, str]:
     """Return the sentences by code."""
-    return dict(read_yaml(TEMPLATES))
+    return dict(read_yaml(TEMPLATE_FILE))
 
 
 def sentence(code: str, values: Mapping[str, Any]) -> str:

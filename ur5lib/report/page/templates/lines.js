@@ -1,4 +1,4 @@
-// The lines of a figure over time, as ur5lib/report/render.py packed them, and how a panel of
+// The lines of a figure over time, as ur5lib/report/page/render.py packed them, and how a panel of
 // them is drawn. What draws gets a pen whose origin is the upper left corner of the panel's frame.
 "use strict";
 

@@ -6,15 +6,15 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.document import UNDETERMINED, Cell, DeclaredTable, Mark
-from ur5lib.report.formats import SMALLEST_DIFFERENCE
-from ur5lib.report.sentences import cell, filled, names
+from ur5lib.report.page.document import UNDETERMINED_TEXT, Cell, DeclaredTable, Mark
+from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
+from ur5lib.report.page.sentences import cell, filled, names
 
-Record = dict[Hashable, Any]  # the values of a row by column
+RowValues = dict[Hashable, Any]  # the values of a row by column
 Place = tuple[Hashable, ...]  # values of the columns `across`
-Line = dict[Place, Record]
+Line = dict[Place, RowValues]
 
-DASH = Cell("–")
+EMPTY_CELL = Cell("–")
 
 
 class Body(NamedTuple):
@@ -24,8 +24,8 @@ class Body(NamedTuple):
     rows: list[list[Cell]]
 
 
-def tabulate(declared: DeclaredTable, rows: pd.DataFrame, known: Record) -> Body:
-    """Return header and rows of a table; known: further values for its templates.
+def tabulate(declared: DeclaredTable, rows: pd.DataFrame, further: RowValues) -> Body:
+    """Return header and rows of a table; further: values for its templates.
 
     Without any declared column: all columns and rows, numbers to four digits.
     """
@@ -36,13 +36,15 @@ def tabulate(declared: DeclaredTable, rows: pd.DataFrame, known: Record) -> Body
     places = [*_places(rows, declared.across)]
     lines = _lines(rows.to_dict("records"), declared, places)
     columns = [
-        *_columns(declared.columns or {name: name for name in declared.lines}, lines, known),
-        *_across(declared, places, lines, known),
-        *_columns(declared.last, lines, known),
+        *_columns(declared.columns or {name: name for name in declared.lines}, lines, further),
+        *_across(declared, places, lines, further),
+        *_columns(declared.last, lines, further),
     ]
-    shown = [(title, cells) for title, cells in columns if any(cells)]
-    body = zip(*([cell or DASH for cell in cells] for _, cells in shown), strict=True)
-    return Body([title for title, _ in shown], [list(row) for row in body])
+    filled_columns = [(title, cells) for title, cells in columns if any(cells)]
+    body = zip(
+        *([cell or EMPTY_CELL for cell in cells] for _, cells in filled_columns), strict=True
+    )
+    return Body([title for title, _ in filled_columns], [list(row) for row in body])
 
 
 def _whole(rows: pd.DataFrame) -> Body:
@@ -55,18 +57,23 @@ def _whole(rows: pd.DataFrame) -> Body:
 
 def _places(rows: pd.DataFrame, across: Sequence[str]) -> Iterator[Place]:
     """Yield the values of the columns that stand side by side, in their order."""
-    found = {*zip(*(rows[name] for name in across), strict=True)} if across else {()}
-    yield from (place for place in product(*(_ordered(rows, n) for n in across)) if place in found)
+    combinations = {*zip(*(rows[name] for name in across), strict=True)} if across else {()}
+    yield from (
+        place for place in product(*(_ordered(rows, n) for n in across)) if place in combinations
+    )
 
 
 def _ordered(rows: pd.DataFrame, column: str) -> list[Hashable]:
     """Return the values of a column: those with names in the order of these, then the others."""
-    found, named = dict.fromkeys(rows[column]), names(column)
-    return [*(value for value in named if value in found), *(v for v in found if v not in named)]
+    values, ranked = dict.fromkeys(rows[column]), names(column)
+    return [
+        *(value for value in ranked if value in values),
+        *(v for v in values if v not in ranked),
+    ]
 
 
 def _lines(
-    records: Sequence[Record], declared: DeclaredTable, places: Sequence[Place]
+    records: Sequence[RowValues], declared: DeclaredTable, places: Sequence[Place]
 ) -> list[Line]:
     """Return the records of each line by their place; without `lines`, one line a record."""
     lines: dict[Place, Line] = {}
@@ -79,16 +86,16 @@ def _lines(
 
 
 def _columns(
-    templates: dict[str, str], lines: Sequence[Line], known: Record
+    templates: dict[str, str], lines: Sequence[Line], further: RowValues
 ) -> Iterator[tuple[str, list[Cell | None]]]:
     """Yield columns of the first record of each line."""
     first = [next(iter(line.values())) for line in lines]
     for title, template in templates.items():
-        yield title, [_cell(template, known | record) for record in first]
+        yield title, [_cell(template, further | record) for record in first]
 
 
 def _across(
-    declared: DeclaredTable, places: Sequence[Place], lines: Sequence[Line], known: Record
+    declared: DeclaredTable, places: Sequence[Place], lines: Sequence[Line], further: RowValues
 ) -> Iterator[tuple[str, list[Cell | None]]]:
     """Yield columns of the records side by side, their smallest and largest value marked."""
     marks = [_marks(line, declared.marked) for line in lines]
@@ -97,12 +104,12 @@ def _across(
         for title, template in declared.cells.items():
             marked = declared.marked and template.startswith(declared.marked)
             cells = [
-                _cell(template, known | line[place], mark.get(place) if marked else None)
+                _cell(template, further | line[place], mark.get(place) if marked else None)
                 if place in line
                 else None
                 for line, mark in zip(lines, marks, strict=True)
             ]
-            yield filled(title, known | heading), cells
+            yield filled(title, further | heading), cells
 
 
 def _marks(line: Line, marked: str) -> dict[Place, Mark | None]:
@@ -114,15 +121,15 @@ def _marks(line: Line, marked: str) -> dict[Place, Mark | None]:
     return {place: mark for values in groups.values() for place, mark in extremes(values).items()}
 
 
-def _cell(template: str, values: Record, mark: Mark | None = None) -> Cell | None:
+def _cell(template: str, values: RowValues, mark: Mark | None = None) -> Cell | None:
     text = cell(template, values)
-    return None if text is None else Cell(text, None if text == UNDETERMINED else mark)
+    return None if text is None else Cell(text, None if text == UNDETERMINED_TEXT else mark)
 
 
 def extremes(values: Mapping[Place, float]) -> dict[Place, Mark | None]:
     """Mark the lowest and the highest entry; none if they agree."""
     marks: dict[Place, Mark | None] = dict.fromkeys(values)
     lowest, highest = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
-    if values[highest] - values[lowest] > SMALLEST_DIFFERENCE:
+    if values[highest] - values[lowest] > VISIBLE_DIFFERENCE:
         marks |= {lowest: "lowest", highest: "highest"}
     return marks
