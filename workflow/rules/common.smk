@@ -15,15 +15,6 @@ from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import LOOPS, Selection
-from ur5lib.workspace.extensions import KINDS, source_files
-from ur5lib.workspace.places import CITATION, PACKAGE, SCRIPTS, SNAKEFILE
-from ur5lib.report.page.document import MOST_SHOWN, Picture, contents
-from ur5lib.thesis.reference import read_reference
-from ur5lib.robots.description import JOINT_SIZES, robot_path
-from ur5lib.steps.batches import Batches, Step
-from ur5lib.jobs.workers import FAILED, run_batch, run_step
-from ur5lib.strict import SNAKEMAKE_PLACEHOLDER, read_yaml
-from ur5lib.study.reading import names_by_pattern, parse_study, study_text
 from ur5lib.study.turn import share_turn, take_turn
 from ur5lib.thesis.reference import read_reference
 from ur5lib.workspace.extensions import KINDS, source_files
