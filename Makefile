@@ -2,7 +2,7 @@
 PYTHON ?= python3
 DATA ?=
 ESTIMATOR ?=
-SPEED := dynamics smoothing stream rtde_csv study
+SPEED := dynamics smoothing study
 REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m real_time --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check

@@ -34,7 +34,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.pipeline.contacts import alarms_by_odds, raised_live, strongest
 from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
@@ -80,6 +80,11 @@ class Recording:
     def file(self, name: str) -> str:
         """Path of a file that the study made of it."""
         return str(self.folder / name)
+
+    def sensed(self) -> Array:
+        """Return the sensor's wrench (N, 6), bias and tool removed; empty without a sensor."""
+        found = SensorWrenches.read(self.file("sensor.parquet")).wrench
+        return found.get("compensated", np.empty((0, 6)))
 
 
 @dataclass(frozen=True)

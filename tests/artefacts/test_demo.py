@@ -47,11 +47,6 @@ def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
     [
         ("leave_out", [], ["alarms a minute", "friction differs by"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
-        # the last subset that is drawn, of all paths but one or more: bands and contacts
-        ("few_recordings", [], ["inside", "in motion"]),
-        # without any recording, and with all
-        ("learning_curve", ["demo"], ["| demo_ur5 | 0 |", "| demo_ur5 | all | 1.00 |"]),
-        ("current_prediction", ["demo"], ["| demo_ur5 | 6 |"]),
     ],
 )
 def test_what_was_built_is_measured(
