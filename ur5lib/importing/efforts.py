@@ -60,11 +60,11 @@ def _step(sizes: Array) -> float:
     for parts in (1, 2, 3):
         step = gaps[gaps > 1e-6 * levels.max(initial=0.0)].min(initial=np.inf) / parts
         counts = np.round(levels / step)
-        if not COUNTED[0] < counts.max(initial=0) < COUNTED[1]:
-            continue
+        if counts.max(initial=0) == 0:
+            return np.nan
         step = levels @ counts / (counts @ counts)
-        if np.abs(levels - step * counts).max() < 0.01 * step:
-            return float(step)
+        if np.abs(levels - step * counts).max() < 0.01 * step:  # not its half or third as well
+            return float(step) if COUNTED[0] < counts.max() < COUNTED[1] else np.nan
     return np.nan
 
 
