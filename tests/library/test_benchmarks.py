@@ -75,6 +75,7 @@ def test_every_benchmark_is_run() -> None:
     assert files == set(PRINTED) | ELSEWHERE | OF_A_BUILT_STUDY
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRINTED)
 def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
@@ -82,6 +83,7 @@ def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
     assert all(text in printed for text in PRINTED[name]), printed
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_seed_goes_on_after_a_killed_run_and_is_computed_once() -> None:
     """Of the killed run, a torn file lies where the workflow writes; none of it is used or kept."""

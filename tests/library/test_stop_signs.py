@@ -433,6 +433,7 @@ def corrupted_arms() -> Iterator[object]:
         yield pytest.param(*case, marks=[unseen] if case in UNSEEN else [])
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(("corruption", "robot"), [*corrupted_arms()])
 def test_simulated_recordings_tell_what_is_wrong(made: Path, robot: str, corruption: str) -> None:
