@@ -159,6 +159,7 @@ def test_nothing_is_silently_wrong(seed: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_nothing_is_silently_wrong_in_a_hundred_cases() -> None:
     outcomes = [outcome(seed, 50.0, 10.0) for seed in range(100)]
     assert outcomes.count("proven") > 20

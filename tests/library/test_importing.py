@@ -24,7 +24,6 @@ from tests.stored_files import (
     write_bag,
     write_hdf5,
     write_mat,
-    write_parquet,
 )
 from ur5lib import cli
 from ur5lib.errors import InputError
@@ -92,15 +91,6 @@ def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: 
     assert "elbow, shoulder lift, shoulder pan, wrist 1" in comments
     table = read_recording(entry).robot.table
     np.testing.assert_allclose(table["actual_q_0"], made[1]["actual_q"][:, 0])
-
-
-def test_degrees_are_reported(tmp_path: Path, made: Made) -> None:
-    time, channels = made
-    turned = {n: np.degrees(channels[n]) for n in ("actual_q", "actual_qd")}
-    write_parquet(tmp_path / "run.parquet", time, channels | turned)
-    entry, comments = entry_and_comments(tmp_path / "run.parquet", robot="ur5")
-    assert entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
-    assert "in degrees" in comments
 
 
 def bare(made: Made, **more: Array) -> Made:
