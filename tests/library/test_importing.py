@@ -1,7 +1,5 @@
 """`ur5 import`: the entry of a recording is found and proven, or refused; never wrong."""
 
-import random
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -9,18 +7,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.conftest import shared_folder
-from tests.damage import DRAWS, damaged_file, drawn
 from tests.entries import read_and_repair, read_recording
 from tests.stored_files import (
     JOINTS,
     Made,
     made_up_channels,
     thesis_channels,
-    write,
     write_bag,
     write_hdf5,
     write_mat,
@@ -395,29 +389,6 @@ def test_three_commands_are_named(
         cli.main()
     assert "next: ur5 check" in capsys.readouterr().out
     assert parse_study(yaml.safe_load(study.read_text()), "written").study == "mine"
-
-
-ARRAYS = ["hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap", "rosbag 1"]
-
-
-@pytest.fixture(scope="module")
-def written(made: Made, tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
-    folder = tmp_path_factory.mktemp("written")
-    return {kind: write(kind, folder, *made) for kind in ARRAYS}
-
-
-@drawn(20)
-@given(kind=st.sampled_from(ARRAYS), draw=DRAWS)
-def test_damaged_files_are_imported_right_or_refused(
-    tmp_path: Path, written: dict[str, dict[str, Any]], kind: str, draw: random.Random
-) -> None:
-    whole = written[kind]
-    path = tmp_path / whole["file"]
-    path.write_bytes(damaged_file(Path(whole["folder"], path.name).read_bytes(), draw).data)
-    with suppress(InputError):
-        entry, _ = entry_and_comments(path, robot="ur5")
-        assert entry["channels"].items() <= whole["channels"].items()
-        assert "joints" not in entry
 
 
 # Real recordings
