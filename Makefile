@@ -25,7 +25,7 @@ studies: .venv/ready ## build the default study and every other whose recordings
 		else snakemake --configfile "$$study" || failed="$$failed $$study"; fi; \
 	done; [ -z "$$failed" ] || { echo "failed:$$failed"; exit 1; }
 
-test: lint ## check style and types, and show every result, command and format, as .ci/run does: ten minutes
+test: lint ## check style and types, and show every result, command and format, as .ci/run does: some ten minutes
 	$(MAKE) tests
 
 test-all: lint ## the same with the tests marked thorough: installed packages, Slurm, benchmarks, devices in all their faults
