@@ -33,19 +33,12 @@ from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.records.currents import Currents
-from ur5lib.records.forces import Forces
+from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.report.page.findings import in_words
 from ur5lib.steps.judge_contacts import alarms_by_odds, live_alarms, strongest
-from ur5lib.steps.judge_contacts import alarms_by_odds, raised_live, strongest
-from ur5lib.records.currents import Currents
-from ur5lib.records.forces import Forces
-from ur5lib.records.friction import Friction
-from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import Prediction
-from ur5lib.report.page.findings import in_words
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
@@ -87,6 +80,11 @@ class Recording:
     def file(self, name: str) -> str:
         """Path of a file that the study made of it."""
         return str(self.folder / name)
+
+    def sensed(self) -> Array:
+        """Return the sensor's wrench (N, 6), bias and tool removed; empty without a sensor."""
+        found = SensorWrenches.read(self.file("sensor.parquet")).wrench
+        return found.get("compensated", np.empty((0, 6)))
 
 
 @dataclass(frozen=True)

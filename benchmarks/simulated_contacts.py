@@ -33,16 +33,11 @@ from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
 from ur5lib.force.detection import CONTACT_FORCE, is_free
 from ur5lib.lab.stand.plan import POSTURE
-from ur5lib.leaderboard.board import RESULTS, estimates, learnt
-from ur5lib.force.detection import CONTACT, is_free
 from ur5lib.leaderboard.board import RESULTS_FOLDER, estimates, learnt
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.leaderboard.scores import known_to_all, masked, score_by_sample
-from ur5lib.leaderboard.study import Arm, label_paths, read_run
-from ur5lib.records.friction import Friction
-from ur5lib.records.signals import Signals
 from ur5lib.leaderboard.study import StudyArm, label_paths, read_run
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals

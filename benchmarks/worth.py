@@ -26,7 +26,6 @@ import numpy as np
 import pandas as pd
 import torch
 
-from benchmarks.few_recordings import sensed
 from benchmarks.harness.drawn_pushes import drawn_pushes
 from benchmarks.harness.options import arm_options, built
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
@@ -189,7 +188,7 @@ def folds(study: Study) -> list[tuple[list[Recording], list[Recording]]]:
 
 def is_judged(own: Recording) -> bool:
     """Whether nothing touches the arm, or a sensor feels what does."""
-    return own.entry["role"] != "contact" or len(sensed(own)) > 0
+    return own.entry["role"] != "contact" or len(own.sensed()) > 0
 
 
 def without_parts(
@@ -219,7 +218,7 @@ def counts(fold: Fold, tested: list[Recording], prior: ContactPrior) -> Iterator
     for own in tested:
         motion, found = Motion.read(own.file("motion.parquet")), estimate(fold, own, prior)
         if own.entry["role"] == "contact":
-            yield {"by": "sensor"} | in_contacts(found, sensed(own), least, motion.period)
+            yield {"by": "sensor"} | in_contacts(found, own.sensed(), least, motion.period)
             continue
         minutes = len(motion.time) * motion.period / 60
         yield {"by": "alarms", "found": len(alarms(found.log_odds, least)), "minutes": minutes}

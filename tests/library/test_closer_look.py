@@ -13,17 +13,17 @@ import pytest
 
 from tests.artefacts.documents import browser
 from ur5lib.report.figures.charts import response_panel
-from ur5lib.report.page.document import Document, Picture, Section
-from ur5lib.report.figures.house_style import JOINTS, save
-from ur5lib.report.page.render import LEVELS, html_page, packed_lines
-from ur5lib.report.figures.traces import CURRENT, WRENCH, Panel, Traces, draw_traces
-from ur5lib.tables import read_csv, write_text
-from ur5lib.report.figures.charts import response_panel
 from ur5lib.report.figures.house_style import JOINT_COLOURS, save
-from ur5lib.report.figures.traces import CURRENT_PANELS, WRENCH_PANELS, Panel, Traces, draw_traces
+from ur5lib.report.figures.traces import (
+    CURRENT_PANELS,
+    WRENCH_PANELS,
+    Panel,
+    Traces,
+    draw_traces,
+)
 from ur5lib.report.page.document import Document, Picture, Section
-from ur5lib.report.page.render import LINE_LEVELS, packed_lines, write_html
-from ur5lib.tables import read_csv
+from ur5lib.report.page.render import LINE_LEVELS, html_page, packed_lines
+from ur5lib.tables import read_csv, write_text
 
 LENGTH = 60.0  # s
 FRAME = 1000 / 60  # ms

@@ -32,12 +32,9 @@ from ur5lib.report.page.document import (
     TableBlock,
     contents,
 )
-from ur5lib.report.results import Results
 from ur5lib.report.page.torques import in_torques
-from ur5lib.thesis.reference import Erratum
-from ur5lib.report.page.torques import in_torques
-from ur5lib.thesis.reference import Erratum
 from ur5lib.report.results import Results
+from ur5lib.thesis.reference import Erratum
 
 TABLES_MADE = declarations()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))

@@ -49,12 +49,6 @@ from ur5lib.steps.fit_friction import (
     require_single_runs,
 )
 from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.records.friction import Friction
-from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.recordings.quality import Contradictions, Quality, contradiction
-from ur5lib.report.page.findings import worded
-from ur5lib.report.results import Results
-from ur5lib.report.views.first_screen import left_out_fits, stop_signs
 from ur5lib.timeseries.arrays import Array
 
 WRONG = "another arm"

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import said
-from ur5lib.errors import InputError
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.quality import Finding, Log
@@ -83,14 +82,6 @@ def test_text_is_plain(tmp_path: Path, content: bytes, plain: bytes, finding: st
     assert [(one.finding, one.severity, one.count) for one in findings] == (
         [(finding, "note", 1)] if finding else []
     )
-
-
-@pytest.mark.parametrize(
-    "content", [b"\xff\xfe" + "Ж;Д".encode("utf-16-le"), b"\xfe\xffabc", b"1,2\n\0\0\n"]
-)
-def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes) -> None:
-    with pytest.raises(InputError, match=r"line 1: not a text file"):
-        blocks(tmp_path / "other.csv", content)
 
 
 ROW = ",".join(["{0}", *["0.25"] * 6])

@@ -109,7 +109,9 @@ def test_all_limits_are_kept_at_1_khz() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(CELLS))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, CELLS))]
+)
 def test_trajectories_of_random_cells_keep_all_limits(seed: int) -> None:
     try:
         kept = keeps_limits(seed)

@@ -20,7 +20,6 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
-from ur5lib.report.page.findings import in_words
 
 PERIOD = 0.01
 GRAVITY = np.array([0, 0, -9.81])
@@ -388,7 +387,8 @@ def test_what_was_not_read_hides_nothing() -> None:
 def test_a_tool_that_pulls_upwards_is_told() -> None:
     doubt = told(TURNED["sign"])[1]
     assert doubt is not None
-    assert "the weight of the sensor's tool points upwards (-0.3 ±" in in_words(doubt)
+    (weight,) = [one for one in doubt.values["reasons"] if one.code == "negative weight"]
+    assert weight.values["mass"] == pytest.approx(-0.3, abs=0.05)
 
 
 @pytest.mark.parametrize(("size", "told"), [(0.95, False), (1.05, True)])

@@ -19,7 +19,6 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 
 RANGES = [(-3.1, 3.1)] * 6
 POSE = np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
-STRETCHED = POSE * [1, 1, 0, 1, 1, 1]
 
 
 @pytest.mark.parametrize("name", ["ur5", "ur10e"])

@@ -9,12 +9,13 @@ import pytest
 
 from tests.stored_files import JOINTS
 from ur5lib.checks.readings import usual_orders
-from ur5lib.importing.blocks import Block
-from ur5lib.importing.clocks import Clocks
-from ur5lib.importing.contents import Contents, Header, Stated
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import FileClocks
-from ur5lib.importing.contents import FileContents, TableHeader, UserStatement
+from ur5lib.importing.contents import (
+    FileContents,
+    TableHeader,
+    UserStatement,
+)
 from ur5lib.importing.proposal import Proposal, propose
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
@@ -162,6 +163,7 @@ def test_nothing_is_silently_wrong(seed: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_nothing_is_silently_wrong_in_a_hundred_cases() -> None:
     outcomes = [outcome(seed, 50.0, 10.0) for seed in range(100)]
     assert outcomes.count("proven") > 20

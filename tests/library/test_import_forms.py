@@ -244,23 +244,6 @@ def test_what_a_file_lacks_is_said(tmp_path: Path, made: Made) -> None:
         import_files([saved(lone, tmp_path / "lone.csv")])
 
 
-def test_of_two_clocks_the_one_of_the_velocities_counts(tmp_path: Path, made: Made) -> None:
-    """A program polls the controller, stamps by its own clock, and repeats rows."""
-    random, count = np.random.default_rng(1), len(made[0])
-    rows = np.sort(random.choice(count, 2 * count))
-    renamed = {f"actual_{n}_{k}": f"Act_{s}{k}" for n, s in SHORT.items() for k in range(6)}
-    table = rtde(made).rename(columns=renamed | {"timestamp": "Time"}).iloc[rows]
-    received = EPOCH + np.cumsum(random.exponential(0.004, len(table)))
-    table.insert(0, "epoch_time", received)
-    entry, comments = imported(saved(table, tmp_path / "run.csv"))
-    assert entry["columns"] == ["-", "time", *MOVED]
-    assert "Time in s is the clock: under it, velocities are derivatives" in comments
-    assert "check: " not in comments
-
-
-SHORT = {"q": "q", "qd": "qd", "current": "I"}
-
-
 @pytest.mark.parametrize("named", [True, False])
 def test_a_log_without_a_clock_has_the_rate_of_its_velocities(
     tmp_path: Path, made: Made, named: bool

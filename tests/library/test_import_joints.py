@@ -122,18 +122,6 @@ def test_an_arm_that_is_not_described_is_asked_for(log: dict[str, Array]) -> Non
     assert any("`ur5 describe arm.urdf`" in line for line in found.comments)
 
 
-SIDES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")
-
-
-def test_joints_named_by_sides(log: dict[str, Array]) -> None:
-    names = {"ang": "q", "vel": "dq", "torq": "tau_J"}
-    table = {f"{n}_left_{s}": log[c][:, k] for n, c in names.items() for k, s in enumerate(SIDES)}
-    pd.DataFrame({"time": log["t"]} | table).to_csv("run.csv", index=False)
-    (found,) = import_files([Path("run.csv")], UserStatement("mine"))
-    channels = ("actual_q", "actual_qd", "actual_torque")
-    assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
-
-
 def test_a_force_beside_seven_joints_stays_out_unless_torques_prove_it(
     log: dict[str, Array],
 ) -> None:

@@ -88,6 +88,7 @@ def test_no_form_is_silently_wrong(seed: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_none_of_two_hundred_forms_is_silently_wrong(tmp_path: Path) -> None:
     made = [outcome(seed, tmp_path) for seed in range(200)]
     assert [one for one in made if one["wrong"] and not one["marked"]] == []

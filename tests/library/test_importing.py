@@ -1,7 +1,5 @@
 """`ur5 import`: the entry of a recording is found and proven, or refused; never wrong."""
 
-import random
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -9,22 +7,17 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.conftest import shared_folder
-from tests.damage import DRAWS, damaged_file, drawn
 from tests.entries import read_and_check, read_recording
 from tests.stored_files import (
     JOINTS,
     Made,
     made_up_channels,
     thesis_channels,
-    write,
     write_bag,
     write_hdf5,
     write_mat,
-    write_parquet,
 )
 from ur5lib import cli
 from ur5lib.checks.block_means import BlockMeans
@@ -92,15 +85,6 @@ def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: 
     assert "elbow, shoulder lift, shoulder pan, wrist 1" in comments
     table = read_recording(entry).robot.table
     np.testing.assert_allclose(table["actual_q_0"], made[1]["actual_q"][:, 0])
-
-
-def test_degrees_are_reported(tmp_path: Path, made: Made) -> None:
-    time, channels = made
-    turned = {n: np.degrees(channels[n]) for n in ("actual_q", "actual_qd")}
-    write_parquet(tmp_path / "run.parquet", time, channels | turned)
-    entry, comments = entry_and_comments(tmp_path / "run.parquet", robot="ur5")
-    assert entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
-    assert "in degrees" in comments
 
 
 def bare(made: Made, **more: Array) -> Made:
@@ -408,29 +392,6 @@ def test_three_commands_are_named(
         cli.main()
     assert "next: ur5 check" in capsys.readouterr().out
     assert parse_study(yaml.safe_load(study.read_text()), "written").study == "mine"
-
-
-ARRAYS = ["hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap", "rosbag 1"]
-
-
-@pytest.fixture(scope="module")
-def written(made: Made, tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
-    folder = tmp_path_factory.mktemp("written")
-    return {kind: write(kind, folder, *made) for kind in ARRAYS}
-
-
-@drawn(20)
-@given(kind=st.sampled_from(ARRAYS), draw=DRAWS)
-def test_damaged_files_are_imported_right_or_refused(
-    tmp_path: Path, written: dict[str, dict[str, Any]], kind: str, draw: random.Random
-) -> None:
-    whole = written[kind]
-    path = tmp_path / whole["file"]
-    path.write_bytes(damaged_file(Path(whole["folder"], path.name).read_bytes(), draw).data)
-    with suppress(InputError):
-        entry, _ = entry_and_comments(path, robot="ur5")
-        assert entry["channels"].items() <= whole["channels"].items()
-        assert "joints" not in entry
 
 
 # Real recordings

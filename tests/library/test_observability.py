@@ -27,11 +27,6 @@ from ur5lib.identification.validation import (
 from ur5lib.records.arm_state import Observed
 from ur5lib.report.figures.arm_state_figures import observability_figure
 from ur5lib.steps.measure_observability import Judged, observability
-from ur5lib.force.trial_contacts import LEAST, MOST, Trials, felt_push, try_each_place
-from ur5lib.identification.validation import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
-from ur5lib.steps.measure_observability import Judged, observability
-from ur5lib.records.arm_state import Observed
-from ur5lib.report.figures.arm_state_figures import observability_figure
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes

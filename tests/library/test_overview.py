@@ -13,7 +13,6 @@ from ur5lib.report.page.compose import compose
 from ur5lib.report.page.document import MOST_ROWS, Contents, Document, Picture, TableBlock, contents
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.page.sentences import say
 from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality
 from ur5lib.report.views.recordings import judge_files

@@ -10,9 +10,9 @@ from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.recordings.quality import StartOffset
-from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
 from ur5lib.report.figures.recording_figures import euler_figure
 from ur5lib.report.page.compose import shown_table
+from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
 from ur5lib.thesis.printed_numbers import PRINTED_COLUMNS, ExplainedRow, compared
 from ur5lib.thesis.reference import (
     AccelerationError,

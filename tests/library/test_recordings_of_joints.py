@@ -25,9 +25,12 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.charts import residual_panels, scatter_panels
-from ur5lib.report.figures.traces import TORQUE, Series, Traces, draw_traces
-from ur5lib.report.figures.charts import residual_panels, scatter_panels
-from ur5lib.report.figures.traces import TORQUE_PANELS, StyledLines, Traces, draw_traces
+from ur5lib.report.figures.traces import (
+    TORQUE_PANELS,
+    StyledLines,
+    Traces,
+    draw_traces,
+)
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders

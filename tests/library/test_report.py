@@ -35,12 +35,9 @@ from ur5lib.report.page.document import (
     Section,
     TableBlock,
 )
-from ur5lib.report.figures.house_style import save
 from ur5lib.report.page.render import html_page, pdf_document
-from ur5lib.report.page.render import write_html, write_pdf
 from ur5lib.report.page.sentences import cell
 from ur5lib.report.page.tabulated import extremes
-from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.results import Results
 from ur5lib.report.views.arm_state import velocities
 from ur5lib.report.views.contacts import (

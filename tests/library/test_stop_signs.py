@@ -76,7 +76,7 @@ SIMULATED = {
 }
 ARMS = robot_names()
 EACH_ARM = [  # each plan on two arms, each arm in a plan at least
-    (name, ARMS[(2 * k + other) % len(ARMS)])
+    pytest.param(name, ARMS[(2 * k + other) % len(ARMS)], marks=[pytest.mark.thorough] * other)
     for k, name in enumerate(SIMULATED)
     for other in (0, 1)
 ]
@@ -151,7 +151,10 @@ def test_simulated_recordings_are_right(made: Path, name: str, robot: str) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "path"), [(6, 0), (6, 2), (107, 2)])
+@pytest.mark.parametrize(
+    ("seed", "path"),
+    [(6, 0), *(pytest.param(*own, marks=pytest.mark.thorough) for own in ((6, 2), (107, 2)))],
+)
 def test_recordings_of_an_arm_with_strange_friction_are_right(
     tmp_path: Path, seed: int, path: int
 ) -> None:
@@ -434,6 +437,7 @@ def corrupted_arms() -> Iterator[object]:
         yield pytest.param(*case, marks=[unseen] if case in UNSEEN else [])
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(("corruption", "robot"), [*corrupted_arms()])
 def test_simulated_recordings_tell_what_is_wrong(made: Path, robot: str, corruption: str) -> None:

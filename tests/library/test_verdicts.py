@@ -14,7 +14,6 @@ from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.page.sentences import say
 from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.baseline import bars, error_bar, state
 from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores

@@ -18,9 +18,6 @@ from tests.conftest import Workflow, copy_project
 from ur5lib.report.page.compose import compose
 from ur5lib.report.page.document import contents
 from ur5lib.report.page.render import html_page, pdf_document
-from ur5lib.report.page.compose import compose
-from ur5lib.report.page.document import contents
-from ur5lib.report.page.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque

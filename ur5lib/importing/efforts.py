@@ -62,11 +62,15 @@ def _step(sizes: Array) -> float:
     for parts in (1, 2, 3):
         step = gaps[gaps > 1e-6 * levels.max(initial=0.0)].min(initial=np.inf) / parts
         counts = np.round(levels / step)
-        if not LARGEST_MULTIPLE_RANGE[0] < counts.max(initial=0) < LARGEST_MULTIPLE_RANGE[1]:
-            continue
+        if counts.max(initial=0) == 0:
+            return np.nan
         step = levels @ counts / (counts @ counts)
-        if np.abs(levels - step * counts).max() < 0.01 * step:
-            return float(step)
+        if np.abs(levels - step * counts).max() < 0.01 * step:  # not its half or third as well
+            return (
+                float(step)
+                if LARGEST_MULTIPLE_RANGE[0] < counts.max() < LARGEST_MULTIPLE_RANGE[1]
+                else np.nan
+            )
     return np.nan
 
 
