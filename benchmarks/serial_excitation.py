@@ -39,7 +39,7 @@ from ur5lib.excitation.problem import (
     MeasurementNoise,
 )
 from ur5lib.excitation.trajectory import Path
-from ur5lib.identification.estimation import physical
+from ur5lib.identification.estimation import physical_values
 from ur5lib.robots.description import Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.timeseries.arrays import Array
@@ -144,7 +144,7 @@ def fitted_to(problem: DesignProblem, Y: Array, qd: Array, stated: Array) -> Des
 def in_units(problem: DesignProblem, theta: Array) -> Array:
     """Return parameters with gains, offsets and friction in their own units."""
     return np.concatenate(
-        [theta[: problem.count], physical(theta[problem.of_currents].reshape(-1, 5)).ravel()]
+        [theta[: problem.count], physical_values(theta[problem.of_currents].reshape(-1, 5)).ravel()]
     )
 
 

@@ -26,7 +26,7 @@ from ur5lib.pipeline.records.contacts import Alarm, Detected, ForceClass, Matche
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import marked
+from ur5lib.timeseries.segments import inside_spans
 
 CLASSES = [TOUCH_FORCE, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
@@ -87,7 +87,7 @@ def detected(
             **vars(matched(own.raised, sensor)),
             threshold=thresholds[name],
             raised=[named(span, strongest(span, sensor.time, own)) for span in own.raised],
-            time_in_alarm=float(marked(own.raised, len(sensor.time)).mean()),
+            time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
             free_time_in_alarm=free_time_in_alarm(own, sensor),
             roc_area=roc_area(own, sensor),
@@ -158,7 +158,7 @@ def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
     if (force := sensed_force(sensor)) is None:
         return None
     free = is_free(force, sensor.period)
-    return float(marked(own.raised, len(force))[free].mean()) if free.any() else None
+    return float(inside_spans(own.raised, len(force))[free].mean()) if free.any() else None
 
 
 def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:

@@ -10,7 +10,7 @@ from ur5lib.force.flange_contact import (
     MAX_CONTACT_SAMPLES,
     MIN_PROBABILITY_ELSEWHERE,
     flange_probability,
-    lever,
+    place_jacobian,
     places,
 )
 from ur5lib.force.force_input import ForceInput
@@ -46,7 +46,7 @@ def is_off_flange(
     spread = diagonal(noise.spread + noise.hidden)
     frames = link_frames(robot, run.q[rows])
     levers = {
-        link: [lever(*frames, link, place) for place in along]
+        link: [place_jacobian(*frames, link, place) for place in along]
         for link, along in places(*frames).items()
     }
     return (

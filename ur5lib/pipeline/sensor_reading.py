@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.sensor import bias, fit_offset
+from ur5lib.force.sensor import fit_offset, initial_bias
 from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.records.dynamics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
@@ -52,7 +52,7 @@ def sensor_reading(
         offset.reading(pull) + moment,
         offset,
         placed,
-        start_bias=bias(placed, signals.time, bias_window),
+        start_bias=initial_bias(placed, signals.time, bias_window),
         own_clock=by_stamps is not None,
     )
 

@@ -15,7 +15,12 @@ from scipy.spatial.transform import Rotation
 from ur5lib.errors import InputError
 from ur5lib.recorder.commanded_motion import FEWEST, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import MIN_SINGULAR_VALUE, geometric_jacobian, link_frames, solutions
+from ur5lib.robots.statics import (
+    MIN_SINGULAR_VALUE,
+    geometric_jacobian,
+    inverse_kinematics,
+    link_frames,
+)
 from ur5lib.robots.urscript import Command, ToolPose, parse, read_calls, six
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid
@@ -124,7 +129,7 @@ def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
     if not isinstance(move.goal, ToolPose):
         return move.goal
     rotation, position = _pose(move.goal)
-    candidates = solutions(robot, rotation[None], position[None])[0]
+    candidates = inverse_kinematics(robot, rotation[None], position[None])[0]
     candidates = candidates[np.isfinite(candidates).all(axis=1)]
     # turned towards `near` as far as the joints' limits allow
     candidates = near + (candidates - near + np.pi) % (2 * np.pi) - np.pi
@@ -182,7 +187,7 @@ def _along(move: Move, robot: Robot, origin: Array, rotations: Array, positions:
 
     Raises InputError where the arm cannot follow.
     """
-    candidates = solutions(robot, rotations, positions)
+    candidates = inverse_kinematics(robot, rotations, positions)
     _expect_regular(move, robot, origin[None])
     distance = np.abs(np.exp(1j * candidates[0]) - np.exp(1j * origin)).max(axis=1)
     q = np.unwrap(candidates[:, np.nanargmin(distance)], axis=0)

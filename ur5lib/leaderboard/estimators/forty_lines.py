@@ -23,7 +23,7 @@ from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.force import breakaway_of, learned_noise
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import by_segment, marked
+from ur5lib.timeseries.segments import by_segment, inside_spans
 
 WINDOW = 10.0  # s, of the median
 BEGINS, ENDS = 8.0, 2.0  # deviations
@@ -43,7 +43,7 @@ def estimate(run: Run, noise: ResidualModel) -> Estimate:
     rest = run.smoothed - by_segment(median, run.smoothed, run.segment)
     still, deviation = run.states == JointState.STILL, noise.change[run.states, np.arange(6)]
     size = np.nan_to_num(np.linalg.norm(rest / deviation, axis=1))
-    touched = marked(spans(size, BEGINS, ENDS), len(size))
+    touched = inside_spans(spans(size, BEGINS, ENDS), len(size))
     # gears and stiction
     carried, _ = run.gears.where_moving(run.states).contact_torque(rest)
     carried += still * mean_stiction_torque(carried, noise.breakaway, PRIOR.stiction)
