@@ -47,10 +47,8 @@ def estimate(run: Run, noise: ResidualModel) -> Estimate:
     # gears and stiction
     carried, _ = run.gears.where_moving(run.states).contact_torque(rest)
     carried += still * mean_stiction_torque(carried, noise.breakaway, PRIOR.stiction)
-    taken = (
-        np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
-        * noise.breakaway
-    )
+    absorbed = np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
+    taken = absorbed * noise.breakaway
     lost = PRIOR.load_friction * carried
     # ridge
     covariance = diagonal(deviation**2 + taken**2 + lost**2)
