@@ -192,9 +192,7 @@ def test_noise_is_by_the_degrees_of_freedom_that_are_left() -> None:
 
 def test_the_prior_is_as_wide_as_the_methods_say() -> None:
     """By the kind of a parameter: masses, first moments, inertias, rotors."""
-    text = " ".join(
-        (PROJECT / "docs" / "methods.md").read_text(encoding="utf-8").split()
-    )
+    text = " ".join((PROJECT / "docs" / "methods.md").read_text(encoding="utf-8").split())
     stated = re.findall(r"(masses|first moments|inertias about the joint|rotors) ± ([\d.]+)", text)
     kinds = {"m of": "masses", "m c": "first moments", "I_": "inertias about the joint"}
     widths = {kind: float(number) for kind, number in stated}
