@@ -17,6 +17,7 @@ from ur5lib.errors import remark
 from ur5lib.force.estimators import GATED
 from ur5lib.force.flange_contact import lever
 from ur5lib.force.problem import is_fitted
+from ur5lib.force.flange_contact import place_jacobian
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
@@ -418,7 +419,7 @@ def test_a_push_on_the_forearm_is_not_at_the_flange(ur5: Robot, tmp_path: Path) 
     run = free_run(ur5, 6, seconds=16, period=PERIOD, scale=0.2)
     frames = link_frames(ur5, run.q)
     force = 60.0 * between(run.time, 6.0, 11.0)[:, None] * np.array([0.3, 0.8, 0.5, 0, 0, 0])
-    touched = np.matvec(lever(*frames, 3, frames[1][:, 3]).mT, force)
+    touched = np.matvec(place_jacobian(*frames, 3, frames[1][:, 3]).mT, force)
     found = detect(Recording(tmp_path), replace(run, torque=run.torque + touched), ur5)
     assert [own.off_flange for own in found] == [True]
 

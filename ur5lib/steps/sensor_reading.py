@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.sensor import SensorOffset, bias, fit_offset
+from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
 from ur5lib.recordings.quality import StartOffset
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
@@ -70,7 +70,7 @@ def sensor_reading(
         offset.reading(pull) + moment,
         offset,
         placed,
-        start_bias=bias(placed, signals.time, bias_window),
+        start_bias=initial_bias(placed, signals.time, bias_window),
         own_clock=by_stamps is not None,
     )
 
