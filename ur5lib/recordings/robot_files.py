@@ -71,6 +71,6 @@ def read_realtime_stream(recording: RecordedFiles) -> RawRecording:
     """
     table, findings = read_stream(recording.path)
     start = Stamp(float(table["received"].iloc[0]), RECEIVED_STD, "epoch_s")
-    own = table["time"] - table["time"].iloc[0]
-    robot = DeviceRecord(table.assign(time=own), start, str(recording.path))
+    since_first = table["time"] - table["time"].iloc[0]
+    robot = DeviceRecord(table.assign(time=since_first), start, str(recording.path))
     return RawRecording(robot, None, read_sensors(recording, findings), findings)

@@ -1,6 +1,7 @@
 """Poses, torques of gravity and inverse kinematics in NumPy, for checks that do not load torch.
 
-`ur5lib/dynamics` computes poses and torques, too, and motion as well; the tests compare both.
+`ur5lib/dynamics` computes poses and torques, too, and motion as well; the tests compare both. To
+load torch would make `ur5 check` of a recording without sensors take 3.5 s instead of 2.3 s.
 Inverse kinematics is for arms with the axes of a UR5: joints 2 to 4 parallel, 4 to 6 a wrist. It is
 in closed form for the described lengths (Hawkins: Analytic Inverse Kinematics for the Universal
 Robots UR-5/UR-10 Arms, 2013), then by Newton's method for the frames of a calibrated arm.
