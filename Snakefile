@@ -3,7 +3,7 @@ from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 from ur5lib.errors import InputError
-from ur5lib.lab.extensions import take_up_all
+from ur5lib.workspace.extensions import take_up_all
 
 try:
     take_up_all()  # what is loaded below uses them at once

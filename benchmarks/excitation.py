@@ -23,10 +23,10 @@ from ur5lib.excitation.design import RATE, Effort, design, free_postures, random
 from ur5lib.excitation.objective import STEP, Task, Worth
 from ur5lib.excitation.problem import INDEPENDENT, Problem
 from ur5lib.excitation.trajectory import Cell
+from ur5lib.lab.stand.plan import POSTURE, Movej
+from ur5lib.lab.stand.trajectories import INITIAL_REST, plan_targets
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
-from ur5lib.stand.plan import POSTURE, Movej
-from ur5lib.stand.trajectories import REST, plan_targets
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
@@ -108,7 +108,7 @@ def one_joint_after_the_other(task: Task) -> States:
     turned = [np.add(POSTURE, TURN * axis) for axis in np.eye(6)]
     turns = [point for own in turned for point in (POSTURE, own)]
     plan = Movej(kind="movej", way_points=[tuple(map(float, point)) for point in turns])
-    targets = plan_targets(plan, task.cell.robot, REST + np.arange(0, SECONDS, STEP))
+    targets = plan_targets(plan, task.cell.robot, INITIAL_REST + np.arange(0, SECONDS, STEP))
     return task.cell.model.regressor(targets.q, targets.qd, targets.qdd), targets.qd
 
 

@@ -32,6 +32,7 @@ from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
 from ur5lib.force.detection import CONTACT, is_free
+from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.leaderboard.board import RESULTS, estimates, learnt
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED
@@ -41,7 +42,6 @@ from ur5lib.leaderboard.study import Arm, label_paths, read_run
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
-from ur5lib.stand.plan import POSTURE
 from ur5lib.tables import read_csv, read_record, write_csv
 from ur5lib.timeseries.arrays import Array
 

@@ -24,10 +24,17 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
+from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
 from ur5lib.records.carried import carried
 from ur5lib.steps.read_recording import own_clocks
 from ur5lib.steps.predict_currents import predicted_currents
-from ur5lib.identification.current_samples import Smoother, controllers_ratio, current_record, prior_of
+from ur5lib.identification.current_samples import (
+    Smoother,
+    controllers_ratio,
+    current_record,
+    prior_of,
+)
 from ur5lib.force.problem import fmap_problem
 from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.signals.imu_samples import imu_samples
@@ -51,8 +58,6 @@ from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
-from ur5lib.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.stand.simulate import simulate
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Mask

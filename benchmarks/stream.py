@@ -14,24 +14,27 @@ import pandas as pd
 
 from benchmarks.harness.options import options_of
 from benchmarks.harness.timing import timed
+from ur5lib.lab.stand.device_files import MESSAGE_BYTES
+from ur5lib.lab.stand.faults import FIRST_PART_BYTES
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.robots.realtime_message import fields
-from ur5lib.stand.faults import SPLIT
-from ur5lib.stand.files import MESSAGE
 
 FRAMES, PERIOD = 450_000, 0.008  # an hour at 125 Hz
 # Bytes a recv gives, as the thesis's Figure 4.4 shows them.
-PACKETS = (MESSAGE, MESSAGE, MESSAGE + SPLIT, MESSAGE - SPLIT)
+PACKETS = (
+    *(MESSAGE_BYTES, MESSAGE_BYTES),
+    *(MESSAGE_BYTES + FIRST_PART_BYTES, MESSAGE_BYTES - FIRST_PART_BYTES),
+)
 ARRIVALS = (0.0, 0.008, 0.024, 0.025)  # s
 ROUNDS = 5
-CHANNELS = {name: place.start for name, place in fields(MESSAGE).items()}
+CHANNELS = {name: place.start for name, place in fields(MESSAGE_BYTES).items()}
 
 
 def write_capture(path: Path, count: int) -> None:
     """Write a capture: frames of random doubles, four in 32 ms, in the packets of Figure 4.4."""
     random = np.random.default_rng(0)
     frames = np.zeros(10_000, [("size", ">i4"), ("doubles", ">f8", 94)])
-    frames["size"] = MESSAGE
+    frames["size"] = MESSAGE_BYTES
     with path.open("w") as file:
         file.write("received_s,payload_hex\n")
         for first in range(0, count, len(frames)):
@@ -53,14 +56,14 @@ def read_by_struct(path: Path) -> pd.DataFrame:
         next(lines)
         for received, payload in lines:
             buffer += bytes.fromhex(payload)
-            while len(buffer) >= MESSAGE:
-                size, *doubles = struct.unpack(">i94d", buffer[:MESSAGE])
-                assert size == MESSAGE
+            while len(buffer) >= MESSAGE_BYTES:
+                size, *doubles = struct.unpack(">i94d", buffer[:MESSAGE_BYTES])
+                assert size == MESSAGE_BYTES
                 row = [doubles[0], float(received)]
                 for first in CHANNELS.values():
                     row += doubles[first : first + 6]
                 rows.append(tuple(row))
-                del buffer[:MESSAGE]
+                del buffer[:MESSAGE_BYTES]
     names = [f"{name}_{joint}" for name in CHANNELS for joint in range(6)]
     return pd.DataFrame(rows, columns=["time", "received", *names])
 

@@ -17,9 +17,9 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
-from ur5lib.lab.new import new_lab
 from ur5lib.records.force_errors import Audit
 from ur5lib.tables import read_record
+from ur5lib.workspace.new import new_workspace
 
 SEEDS, SECONDS = 20, 60.0
 TOOL = {
@@ -100,7 +100,7 @@ def pushes(seed: int, seconds: float) -> list[dict[str, Any]]:
 
 def audited(folder: Path, study: dict[str, Any], cores: str) -> pd.DataFrame:
     """Return the audit's rows of the pushed recordings, each with its truth."""
-    new_lab(folder)
+    new_workspace(folder)
     (folder / "config.yaml").write_text(yaml.safe_dump(study))
     pushed = [one["name"] for one in study["recordings"] if one["role"] == "contact"]
     audits = [f"results/wrist/recordings/{name}/audit.json" for name in pushed]

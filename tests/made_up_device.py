@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from ur5lib.recorder.device import Identity, NewSamples
+from ur5lib.lab.recorder.device import Identity, NewSamples
 
 
 class MadeUp:

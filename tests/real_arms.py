@@ -27,7 +27,12 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.records.carried import carried
 from ur5lib.steps.predict_currents import predicted_currents
-from ur5lib.identification.current_samples import Smoother, controllers_ratio, current_record, prior_of
+from ur5lib.identification.current_samples import (
+    Smoother,
+    controllers_ratio,
+    current_record,
+    prior_of,
+)
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.steps.fit_residuals import residual_models

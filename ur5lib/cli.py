@@ -42,12 +42,12 @@ def _options(
 
 @app.command()
 def new(
-    folder: Annotated[Path, typer.Argument(help="folder to make; . is the one you are in")],
+    folder: Annotated[Path, typer.Argument(help="workspace to make; . is the folder you are in")],
 ) -> None:
-    """Make a folder for recordings of your own, in which `snakemake` builds their report."""
-    from ur5lib.lab.new import new_lab
+    """Make a workspace: a folder for your recordings, in which `snakemake` builds their report."""
+    from ur5lib.workspace.new import new_workspace
 
-    typer.echo(new_lab(folder))
+    typer.echo(new_workspace(folder))
 
 
 @app.command()
@@ -65,7 +65,7 @@ def fetch(
     """Download a published data set into raw/ and verify every file, or list them all."""
     from ur5lib.datasets.catalogue import catalogue, listing
     from ur5lib.datasets.fetching import fetch as fetch_dataset
-    from ur5lib.lab.new import copy_study, next_command
+    from ur5lib.workspace.new import copy_study, next_command
 
     if dataset is None:
         _print(listing())
@@ -87,7 +87,7 @@ def check(
 ) -> None:
     """Check every recording of a study: read it, repair it, and print the findings."""
     from ur5lib.commands.check import print_findings
-    from ur5lib.lab.new import next_command
+    from ur5lib.workspace.new import next_command
 
     if print_findings(study, recordings or []):
         raise SystemExit(1)
@@ -179,7 +179,10 @@ def record(
     yes: Annotated[bool, typer.Option("--yes", help="move without asking")] = False,
     add: Annotated[bool, typer.Option("--add", help="append the entry to the study")] = False,
     emulate: Annotated[
-        bool, typer.Option("--emulate", help="record an emulated laboratory, for practice")
+        bool,
+        typer.Option(
+            "--emulate", help="record a simulated arm, force sensor and IMU, for practice"
+        ),
     ] = False,
 ) -> None:
     """Record arm, force sensor and IMU together into raw/, and print the study's entry."""

@@ -11,46 +11,38 @@ import pytest
 
 from tests.conftest import PROJECT
 
-ROOMS = {"recordings", "signals", "dynamics", "identification", "force", "stand"}
+ROOMS = {"recordings", "signals", "dynamics", "identification", "force", "lab.stand"}
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 ARROWS = {  # what each part of ur5lib may import, besides itself
     "timeseries": set(),
     "channels": set(),
     "errors": set(),
     "strict": {"errors"},
-    "lab": {"errors", "strict", "tables"},
-    "steps": {"errors", "lab"},
+    "workspace": {"errors", "strict", "tables"},
+    "steps": {"errors", "workspace"},
     "datasets": {"errors", "strict", "tables"},
     "tables": {"channels", "errors", "timeseries"},
-    "robots": {"errors", "lab", "strict", "timeseries"},
+    "robots": {"errors", "strict", "timeseries", "workspace"},
     **dict.fromkeys(ROOMS, BASE),
-    "recordings": BASE | {"lab"},
+    "recordings": BASE | {"workspace"},
     "smoothing": BASE | {"signals"},
-    "recorder": BASE,
-    "doubles": BASE | {"recorder", "stand"},
+    "lab.recorder": BASE,
+    "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
     "excitation": BASE | {"dynamics", "identification"},
     "records": BASE | ROOMS | {"pipeline"},
-    "pipeline": BASE | ROOMS | {"lab", "records", "smoothing"},
-    "report": BASE | ROOMS | {"excitation", "lab", "pipeline", "records"},
-    "study": BASE | {"recorder", "recordings", "stand"},
+    "pipeline": BASE | ROOMS | {"records", "smoothing", "workspace"},
+    "report": BASE | ROOMS | {"excitation", "pipeline", "records", "workspace"},
+    "study": BASE | {"lab.recorder", "lab.stand", "recordings"},
     "finished": {"errors", "pipeline", "records", "recordings", "robots", "study", "tables"},
     "commands": BASE
     | ROOMS
-    | {
-        "datasets",
-        "doubles",
-        "excitation",
-        "finished",
-        "pipeline",
-        "records",
-        "recorder",
-        "report",
-        "study",
-    },
-    "leaderboard": BASE | ROOMS | {"lab", "pipeline", "records"},
+    | {"datasets", "excitation", "finished", "lab.doubles", "lab.recorder", "pipeline"}
+    | {"records", "report", "study"},
+    "leaderboard": BASE | ROOMS | {"pipeline", "records", "workspace"},
     "importing": BASE | {"commands", "dynamics", "recordings", "study"},
     "cli": BASE
-    | {"commands", "datasets", "dynamics", "force", "importing", "lab", "leaderboard", "study"},
+    | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}
+    | {"workspace"},
 }
 LIGHT = ("repair_frames", "set_threshold", "make_tables", "draw_figures")
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then
@@ -89,19 +81,20 @@ def test_no_step_waits_for_a_package_in_vain() -> None:
 
 
 def part_of(module: str) -> str:
-    """The room or loose module of ur5lib that a dotted name lies in."""
-    return module.split(".")[1]
+    """The room, the sub-package of the lab, or the loose module that a dotted name lies in."""
+    _, room, *below = module.split(".")
+    return f"lab.{below[0]}" if room == "lab" and below else room
 
 
 def test_the_parts_are_those_of_the_drawing() -> None:
-    parts = {path.relative_to(PROJECT / "ur5lib").parts[0] for path in MODULES}
-    assert {part.removesuffix(".py") for part in parts} - {"__init__"} == set(ARROWS)
-    assert len([part for part in parts if part.endswith(".py")]) <= 6 + 1  # and __init__.py
+    names = [".".join(path.relative_to(PROJECT).with_suffix("").parts) for path in MODULES]
+    assert {part_of(name) for name in names} - {"__init__", "lab.__init__"} == set(ARROWS)
+    assert len([name for name in names if name.count(".") == 1]) <= 6 + 1  # and __init__.py
 
 
 @pytest.mark.parametrize("part", sorted(ARROWS))
 def test_a_part_imports_what_the_drawing_allows(part: str) -> None:
-    room = PROJECT / "ur5lib" / part
+    room = (PROJECT / "ur5lib").joinpath(*part.split("."))
     paths = [*room.rglob("*.py")] if room.is_dir() else [room.with_suffix(".py")]
     for path in paths:
         used = {part_of(name) for name in imports(path) if name.startswith("ur5lib.")}

@@ -20,12 +20,12 @@ from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from ur5lib.cli import app
-from ur5lib.lab.extensions import GROUP, KINDS
+from ur5lib.lab.recorder.commanded_motion import read_motion, refusals
+from ur5lib.lab.recorder.move_program import planned_motion, read_program
 from ur5lib.leaderboard.outside import outside
-from ur5lib.recorder.commanded_motion import read_motion, refusals
-from ur5lib.recorder.move_program import plan, read_program
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_table
+from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS
 
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
 EXAMPLES = [example for page in DOCUMENTS for example in examples(page)]
@@ -80,7 +80,7 @@ def test_a_study_that_is_wrong_is_found(text: str, tmp_path: Path) -> None:
 @of_kind("toml")
 def test_entry_points_are_of_groups_that_are_taken_up(example: Example) -> None:
     [group] = tomllib.loads(example.text)["project"]["entry-points"]
-    assert group.removeprefix(GROUP) in KINDS
+    assert group.removeprefix(ENTRY_POINT_GROUP) in KINDS
 
 
 @of_kind("listing")
@@ -102,7 +102,7 @@ def test_way_points_can_be_read(example: Example, tmp_path: Path) -> None:
 def test_moves_are_possible(example: Example, tmp_path: Path) -> None:
     path, robot = tmp_path / "moves.txt", load_robot(robot_path("ur5e"))
     path.write_text(example.text)
-    motion = plan(read_program(path), robot, np.zeros(6), 1.0, 0.0)
+    motion = planned_motion(read_program(path), robot, np.zeros(6), 1.0, 0.0)
     assert [*refusals(motion, robot, motion.q[0], 0.0)] == []
 
 
@@ -164,7 +164,7 @@ PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     ">>> import ur5lib": read,
     "import numpy as np": extend,
     "from dataclasses import dataclass": add_an_estimator,
-    "from ur5lib.lab.places import": use_the_rules,
+    "from ur5lib.workspace.places import": use_the_rules,
 }
 
 

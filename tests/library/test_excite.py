@@ -11,19 +11,19 @@ from typer.testing import CliRunner
 
 from ur5lib.cli import app
 from ur5lib.commands import excite
-from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.emulated import HOST
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
 from ur5lib.excitation.trajectory import Path as Motion
-from ur5lib.recorder.arm_state import read_state
-from ur5lib.recorder.commanded_motion import read_motion, refusals
+from ur5lib.lab.doubles.controller_double import ControllerDouble, Ports
+from ur5lib.lab.doubles.device_double import HOST
+from ur5lib.lab.recorder.arm_state import read_state
+from ur5lib.lab.recorder.commanded_motion import read_motion, refusals
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
+from ur5lib.lab.stand.trajectories import INITIAL_REST
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.formats import read_rtde_csv
 from ur5lib.robots.description import Robot
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import simulate
-from ur5lib.stand.trajectories import REST
 from ur5lib.study.reading import read_study
 from ur5lib.tables import channel, read_json
 
@@ -72,9 +72,9 @@ def test_the_program_streams_every_state(folder: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.real_time
-def test_an_emulated_controller_executes_the_program(folder: Path, ur5e: Robot) -> None:
+def test_the_double_of_a_controller_executes_the_program(folder: Path, ur5e: Robot) -> None:
     """Received by its port for programs; servoj lags by 0.1 s, and smooths a little."""
-    with EmulatedController(ur5e, ports=Ports.free()) as arm:
+    with ControllerDouble(ur5e, ports=Ports.free()) as arm:
         ports = arm.setup.ports
         with socket.create_connection((HOST, ports.secondary)) as line:
             line.sendall((folder / "trajectory.script").read_bytes())
@@ -123,7 +123,7 @@ def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Pa
     (file,) = tmp_path.glob("*.csv")
     entry = RtdeFiles(format="rtde-csv", folder=str(tmp_path), file=file.name)
     frames = read_rtde_csv(entry).robot.table
-    time = frames["time"].to_numpy() - frames["time"].iloc[0] - REST
+    time = frames["time"].to_numpy() - frames["time"].iloc[0] - INITIAL_REST
     moving = (time > 0) & (time < SECONDS)
     states = designed(folder).at(time[moving])
     np.testing.assert_allclose(channel(frames, "actual_q")[moving], states.q, atol=0.02)

@@ -21,11 +21,11 @@ from ur5lib.excitation.design import Effort, design, free_postures, random_path
 from ur5lib.excitation.objective import Task
 from ur5lib.excitation.outlook import feels_forces
 from ur5lib.excitation.problem import nominal_maps
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Motor, Robot, load_robot, robot_path
 from ur5lib.robots.from_urdf import robot_from_urdf
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import simulate
 from ur5lib.study.reading import read_study
 
 SECONDS, TABLE = 5.0, -5.0  # s, m

@@ -5,8 +5,8 @@ import pytest
 
 from ur5lib.dynamics.flange import flange_kinematics, link_frames
 from ur5lib.force.flange_contact import SURE, flange_probability, lever, places
+from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.robots.description import Robot
-from ur5lib.stand.plan import POSTURE
 from ur5lib.timeseries.arrays import Array
 
 SIZES, COUNT = (5.0, 15.0, 45.0, 135.0), 3  # N, samples

@@ -1,4 +1,4 @@
-"""The emulated arm moves as its commands say, and its controller survives any client."""
+"""The live arm moves as its commands say, and its controller survives any client."""
 
 import random
 import socket
@@ -10,18 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur5lib.doubles import urscript
-from ur5lib.doubles.control_box import ControlBox
-from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.dashboard_server import answer
-from ur5lib.doubles.emulated import Clock
-from ur5lib.doubles.live_arm import JointMotion, LiveArm
-from ur5lib.doubles.truth import Truth, force_reading, imu_reading
-from ur5lib.recorder.rtde_arm import RtdeClient
+from ur5lib.lab.doubles import urscript_programs
+from ur5lib.lab.doubles.control_box import ControlBox
+from ur5lib.lab.doubles.controller_double import ControllerDouble, Ports
+from ur5lib.lab.doubles.dashboard_server import answer
+from ur5lib.lab.doubles.device_double import DeviceClock
+from ur5lib.lab.doubles.live_arm import LiveArm, TargetGenerator
+from ur5lib.lab.doubles.true_states import TrueStates, force_reading, imu_reading
+from ur5lib.lab.recorder.rtde_arm import RtdeClient
+from ur5lib.lab.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
+from ur5lib.lab.stand.rig import STEP
 from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState, SafetyMode
-from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
-from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array
 
 HERE = "127.0.0.1"
@@ -30,7 +30,7 @@ GOAL = np.add(POSTURE, [0.4, -0.2, 0.1, 0.0, 0.3, -0.1])
 PLAN = SimulatedRecording.model_validate({"trajectory": {"kind": "standstill"}, "noise": False})
 
 
-def run(motion: JointMotion, most: int = 5000) -> Array:
+def run(motion: TargetGenerator, most: int = 5000) -> Array:
     """Targets (N, 3, 6) until the command ends."""
     rows = []
     while motion.moving and len(rows) < most:
@@ -46,15 +46,15 @@ def box(tmp_path: Path, ur5e: Robot) -> Iterator[ControlBox]:
 
 
 @pytest.fixture
-def truth(box: ControlBox, tmp_path: Path) -> Truth:
-    return Truth(tmp_path / "states", Clock())
+def truth(box: ControlBox, tmp_path: Path) -> TrueStates:
+    return TrueStates(tmp_path / "states", DeviceClock())
 
 
 def execute(box: ControlBox, *lines: str, cycles: int = 2000) -> list[str]:
     """What the log says while a program runs."""
     said: list[str] = []
     box.log.append(said.append)
-    box.run(urscript.program(lines, box))
+    box.run(urscript_programs.program(lines, box))
     for _ in range(cycles):
         if box.state != RuntimeState.PLAYING and not box.arm.motion.moving:
             break
@@ -66,7 +66,7 @@ def execute(box: ControlBox, *lines: str, cycles: int = 2000) -> list[str]:
 
 
 def test_movej_arrives_with_all_joints_at_once() -> None:
-    motion = JointMotion(HOME)
+    motion = TargetGenerator(HOME)
     motion.movej(GOAL, 0.5, 2.0)
     q, qd, qdd = run(motion).transpose(1, 0, 2)
     np.testing.assert_allclose(q[-2:], [GOAL] * 2, atol=1e-12)
@@ -78,7 +78,7 @@ def test_movej_arrives_with_all_joints_at_once() -> None:
 
 
 def test_stopj_brakes_with_the_deceleration_asked_for() -> None:
-    motion = JointMotion(HOME)
+    motion = TargetGenerator(HOME)
     motion.speedj(np.array([0.5, -0.25, 0, 0, 0, 0]), 1.0)
     for _ in range(1000):
         motion.step()
@@ -91,7 +91,7 @@ def test_stopj_brakes_with_the_deceleration_asked_for() -> None:
 
 
 def test_servoj_lags_by_its_lookahead() -> None:
-    motion = JointMotion(HOME)
+    motion = TargetGenerator(HOME)
     for k in range(3000):
         motion.servoj(HOME + 0.2 * STEP * k, 0.1)
         motion.step()
@@ -100,7 +100,7 @@ def test_servoj_lags_by_its_lookahead() -> None:
 
 
 def test_a_new_movej_brakes_first() -> None:
-    motion = JointMotion(HOME)
+    motion = TargetGenerator(HOME)
     motion.movej(GOAL, 0.5, 2.0)
     for _ in range(300):
         motion.step()
@@ -231,7 +231,7 @@ def test_in_freedrive_the_arm_gives_way_and_then_stays(box: ControlBox) -> None:
 # Sensors
 
 
-def test_sensors_read_the_truth_with_their_bias(box: ControlBox, truth: Truth) -> None:
+def test_sensors_read_the_truth_with_their_bias(box: ControlBox, truth: TrueStates) -> None:
     for _ in range(50):
         box.advance()
     force = force_reading(truth, ForceSensor(), seed=None)(0.05)
@@ -247,7 +247,9 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox, truth: Truth) -
     assert noisy.std(axis=0).min() > 0
 
 
-def test_the_truth_is_kept_from_its_beginning_to_its_end(box: ControlBox, truth: Truth) -> None:
+def test_the_truth_is_kept_from_its_beginning_to_its_end(
+    box: ControlBox, truth: TrueStates
+) -> None:
     """And interpolated between steps."""
     box.arm.motion.movej(GOAL, 1.0, 40.0)
     for _ in range(10):
@@ -269,7 +271,7 @@ def test_the_truth_is_kept_from_its_beginning_to_its_end(box: ControlBox, truth:
 @pytest.fixture(scope="module")
 def port() -> Iterator[int]:
     ports = Ports.free()
-    with EmulatedController("ur5", ports=ports):
+    with ControllerDouble("ur5", ports=ports):
         yield ports.rtde
 
 

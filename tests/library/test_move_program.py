@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.commanded_motion import CommandedMotion, refusals
-from ur5lib.recorder.move_program import is_program, plan, read_program
+from ur5lib.lab.recorder.commanded_motion import CommandedMotion, refusals
+from ur5lib.lab.recorder.move_program import is_program, planned_motion, read_program
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
@@ -39,7 +39,7 @@ def planned(
     path = folder / "moves.txt"
     path.write_text("\n".join(lines))
     assert is_program(path)
-    return plan(read_program(path), robot, HOME, speed, wait)
+    return planned_motion(read_program(path), robot, HOME, speed, wait)
 
 
 # Inverse kinematics

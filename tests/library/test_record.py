@@ -18,19 +18,20 @@ from tests.examples import examples
 from ur5lib.channels import columns
 from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
-from ur5lib.doubles.controller import EmulatedController
-from ur5lib.doubles.emulated import HOST, Faults
-from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.errors import InputError
-from ur5lib.recorder import live
-from ur5lib.recorder.capture import Status
-from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
-from ur5lib.recorder.device import Identity
+from ur5lib.lab.doubles.controller_double import ControllerDouble
+from ur5lib.lab.doubles.device_double import HOST
+from ur5lib.lab.doubles.net_ft_double import NetFTDouble
+from ur5lib.lab.doubles.transmission import TransmissionFaults
+from ur5lib.lab.recorder import display
+from ur5lib.lab.recorder.capture import Status
+from ur5lib.lab.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
+from ur5lib.lab.recorder.device import Identity
+from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.robots.rtde_variables import RuntimeState
-from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.reading import read_study
 from ur5lib.tables import read_json
 
@@ -70,14 +71,14 @@ def said(console: Console) -> str:
 # From the devices to the study
 
 
-def on_an_emulated_arm(test: Callable[..., None]) -> Callable[..., None]:
+def on_the_double_of_an_arm(test: Callable[..., None]) -> Callable[..., None]:
     """A test in real time, alone on the ports of a controller."""
     marked: Callable[..., None] = pytest.mark.usefixtures("controller_ports")(test)
     return pytest.mark.slow(pytest.mark.real_time(marked))
 
 
 def has_kept_up(folder: Path) -> bool:
-    """Whether an emulated arm was as late in the last fifth of a recording as in the one before."""
+    """Whether the double was as late in the last fifth of a recording as in the one before."""
     robot = pd.read_csv(folder / "robot.csv")
     late = (robot["host_time"] - robot["timestamp"]).to_numpy()
     *_, before, last = (part.min() for part in np.array_split(late, 5))
@@ -101,7 +102,7 @@ def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
     assert starts == pytest.approx({n: one["offset_s"] for n, one in clocks.items()}, abs=0.002)
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> None:
     pytest.importorskip("rtde_control")
     time = np.arange(0, 2, 0.02)
@@ -121,14 +122,14 @@ def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> N
     assert "- name: swing" in said(screen)
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     """By a hand that pulls again and again, from before freedrive until after it."""
     pytest.importorskip("rtde_control")
     pull = {"kind": "spring", "displacement": [0.0, 0.1, 0.0], "seconds": 2}
     plan = at(HOME).model_dump() | {"contacts": [pull | {"start_s": 2 * k} for k in range(30)]}
     screen = console()
-    with EmulatedController("ur5e", plan=SimulatedRecording.model_validate(plan)) as arm:
+    with ControllerDouble("ur5e", plan=SimulatedRecording.model_validate(plan)) as arm:
         record(study, RecordOptions("led", "contact", seconds=6, by_hand=True, yes=True), screen)
         assert np.abs(arm.truth.part("qd", arm.truth.latest())).max() < 0.05
     led = pd.read_csv("raw/lab/led/robot.csv")
@@ -140,7 +141,7 @@ def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     assert "the motion ended early" not in said(screen)
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_nothing_moves_without_a_yes_or_a_plan(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -151,7 +152,7 @@ def test_nothing_moves_without_a_yes_or_a_plan(
     Path("moves.txt").write_text(f"movej({here.tolist()})\nmovel({there.tolist()})\n")
     screen = console()
     monkeypatch.setattr(screen, "input", lambda *_: "y")
-    with EmulatedController("ur5e", plan=at(HOME)):
+    with ControllerDouble("ur5e", plan=at(HOME)):
         for given, sentence in (
             ({"move": Path("points.csv")}, "not confirmed"),
             ({"by_hand": True}, "not confirmed"),
@@ -164,11 +165,11 @@ def test_nothing_moves_without_a_yes_or_a_plan(
             assert not Path("raw").exists()
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_the_page_is_followed_word_for_word(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its study, and its commands in their order, on the emulated laboratory."""
+    """Its study, and its commands in their order, on the doubles of a laboratory."""
     pytest.importorskip("rtde_control")
     monkeypatch.chdir(tmp_path)
     blocks = examples(PROJECT / "docs" / "recording.md")
@@ -213,14 +214,14 @@ def expect_moves(moved: pd.DataFrame) -> None:
     assert np.linalg.norm(beside, axis=1).max() < 0.002
 
 
-@on_an_emulated_arm
+@on_the_double_of_an_arm
 def test_the_arm_stops_when_a_device_dies(study: Path) -> None:
     """One that this program moves; the others are recorded on."""
     pytest.importorskip("rtde_control")
     far = HOME + np.array([1.5, 0, 0, 0, 0, 0])
     np.savetxt("far.csv", np.array([HOME, far]), delimiter=",")
-    arm = EmulatedController("ur5e", plan=at(HOME))
-    with arm, NetFTBox(lambda _: np.zeros(6), faults=Faults(dies_at=6.0)) as box:
+    arm = ControllerDouble("ur5e", plan=at(HOME))
+    with arm, NetFTDouble(lambda _: np.zeros(6), faults=TransmissionFaults(dies_at=6.0)) as box:
         devices = {"robot": {"address": HOST}}
         devices["force_sensor"] = {"address": HOST, "port": box.port, "http_port": box.http_port}
         study.write_text(yaml.safe_dump(yaml.safe_load(STUDY) | {"devices": devices}))
@@ -339,6 +340,6 @@ SOUND = {"status": 0.0, "safety_mode": 1.0}
 )
 def test_a_device_s_trouble_is_warned_of(status: Status, sentence: str) -> None:
     identity = Identity(model="made up", address="here", units="SI", rate_hz=100.0)
-    warnings = [*live.warnings({"device": status}, {"device": identity})]
+    warnings = [*display.warnings({"device": status}, {"device": identity})]
     assert len(warnings) == bool(sentence)
     assert all(sentence in warning for warning in warnings)

@@ -16,9 +16,9 @@ import pytest
 
 from tests.made_up_device import MadeUp
 from ur5lib.errors import InputError
-from ur5lib.recorder.capture import SampleFile, capture
-from ur5lib.recorder.realtime_arm import HEAD, RealtimeArm
-from ur5lib.recorder.rtde_arm import OUTPUTS, RtdeArm
+from ur5lib.lab.recorder.capture import SampleFile, capture
+from ur5lib.lab.recorder.realtime_arm import MESSAGE_HEAD, RealtimeArm
+from ur5lib.lab.recorder.rtde_arm import RECORDED_OUTPUTS, RtdeArm
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.realtime_message import SOFTWARE
 
@@ -71,7 +71,7 @@ def rtde_controller(client: socket.socket, kinds: Iterable[str], sent: Iterable[
 
 @pytest.mark.parametrize("damaged", DAMAGED)
 def test_a_damaged_stamp_of_rtde_ends_no_recording(damaged: float, tmp_path: Path) -> None:
-    sent, kinds = stamps(damaged), ["DOUBLE" + ",NOT_FOUND" * (len(OUTPUTS) - 1), "DOUBLE"]
+    sent, kinds = stamps(damaged), ["DOUBLE" + ",NOT_FOUND" * (len(RECORDED_OUTPUTS) - 1), "DOUBLE"]
     with controller(lambda client: rtde_controller(client, kinds, sent)) as port:
         arm, lost, values = RtdeArm(HERE, 125.0, port), 0, np.empty((0, 1))
         file = SampleFile(tmp_path / "robot.csv", arm.columns)
@@ -88,7 +88,7 @@ def test_a_damaged_stamp_of_rtde_ends_no_recording(damaged: float, tmp_path: Pat
 @pytest.mark.parametrize("damaged", DAMAGED)
 def test_a_damaged_stamp_of_the_realtime_port_ends_no_recording(damaged: float) -> None:
     sent = stamps(damaged)
-    stream = b"".join(HEAD.pack(BYTES, one).ljust(BYTES, b"\0") for one in sent)
+    stream = b"".join(MESSAGE_HEAD.pack(BYTES, one).ljust(BYTES, b"\0") for one in sent)
     with controller(lambda client: client.sendall(stream)) as port:
         arm, messages, lost = RealtimeArm(HERE, port), 0, 0
         while messages < len(sent):

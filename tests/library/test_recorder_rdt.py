@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 
 from tests.damage import DRAWS, damaged_stream, drawn
-from ur5lib.recorder import net_ft
-from ur5lib.recorder.device import Counter
+from ur5lib.lab.recorder import net_ft
+from ur5lib.lab.recorder.device import Counter
 
 RATE = 1000.0
 STREAMS = 1000
@@ -35,7 +35,7 @@ def test_requests_are_those_of_the_manual(command: int, sent: str) -> None:
 def test_a_record_is_that_of_the_manual() -> None:
     sequence, internal, status, *counts = net_ft.decode(RECORD) or ()
     assert (sequence, internal) == (1, 7)
-    assert status == net_ft.ERROR | net_ft.SATURATED
+    assert status == net_ft.ERROR_BIT | net_ft.SATURATION_BIT
     assert counts == [1_000_000, -1_000_000, 0, 2**31 - 1, -(2**31), 2]
 
 
@@ -82,7 +82,7 @@ def test_damaged_streams_give_records_in_order_or_nothing(draw: random.Random) -
         for k in range(8)
     ]
     arrived = spoilt(sent.copy(), draw)
-    counter, accepted, missing = Counter(net_ft.SEQUENCE_BITS, net_ft.HIGHEST_RATE), [], 0
+    counter, accepted, missing = Counter(net_ft.SEQUENCE_BITS, net_ft.MAX_RECORD_RATE), [], 0
     for datagram in arrived:
         record = net_ft.decode(datagram)
         before = counter.lost_before(record[0]) if record else None
@@ -93,7 +93,7 @@ def test_damaged_streams_give_records_in_order_or_nothing(draw: random.Random) -
         (int.from_bytes(after[1][:4], "big") - int.from_bytes(before[1][:4], "big")) % 2**32
         for before, after in pairwise(accepted)
     ]
-    assert all(0 < step <= 10 * net_ft.HIGHEST_RATE for step in steps)
+    assert all(0 < step <= 10 * net_ft.MAX_RECORD_RATE for step in steps)
     assert missing == sum(step - 1 for step in steps)
     for record, datagram in accepted:
         assert len(datagram) == 36

@@ -1,4 +1,4 @@
-"""The sensors' devices, beside emulated ones with known readings and faults."""
+"""The sensors' devices, beside doubles with known readings and faults."""
 
 import os
 import subprocess
@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.doubles.emulated import Clock, Emulated, Faults
-from ur5lib.doubles.net_ft_box import NetFTBox
-from ur5lib.doubles.xsens_device import XsensDevice
 from ur5lib.errors import InputError
-from ur5lib.recorder.device import DeviceLost
-from ur5lib.recorder.net_ft import SATURATED, NetFT
-from ur5lib.recorder.xsens import Xsens
+from ur5lib.lab.doubles.device_double import DeviceClock, DeviceDouble
+from ur5lib.lab.doubles.net_ft_double import NetFTDouble
+from ur5lib.lab.doubles.transmission import TransmissionFaults
+from ur5lib.lab.doubles.xsens_double import XsensDouble
+from ur5lib.lab.recorder.device import DeviceLost
+from ur5lib.lab.recorder.net_ft import SATURATION_BIT, NetFT
+from ur5lib.lab.recorder.xsens import Xsens
 from ur5lib.timeseries.arrays import Array
 
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
@@ -29,18 +30,18 @@ WRENCH = np.array([10.0, -20.0, 30.0, 0.5, -1.0, 2.0])
 READING = np.array([0.5, -1.0, 9.75, 0.25, 0.0, -0.125, 0.5, 0.25, -0.75])
 BORN = time.monotonic()
 
-Opened = AbstractContextManager[tuple[Emulated, NetFT | Xsens]]
+Opened = AbstractContextManager[tuple[DeviceDouble, NetFT | Xsens]]
 
 
 @contextmanager
 def net_ft(
     reading: Array | None = WRENCH, bias: bool = False, **options: Any
-) -> Iterator[tuple[Emulated, NetFT | Xsens]]:
-    """An emulated box, and the device that records it.
+) -> Iterator[tuple[DeviceDouble, NetFT | Xsens]]:
+    """The double of a box, and the device that records it.
 
     reading: None for the host's time [s] since these tests began.
     """
-    with NetFTBox(lambda now: _read(reading, now, 6), **options) as box:
+    with NetFTDouble(lambda now: _read(reading, now, 6), **options) as box:
         sensor = device_of(box, bias)
         yield box, sensor
         sensor.close()
@@ -49,19 +50,19 @@ def net_ft(
 @contextmanager
 def xsens(
     reading: Array | None = READING, **options: Any
-) -> Iterator[tuple[Emulated, NetFT | Xsens]]:
+) -> Iterator[tuple[DeviceDouble, NetFT | Xsens]]:
     """The same for a tracker."""
-    with XsensDevice(lambda now: _read(reading, now, 9), **options) as tracker:
+    with XsensDouble(lambda now: _read(reading, now, 9), **options) as tracker:
         imu = device_of(tracker)
         yield tracker, imu
         imu.close()
 
 
-def device_of(double: Emulated, bias: bool = False) -> NetFT | Xsens:
-    """A device that records an emulated one."""
-    if isinstance(double, NetFTBox):
+def device_of(double: DeviceDouble, bias: bool = False) -> NetFT | Xsens:
+    """A device that records a double."""
+    if isinstance(double, NetFTDouble):
         return NetFT("127.0.0.1", bias, double.port, double.http_port)
-    assert isinstance(double, XsensDevice)
+    assert isinstance(double, XsensDouble)
     return Xsens(double.path, rate_hz=256)
 
 
@@ -117,12 +118,12 @@ def test_samples_of_a_tracker_arrive_with_their_counters(is_legacy: bool) -> Non
     ("opened", "column", "per_sample", "faults"),
     [
         # A late datagram is discarded, because later ones have come: it counts as lost.
-        (net_ft, 1, 7, Faults(lost=0.02, late=0.01, repeated=0.02, seed=3)),
-        (xsens, 0, 1, Faults(lost=0.03, late=0.02, split=0.2, repeated=0.03, seed=5)),
+        (net_ft, 1, 7, TransmissionFaults(lost=0.02, late=0.01, repeated=0.02, seed=3)),
+        (xsens, 0, 1, TransmissionFaults(lost=0.03, late=0.02, split=0.2, repeated=0.03, seed=5)),
     ],
 )
 def test_lost_samples_are_counted_as_the_device_lost_them(
-    opened: Callable[..., Opened], column: int, per_sample: int, faults: Faults
+    opened: Callable[..., Opened], column: int, per_sample: int, faults: TransmissionFaults
 ) -> None:
     with opened(faults=faults) as (double, device):
         _, values, lost = record(device, 2.0)
@@ -140,12 +141,12 @@ def test_lost_samples_are_counted_as_the_device_lost_them(
 @pytest.mark.parametrize(
     ("opened", "clock", "ticks", "error"),
     [
-        (net_ft, Clock(offset_s=5.0, drift_ppm=20_000), 7000, 1e-4),
-        (xsens, Clock(offset_s=100.0, drift_ppm=-20_000), 10_000, 1e-3),
+        (net_ft, DeviceClock(offset_s=5.0, drift_ppm=20_000), 7000, 1e-4),
+        (xsens, DeviceClock(offset_s=100.0, drift_ppm=-20_000), 10_000, 1e-3),
     ],
 )
 def test_a_device_s_clock_drifts(
-    opened: Callable[..., Opened], clock: Clock, ticks: int, error: float
+    opened: Callable[..., Opened], clock: DeviceClock, ticks: int, error: float
 ) -> None:
     """In 2 s of its own clock, 2 s and 2 % more or less pass here."""
     with opened(None, clock=clock) as (_, device):
@@ -158,7 +159,7 @@ def test_a_device_s_clock_drifts(
 
 @pytest.mark.parametrize("opened", [net_ft, xsens])
 def test_a_device_that_dies_is_lost_and_comes_back(opened: Callable[..., Opened]) -> None:
-    with opened(faults=Faults(dies_at=0.3, back_at=1.8)) as (double, device):
+    with opened(faults=TransmissionFaults(dies_at=0.3, back_at=1.8)) as (double, device):
         with pytest.raises(DeviceLost, match=r"sent nothing for 1 s"):
             record(device, 10.0)
         device.close()
@@ -200,7 +201,7 @@ def test_saturation_is_in_the_status() -> None:
     with net_ft(saturation=25.0) as (_, sensor):
         _, values, _ = record(sensor, 0.1)
     assert (values[:, 5] == 25).all()
-    assert (values[:, 2].astype(int) & SATURATED != 0).all()
+    assert (values[:, 2].astype(int) & SATURATION_BIT != 0).all()
 
 
 def test_a_box_that_is_not_there() -> None:
@@ -210,7 +211,7 @@ def test_a_box_that_is_not_there() -> None:
 
 def test_a_box_that_does_not_stream() -> None:
     with (
-        NetFTBox(lambda _: WRENCH) as box,
+        NetFTDouble(lambda _: WRENCH) as box,
         pytest.raises(InputError, match=r"no records from UDP port 9; enable RDT"),
     ):
         NetFT("127.0.0.1", port=9, http_port=box.http_port)
@@ -234,7 +235,7 @@ ODD_UNITS = NO_COUNTS.replace(b"0</cfgcpf>", b"1</cfgcpf><cfgcpt>1</cfgcpt>").re
     ],
 )
 def test_a_page_of_something_else(page: bytes, words: str) -> None:
-    box = NetFTBox(lambda _: WRENCH)
+    box = NetFTDouble(lambda _: WRENCH)
     box._page = page
     with box, pytest.raises(InputError, match=words):
         device_of(box)
@@ -245,7 +246,7 @@ def test_a_page_of_something_else(page: bytes, words: str) -> None:
 
 def test_the_counter_wraps_around() -> None:
     """It starts half a second before the end of its 16 bits."""
-    with xsens(clock=Clock(offset_s=2**16 / 256 - 0.5)) as (_, imu):
+    with xsens(clock=DeviceClock(offset_s=2**16 / 256 - 0.5)) as (_, imu):
         _, values, lost = record(imu, 1.5)
     assert np.diff(values[:, 0]).sum() == len(values) + lost - 1
     assert values[0, 0] < 2**16 < values[-1, 0]
@@ -261,7 +262,7 @@ def test_a_program_that_is_kept_busy_for_two_seconds_misses_nothing() -> None:
 
 
 def test_a_cable_that_is_pulled() -> None:
-    with XsensDevice(lambda _: READING) as tracker:
+    with XsensDouble(lambda _: READING) as tracker:
         imu = Xsens(tracker.path, rate_hz=256)
         record(imu, 0.1)
     with pytest.raises(DeviceLost, match=f"serial port {tracker.path} of the IMU has gone"):
@@ -272,7 +273,7 @@ def test_a_cable_that_is_pulled() -> None:
 @pytest.mark.parametrize("is_legacy", [False, True])
 def test_a_rate_that_the_tracker_does_not_offer(is_legacy: bool) -> None:
     """The first generation refuses it; later ones choose the nearest."""
-    with XsensDevice(lambda _: READING, is_legacy=is_legacy) as tracker:
+    with XsensDouble(lambda _: READING, is_legacy=is_legacy) as tracker:
         if is_legacy:
             with pytest.raises(InputError, match=r"does not accept 100 Hz; choose"):
                 Xsens(tracker.path, rate_hz=100)
@@ -311,5 +312,5 @@ def test_a_port_where_no_tracker_answers(is_noisy: bool) -> None:
 
 
 def test_the_serial_library_is_loaded_when_a_port_is_opened() -> None:
-    program = "import sys, ur5lib.recorder.xsens; sys.exit('serial' in sys.modules)"
+    program = "import sys, ur5lib.lab.recorder.xsens; sys.exit('serial' in sys.modules)"
     subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=True)

@@ -1,4 +1,4 @@
-"""Sessions of the recorder with emulated devices, which know when they took each sample."""
+"""Sessions of the recorder with doubles of devices, which know when they took each sample."""
 
 import multiprocessing
 import os
@@ -18,14 +18,20 @@ import pytest
 from tests.conftest import PROJECT
 from tests.entries import read_recording
 from tests.made_up_device import MadeUp
-from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.emulated import HOST, Clock, Faults
-from ur5lib.doubles.net_ft_box import NetFTBox
-from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.errors import InputError
-from ur5lib.recorder.capture import Status, capture
-from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
-from ur5lib.recorder.session import MANIFEST, Session, write_manifest
+from ur5lib.lab.doubles.controller_double import ControllerDouble, Ports
+from ur5lib.lab.doubles.device_double import HOST, DeviceClock
+from ur5lib.lab.doubles.net_ft_double import NetFTDouble
+from ur5lib.lab.doubles.transmission import TransmissionFaults
+from ur5lib.lab.doubles.xsens_double import XsensDouble
+from ur5lib.lab.recorder.capture import Status, capture
+from ur5lib.lab.recorder.device_settings import (
+    ArmSettings,
+    LabSettings,
+    NetFTSettings,
+    XsensSettings,
+)
+from ur5lib.lab.recorder.session import MANIFEST, Session, write_manifest
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
@@ -46,18 +52,20 @@ def age(now: float) -> np.ndarray:
 
 
 @contextmanager
-def lab(rate: int = 125, faults: Faults = Faults()) -> Iterator[tuple[Lab, EmulatedController]]:
+def lab(
+    rate: int = 125, faults: TransmissionFaults = TransmissionFaults()
+) -> Iterator[tuple[LabSettings, ControllerDouble]]:
     """An arm and both sensors; faults: of the force sensor."""
-    slow = Clock(drift_ppm=200.0)
-    controller = EmulatedController("ur5e", rate=rate, ports=Ports.free(), clock=slow)
-    box = NetFTBox(lambda now: age(now)[:6], 500.0, Clock(drift_ppm=-800.0), faults)
-    imu = EmulatedXsens(age, 100.0, Clock(drift_ppm=-3000.0))
+    slow = DeviceClock(drift_ppm=200.0)
+    controller = ControllerDouble("ur5e", rate=rate, ports=Ports.free(), clock=slow)
+    box = NetFTDouble(lambda now: age(now)[:6], 500.0, DeviceClock(drift_ppm=-800.0), faults)
+    imu = XsensDouble(age, 100.0, DeviceClock(drift_ppm=-3000.0))
     with controller, box, imu:
         yield (
-            Lab(
-                robot=ArmDevice(address=HOST, rate_hz=rate, port=controller.setup.ports.rtde),
-                force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
-                imu=XsensDevice(port=imu.path, rate_hz=100.0),
+            LabSettings(
+                robot=ArmSettings(address=HOST, rate_hz=rate, port=controller.setup.ports.rtde),
+                force_sensor=NetFTSettings(address=HOST, port=box.port, http_port=box.http_port),
+                imu=XsensSettings(port=imu.path, rate_hz=100.0),
             ),
             controller,
         )
@@ -71,7 +79,7 @@ def until(condition: object) -> None:
         time.sleep(0.05)
 
 
-def read_back(devices: Lab, folder: Path) -> RawRecording:
+def read_back(devices: LabSettings, folder: Path) -> RawRecording:
     """Read a recording by the entry that `ur5 record` gives it."""
     entry = {"name": "run", "role": "contact", "robot": "ur5e", "folder": str(folder)}
     entry |= devices.robot.entry("robot.csv")
@@ -79,14 +87,16 @@ def read_back(devices: Lab, folder: Path) -> RawRecording:
     return read_recording(RtdeRecording.model_validate(entry).model_dump())
 
 
-def behind(controller: EmulatedController) -> float:
-    """Return how far an emulated arm is behind the time [s]."""
+def behind(controller: ControllerDouble) -> float:
+    """Return how far a controller's double is behind the time [s]."""
     due = controller.clock.shown(time.monotonic()) - controller.setup.clock.offset_s
     return due - controller.ask("time")
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Lab, Path, EmulatedController]:
+def recorded(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> tuple[LabSettings, Path, ControllerDouble]:
     """A session of some seconds, with its manifest; refused where the arm could not keep up."""
     folder = tmp_path_factory.mktemp("session") / "run"
     with lab() as (devices, controller):
@@ -102,7 +112,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Lab, Path, Emula
 
 
 def test_the_clocks_of_all_devices_agree_within_two_milliseconds(
-    recorded: tuple[Lab, Path, EmulatedController],
+    recorded: tuple[LabSettings, Path, ControllerDouble],
 ) -> None:
     """Without anything that moves."""
     devices, folder, controller = recorded
@@ -117,7 +127,7 @@ def test_the_clocks_of_all_devices_agree_within_two_milliseconds(
 
 
 def test_nothing_is_lost_and_the_manifest_says_what_recorded(
-    recorded: tuple[Lab, Path, EmulatedController],
+    recorded: tuple[LabSettings, Path, ControllerDouble],
 ) -> None:
     manifest = read_json(recorded[1] / MANIFEST)
     assert manifest["complete"]
@@ -137,7 +147,7 @@ def test_a_device_that_dies_leaves_the_others(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """Whose processes end without a word, while their devices still send."""
-    with lab(faults=Faults(dies_at=8.0)) as (devices, _):
+    with lab(faults=TransmissionFaults(dies_at=8.0)) as (devices, _):
         with Session(devices.devices(), tmp_path / "run") as session:
             until(lambda: all(status.samples > 100 for status in session.statuses().values()))
             until(lambda: session.statuses()["force_sensor"].ended)
@@ -157,7 +167,7 @@ def test_a_device_that_does_not_close_loses_no_sample(
     hangs_in: str, expected: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the manifest counts is what the file holds, or it says that it may hold more."""
-    monkeypatch.setattr("ur5lib.recorder.session.CLOSING", 2.0)
+    monkeypatch.setattr("ur5lib.lab.recorder.session.CLOSING_TIMEOUT", 2.0)
     plan: Any = MadeUp(hangs_in)
     with Session({"imu": plan}, tmp_path / "run") as session:
         until(lambda: session.statuses()["imu"].samples > 50)
@@ -180,7 +190,7 @@ def test_a_recording_goes_on_though_nobody_asks_for_its_progress(tmp_path: Path)
 
 
 def test_of_several_devices_that_are_not_there_one_is_said(tmp_path: Path) -> None:
-    absent = {name: XsensDevice(port=str(tmp_path / name)) for name in ("imu", "other")}
+    absent = {name: XsensSettings(port=str(tmp_path / name)) for name in ("imu", "other")}
     with pytest.raises(InputError, match="imu"), Session(absent, tmp_path / "run"):
         pass
 
@@ -203,7 +213,7 @@ import sys, time
 from pathlib import Path
 if __name__ == "__main__":  # not in the processes that it starts
     from tests.library.test_recorder_session import lab
-    from ur5lib.recorder.session import Session
+    from ur5lib.lab.recorder.session import Session
     with lab() as (devices, _), Session(devices.devices(), Path(sys.argv[1])) as session:
         while True:
             if all(status.samples for status in session.statuses().values()):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
 from ur5lib.errors import InputError
-from ur5lib.recorder.xbus import (
+from ur5lib.lab.recorder.xbus import (
     Decoder,
     Message,
     XbusPort,

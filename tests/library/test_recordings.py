@@ -15,6 +15,8 @@ from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.channels import SIX, SUFFIXES
 from ur5lib.errors import InputError
+from ur5lib.lab.stand.device_files import MESSAGE_BYTES, messages
+from ur5lib.lab.stand.faults import FIRST_PART_BYTES
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.formats import READERS, excerpt
 from ur5lib.recordings.intake import Intake
@@ -25,8 +27,6 @@ from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.realtime_message import fields
-from ur5lib.stand.faults import SPLIT
-from ur5lib.stand.files import MESSAGE, messages
 from ur5lib.study.model import Recording
 from ur5lib.tables import channel, named
 
@@ -353,7 +353,7 @@ def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
     """756-byte messages at 8 ms, each split between two reads; `received_s` counts from 1970."""
     time = np.arange(200) * PERIOD
     angle = time[:, None] + np.arange(6)
-    channels = dict.fromkeys(fields(MESSAGE), 0 * angle) | {
+    channels = dict.fromkeys(fields(MESSAGE_BYTES), 0 * angle) | {
         **dict.fromkeys(("target_q", "actual_q"), 0.1 * np.sin(angle)),
         **dict.fromkeys(("target_qd", "actual_qd"), 0.1 * np.cos(angle)),
         "target_qdd": -0.1 * np.sin(angle),
@@ -363,8 +363,8 @@ def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
     for k, message in enumerate(messages(pd.DataFrame({"time": time} | columns))):
         received = START + k * PERIOD
         lines += [
-            f"{received:.6f},{message[:SPLIT].hex()}",
-            f"{received + 1e-3:.6f},{message[SPLIT:].hex()}",
+            f"{received:.6f},{message[:FIRST_PART_BYTES].hex()}",
+            f"{received + 1e-3:.6f},{message[FIRST_PART_BYTES:].hex()}",
         ]
     (tmp_path / "capture.csv").write_text("\n".join(lines) + "\n")
     entry = {"format": "realtime-stream", "folder": str(tmp_path), "file": "capture.csv"}

@@ -16,17 +16,18 @@ from ur5lib.dynamics.rigid_body import (
 )
 from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
-from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
-from ur5lib.stand.controller import frames
-from ur5lib.stand.friction import (
+from ur5lib.lab.stand.controller_channels import frames
+from ur5lib.lab.stand.drive import drive_of, motion_share
+from ur5lib.lab.stand.friction import (
     COULOMB_WARMING,
-    LOAD,
+    LOAD_SHARE,
     VISCOUS_WARMING,
-    Friction,
+    BristleFriction,
     friction_of,
 )
-from ur5lib.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.stand.rig import STEP, Experiment, perform
+from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.lab.stand.rig import STEP, Experiment, perform
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
@@ -205,7 +206,7 @@ def test_friction_falls_as_it_warms() -> None:
     parameters = friction_of(load_robot(robot_path("ur5")), True)
     torque = []
     for warmth in (0.0, 10.0):
-        friction = Friction(parameters, np.zeros(6))
+        friction = BristleFriction(parameters, np.zeros(6))
         for _ in range(2000):
             slid = friction.torque(np.zeros(6), np.ones(6), np.zeros(6), 0.001, warmth)
         torque.append(slid)
@@ -217,7 +218,7 @@ def test_friction_falls_as_it_warms() -> None:
 def test_sliding_friction_is_dry_viscous_and_periodic(speed: float) -> None:
     """After turning steadily, without load."""
     parameters, qd = friction_of(load_robot(robot_path("ur5")), True), np.full(6, speed)
-    friction, torque = Friction(parameters, np.zeros(6)), np.zeros(6)
+    friction, torque = BristleFriction(parameters, np.zeros(6)), np.zeros(6)
     for _ in range(2000):
         torque = friction.torque(np.zeros(6), qd, np.zeros(6), STEP)
     dry = np.sign(speed) * parameters.dry(qd, np.zeros(6))
@@ -238,7 +239,7 @@ def test_friction_falls_from_stiction_and_grows_with_load() -> None:
 def test_friction_takes_energy_over_any_cycle() -> None:
     parameters = friction_of(load_robot(robot_path("ur5")), True)
     for amplitude in (1e-5, 1e-4, 1e-2, 1.0):
-        friction, work = Friction(parameters, np.zeros(6)), np.zeros(6)
+        friction, work = BristleFriction(parameters, np.zeros(6)), np.zeros(6)
         for phase in np.linspace(0, 6 * np.pi, 6000):
             qd = np.full(6, amplitude * np.cos(phase))
             q = np.full(6, amplitude * np.sin(phase))
@@ -259,7 +260,7 @@ def test_a_stuck_arm_hides_a_small_force_and_comes_back_from_a_large_one() -> No
     lever = np.abs(experiment(trajectory=STILL).motion["origin"][0, 1])
     assert shown[0] < 0.6 * 2.0 * lever
     # of the large one, the share by which it loads the gear besides
-    assert shown[1] > (0.8 - LOAD) * 150.0 * lever
+    assert shown[1] > (0.8 - LOAD_SHARE) * 150.0 * lever
     assert np.abs(large[-1] - large[0])[0] > 1
     assert np.abs(small[-1] - small[0])[0] < 0.2
 
@@ -280,6 +281,26 @@ def test_drives_keep_to_the_target(robot: str) -> None:
     off = np.sqrt(np.mean((done.motion["q"] - done.targets.q) ** 2, axis=0))
     assert (off < 1.5e-3).all()
     assert (off > 1e-5).all()
+
+
+@pytest.mark.parametrize("robot", ["ur5", "ur10e"])
+def test_the_controller_knows_four_fifths_of_the_friction_of_sliding_joints(robot: str) -> None:
+    """Against either direction, none at rest; the Coulomb part sets in around 0.05 rad/s."""
+    arm = load_robot(robot_path(robot))
+    friction = friction_of(arm, friction=True)
+    drive = drive_of(arm, friction)
+    qd = np.outer([-2.0, -0.5, 0.0, 0.5, 2.0], np.ones(6))
+    sliding = friction.viscous * qd + friction.coulomb * np.sign(qd)
+    np.testing.assert_allclose(drive.known_friction(qd), 0.8 * sliding, rtol=1e-7)
+    slow = drive.known_friction(np.array([[0.05], [-0.05]]) * np.ones(6))
+    coulomb = np.abs(slow) - 0.8 * 0.05 * friction.viscous
+    np.testing.assert_allclose(coulomb / (0.8 * friction.coulomb), np.tanh(1.0), rtol=1e-9)
+
+
+def test_the_noise_of_motion_sets_in_around_a_twentieth_of_a_radian_per_second() -> None:
+    """The same for both directions."""
+    share = motion_share(np.array([-2.0, -0.05, 0.0, 0.05, 2.0]))
+    np.testing.assert_allclose(share, [1.0, np.tanh(1.0), 0.0, np.tanh(1.0), 1.0], atol=1e-9)
 
 
 # Contacts

@@ -14,6 +14,13 @@ from tests.entries import read_and_repair
 from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
+from ur5lib.lab.stand.faults import (
+    FIRST_PART_BYTES,
+    LATE_PACKET_INTERVAL,
+    receipts_with_late_packets,
+)
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import Format, simulate
 from ur5lib.records.carried import configured_payload
 from ur5lib.steps.read_recording import own_clocks
 from ur5lib.force.estimators import Run, controller
@@ -23,9 +30,6 @@ from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.stand.faults import LATE, SPLIT, split_late
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import Format, simulate
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table
 from ur5lib.timeseries.arrays import Array
@@ -338,14 +342,14 @@ def test_cut_messages_cost_themselves_and_at_most_a_neighbour(record: Recorder) 
 def test_late_packets_come_as_figure_4_4_shows() -> None:
     sent = [bytes([k]) * 756 for k in range(8)]
     time = np.arange(8) * 0.008
-    received = split_late(sent, time, np.array([False, *[True] * 7]))
+    received = receipts_with_late_packets(sent, time, np.array([False, *[True] * 7]))
     assert b"".join(data for _, data in received) == b"".join(sent)
     assert [(round(1000 * at), len(data)) for at, data in received] == [
-        (0, 756), (8, 756), (16, 756), (32, 756 + SPLIT), (33, 62),
-        (40, 756), (56, 756 + SPLIT), (57, 62),
+        (0, 756), (8, 756), (16, 756), (32, 756 + FIRST_PART_BYTES), (33, 62),
+        (40, 756), (56, 756 + FIRST_PART_BYTES), (57, 62),
     ]  # fmt: skip
-    assert LATE == 3
-    last = split_late(sent[:4], time[:4], np.ones(4, bool))
+    assert LATE_PACKET_INTERVAL == 3
+    last = receipts_with_late_packets(sent[:4], time[:4], np.ones(4, bool))
     assert b"".join(data for _, data in last) == b"".join(sent[:4])
 
 

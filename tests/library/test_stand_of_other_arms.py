@@ -10,15 +10,15 @@ from benchmarks.serial_arms import figures, with_motors
 from tests.library.test_from_urdf import made_up, planar, saved
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.rig import Experiment, perform
+from ur5lib.lab.stand.simulate import simulate
+from ur5lib.lab.stand.torque_sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import Experiment, perform
-from ur5lib.stand.sensors import BEHIND, TorqueSensors
-from ur5lib.stand.simulate import simulate
 from ur5lib.study.reading import parse_study
 
 PUSH = {"kind": "push", "start_s": 0.5, "seconds": 1.0, "force": [10, -5, 8]}
@@ -63,7 +63,7 @@ def test_sensors_read_the_torque_of_the_links(count: int, tmp_path: Path) -> Non
     entry = RtdeFiles(format="rtde-csv", folder=str(folder), file="robot.csv")
     read = read_and_repair(entry, robot, 0.1).robot.filter(like="actual_current_").to_numpy()
     true, sensors = Truth.read(tmp_path / "truth.parquet"), TorqueSensors.of(robot)
-    felt = true.motor_torque - (1 - BEHIND) * true.friction_torque
+    felt = true.motor_torque - (1 - FRICTION_SHARE_BEHIND_SENSOR) * true.friction_torque
     np.testing.assert_allclose(read, sensors.gain * felt + sensors.bias, atol=1e-5)
 
 

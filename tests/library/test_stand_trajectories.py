@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ur5lib.errors import InputError
+from ur5lib.lab.stand.plan import POSTURE, Fourier, Movej, Standstill
+from ur5lib.lab.stand.trajectories import INITIAL_REST, Targets, plan_targets, read_way_points
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.stand.plan import POSTURE, Fourier, Movej, Standstill
-from ur5lib.stand.trajectories import REST, Targets, plan_targets, read_way_points
 from ur5lib.tables import channel
 
 TIME = np.arange(0, 20, 0.001)
@@ -31,10 +31,10 @@ def targets(request: pytest.FixtureRequest, ur5: Robot) -> Targets:
 
 
 def test_targets_begin_at_rest(targets: Targets) -> None:
-    before = TIME <= REST
+    before = TIME <= INITIAL_REST
     assert (targets.q[before] == targets.q[0]).all()
     assert np.abs(targets.qd[before]).max() < 1e-12
-    assert np.abs(targets.qdd[TIME < REST]).max() < 1e-12
+    assert np.abs(targets.qdd[TIME < INITIAL_REST]).max() < 1e-12
 
 
 def test_targets_are_one_another_s_derivatives(targets: Targets) -> None:
@@ -101,7 +101,7 @@ def test_a_move_is_the_real_controller_s(thesis_data: Path, ur5: Robot) -> None:
         speed_rad_s=np.deg2rad(60),
         acceleration_rad_s2=np.deg2rad(80),
     )
-    time = real["time"].to_numpy()[start:] - real["time"].iloc[start] + REST
+    time = real["time"].to_numpy()[start:] - real["time"].iloc[start] + INITIAL_REST
     targets = plan_targets(plan, ur5, time)
     assert np.abs(targets.q - q[1:])[:380].max() < 3e-4
     assert np.abs(targets.qd - qd)[:380].max() < 3e-4

@@ -21,6 +21,8 @@ from tests.conftest import PROJECT, said, shared_folder
 from tests.entries import read_and_repair
 from tests.synthetic import write_recording
 from ur5lib.channels import columns
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
 from ur5lib.records.carried import carried
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.checked import Checked
@@ -30,8 +32,6 @@ from ur5lib.recordings.stop_signs import foreign_torque, given_load, stop_signs
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import load_torque
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import simulate
 from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording
 from ur5lib.study.reading import parse_study

@@ -9,13 +9,13 @@ import pytest
 
 from tests.made_records import motion_of
 from tests.scripts.conftest import script
+from ur5lib.lab.stand.controller_channels import frames
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.rig import Experiment, perform
 from ur5lib.identification.current_samples import current_record
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
-from ur5lib.stand.controller import frames
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import Experiment, perform
 from ur5lib.tables import read_json, write_table
 
 CYCLE, EVERY = 0.008, 8

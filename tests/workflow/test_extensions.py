@@ -14,8 +14,8 @@ import pytest
 from tests.conftest import PROJECT, Workflow, copy_project
 from tests.examples import examples
 from tests.stored_files import made_up_channels
-from ur5lib.lab.extensions import KINDS
 from ur5lib.tables import read_table
+from ur5lib.workspace.extensions import KINDS
 
 CODES = [example.text for example in examples(PROJECT / "docs/extensions.md")]
 EXTENSIONS = {

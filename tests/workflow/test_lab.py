@@ -105,7 +105,7 @@ def test_a_clone_is_installed_as_make_does(tmp_path: Path) -> None:
     editable = ["--no-build-isolation", "--no-deps", "--editable", PROJECT]
     subprocess.run([*pip, *editable], check=True)
     (packages / "borrowed.pth").unlink()
-    program = "from ur5lib.lab.places import SNAKEFILE; print(SNAKEFILE)"
+    program = "from ur5lib.workspace.places import SNAKEFILE; print(SNAKEFILE)"
     printed = subprocess.check_output([python, "-I", "-c", program], cwd=tmp_path, text=True)
     assert Path(printed.strip()) == PROJECT / "Snakefile"
 

@@ -90,7 +90,7 @@ def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
             HELD | {"repair_frames": 1},
         ),
         ("points.txt", "0.5", "0.6", MOVED | {"repair_frames": 1}),
-        ("ur5lib/stand/friction.py", "0.054", "0.055", MOVED | HELD | {"repair_frames": 2}),
+        ("ur5lib/lab/stand/friction.py", "0.054", "0.055", MOVED | HELD | {"repair_frames": 2}),
         ("ur5lib/robots/ur5.yaml", "1.61", "1.62", DESCRIBED | MOVED | HELD | {"repair_frames": 2}),
     ],
 )

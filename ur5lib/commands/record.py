@@ -12,16 +12,21 @@ from rich.console import Console
 from rich.live import Live
 
 from ur5lib.commands.recorded_study import StudyFile, checked_name, entry_of
-from ur5lib.doubles.lab import TRUTH, emulated_lab
 from ur5lib.errors import InputError
-from ur5lib.recorder import live
-from ur5lib.recorder.arm_motion import MotionError, Mover, move_to_start
-from ur5lib.recorder.arm_state import ArmState, identify, read_state
-from ur5lib.recorder.capture import Status
-from ur5lib.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
-from ur5lib.recorder.lab import Lab
-from ur5lib.recorder.move_program import is_program, plan, read_program
-from ur5lib.recorder.session import Session, write_manifest
+from ur5lib.lab.doubles.lab_double import TRUTH_STEM, lab_double
+from ur5lib.lab.recorder import display
+from ur5lib.lab.recorder.arm_motion import MotionError, Mover, move_to_start
+from ur5lib.lab.recorder.arm_state import ArmState, identify, read_state
+from ur5lib.lab.recorder.capture import Status
+from ur5lib.lab.recorder.commanded_motion import (
+    START_TOLERANCE,
+    CommandedMotion,
+    read_motion,
+    refusals,
+)
+from ur5lib.lab.recorder.device_settings import LabSettings
+from ur5lib.lab.recorder.move_program import is_program, planned_motion, read_program
+from ur5lib.lab.recorder.session import Session, write_manifest
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -63,8 +68,8 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     folder = Path("raw", study.name(), checked_name(options.name))
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
-    laboratory: AbstractContextManager[Lab] = (
-        emulated_lab(robot, options.role == "contact", folder)
+    laboratory: AbstractContextManager[LabSettings] = (
+        lab_double(robot, options.role == "contact", folder)
         if options.emulate
         else nullcontext(study.lab())
     )
@@ -88,7 +93,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     _print_summary(session.statuses(), options.role, mover, console)
     entry = {"name": options.name, "role": options.role, "folder": str(folder)}
     entry |= entry_of(lab, session.statuses())
-    entry |= {"truth": TRUTH} if options.emulate else {}
+    entry |= {"truth": TRUTH_STEM} if options.emulate else {}
     return study.enter(entry, options.add, console)
 
 
@@ -114,7 +119,7 @@ def _prepare(
         f"it will start at {_angles(motion.q[0])}, at {options.speed:g} of the full speed"
     )
     _confirm("move the arm? Type yes: ", options, console)
-    if np.abs(state.q - motion.q[0]).max() > AT_START:
+    if np.abs(state.q - motion.q[0]).max() > START_TOLERANCE:
         try:
             move_to_start(address, motion)
         except MotionError as error:
@@ -125,7 +130,7 @@ def _prepare(
 def _planned(path: Path, robot: Robot, present: Array, options: RecordOptions) -> CommandedMotion:
     """Return the motion that a file commands; present: the arm's posture (6,) [rad]."""
     if is_program(path):
-        return plan(read_program(path), robot, present, options.speed, options.wait)
+        return planned_motion(read_program(path), robot, present, options.speed, options.wait)
     if options.wait:
         raise InputError(f"--wait: {path} has no commands to wait between; leave it out")
     return read_motion(path, options.speed)
@@ -161,7 +166,7 @@ def _watch(session: Session, mover: Mover | None, seconds: float | None, console
                 time.sleep(POLL)
                 statuses = session.statuses()
                 show(statuses)
-                for warning in live.warnings(statuses, session.identities()):
+                for warning in display.warnings(statuses, session.identities()):
                     if warning not in printed:
                         printed.add(warning)
                         console.print(f"warning: {warning}")
@@ -193,7 +198,7 @@ def _shown(console: Console) -> Iterator[Any]:
         yield lambda _: None
         return
     with Live(console=console, transient=True, auto_refresh=False) as view:
-        yield lambda statuses: view.update(live.table(statuses), refresh=True)
+        yield lambda statuses: view.update(display.table(statuses), refresh=True)
 
 
 def _is_over(
@@ -207,13 +212,13 @@ def _is_over(
 def _print_summary(
     statuses: dict[str, Status], role: str, mover: Mover | None, console: Console
 ) -> None:
-    console.print(live.table(statuses))
-    still = live.unmoved(statuses["robot"])
+    console.print(display.table(statuses))
+    still = display.unmoved(statuses["robot"])
     if role == "fit" and still:
         joints = ", ".join(map(str, still))
         console.print(
-            f"warning: joint {joints} turned by less than {live.MOVED} rad: its friction cannot be "
-            "identified from this recording"
+            f"warning: joint {joints} turned by less than {display.MIN_TURN_FOR_FRICTION} rad: its "
+            "friction cannot be identified from this recording"
         )
     if mover and mover.failure:
         console.print(f"warning: the motion ended early: {mover.failure}")

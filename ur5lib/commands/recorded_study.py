@@ -10,8 +10,8 @@ from rich.console import Console
 
 from ur5lib.commands.check import print_findings_of
 from ur5lib.errors import InputError
-from ur5lib.recorder.capture import Status
-from ur5lib.recorder.lab import Lab
+from ur5lib.lab.recorder.capture import Status
+from ur5lib.lab.recorder.device_settings import LabSettings
 from ur5lib.study.arms import Arm, Name, NamedArm
 from ur5lib.study.reading import Raw, parse_study, read_plain
 from ur5lib.study.schema import explain
@@ -36,14 +36,16 @@ class StudyFile:
         """Return the study's name. Raises InputError where it is not allowed."""
         return checked_name(str(self.plain.get("study")))
 
-    def lab(self) -> Lab:
+    def lab(self) -> LabSettings:
         """Return the devices that the study names. Raises InputError with all mistakes."""
         if "devices" not in self.plain:
             raise InputError(f"{self.path} has no `devices`; add, for example, {EXAMPLE}")
         try:
-            return Lab.model_validate(self.plain["devices"])
+            return LabSettings.model_validate(self.plain["devices"])
         except ValidationError as error:
-            mistakes = [explain(detail, Lab.model_json_schema()) for detail in error.errors()]
+            mistakes = [
+                explain(detail, LabSettings.model_json_schema()) for detail in error.errors()
+            ]
             lines = [f"{self.path}: devices: {text}" for text in mistakes]
             raise InputError("\n".join(lines)) from error
 
@@ -97,7 +99,7 @@ def checked_name(name: str) -> str:
         ) from error
 
 
-def entry_of(lab: Lab, statuses: dict[str, Status]) -> dict[str, Any]:
+def entry_of(lab: LabSettings, statuses: dict[str, Status]) -> dict[str, Any]:
     """Return the keys of an entry with the files of all devices that sent samples."""
     keys = lab.robot.entry("robot.csv")
     for name, device in lab.devices().items():

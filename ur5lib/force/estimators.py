@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.lab.extensions import PAGE, additions
 from ur5lib.timeseries.arrays import Array
+from ur5lib.workspace.extensions import PAGE, additions
 
 if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
     from ur5lib.force.wrench_estimate import WrenchEstimate
@@ -148,3 +148,4 @@ NEW = {name: one.label for name, one in ESTIMATORS.items()}
 ESTIMATES = PUBLISHED | NEW
 SPOKEN = PUBLISHED | {name: one.article + one.label for name, one in ESTIMATORS.items()}
 GATED = [name for name, one in ESTIMATORS.items() if one.gated]
+LEADING = GATED[0]  # its contacts, alarms and smallest pushes are those of a study

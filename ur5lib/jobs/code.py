@@ -6,8 +6,8 @@ from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
-from ur5lib.lab.extensions import source_files
-from ur5lib.lab.places import PACKAGE
+from ur5lib.workspace.extensions import source_files
+from ur5lib.workspace.places import PACKAGE
 
 TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?: .*\n)+", re.MULTILINE)  # types change no result
 IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)

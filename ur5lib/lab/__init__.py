@@ -1,1 +1,1 @@
-"""Folders of a user's own, in which the workflow of the package runs."""
+"""A laboratory: its recorder, a virtual test stand, and doubles of its devices on that stand."""

@@ -1,4 +1,4 @@
-"""Files of a lab's own formats, whose readers the lab adds (docs/extensions.md)."""
+"""Files of a workspace's own formats, whose readers it adds (docs/extensions.md)."""
 
 import re
 from collections.abc import Callable, Collection
@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.lab.extensions import additions
 from ur5lib.recordings.array_files import ENDINGS, LOADERS, Arrays
 from ur5lib.recordings.quality import Finding
 from ur5lib.strict import expect_file
+from ur5lib.workspace.extensions import additions
 
 OWN = "own"  # the formats' common name in a study; endings tell them apart
 Read = Callable[[Path], dict[str, Any]]
 
 
 def added() -> dict[str, Read]:
-    """Return the lab's readers by the endings of their files.
+    """Return the workspace's readers by the endings of their files.
 
     Raises InputError where one is no function, or ur5lib reads files of that ending.
     """
@@ -48,13 +48,13 @@ def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
     if ending not in READERS:
         raise InputError(
             f"{path}: no extension reads `{ending}` (but {', '.join(READERS) or 'nothing'}); add "
-            "its reader to extensions/formats.py in the working folder"
+            "its reader to extensions/formats.py in the workspace"
         )
     try:
         arrays = {name: np.asarray(own) for name, own in READERS[ending](path).items()}
     except InputError:
         raise
-    except Exception as error:  # whatever the lab's code does
+    except Exception as error:  # whatever a user's code does
         raise InputError(
             f"{path}: the reader of `{ending}` fails ({type(error).__name__}: {error}); "
             "correct it, or copy the file again from its source"

@@ -33,8 +33,8 @@ def run_crate(
     """Return the content of ro-crate-metadata.json for the results of one study.
 
     folder: holds configuration.yaml, Snakefile and the results. used: files of devices and of the
-    lab's extensions, which stay where they are; they are identified by their checksums. citation:
-    of the software, as in CITATION.cff. known: checksums of files that need not be read again.
+    workspace's extensions, which stay where they are; their checksums identify them. citation: of
+    the software, as in CITATION.cff. known: checksums of files that need not be read again.
     """
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms["sha256"] = SHA256

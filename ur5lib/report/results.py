@@ -16,7 +16,6 @@ import pandas as pd
 import yaml
 
 from ur5lib.errors import InputError
-from ur5lib.lab.places import IN_CLONE, WORKFLOW
 from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
@@ -24,6 +23,7 @@ from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
 from ur5lib.thesis.printed_numbers import COLUMNS as PRINTED
 from ur5lib.thesis.reference import Erratum, read_reference
+from ur5lib.workspace.places import IN_CLONE, WORKFLOW
 
 AT_REST = "at rest"
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]

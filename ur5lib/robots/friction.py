@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.lab.extensions import additions, failed
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
+from ur5lib.workspace.extensions import additions, failed
 
 # Presliding distance [rad]: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
 # shorter ones are below the encoder's resolution.
@@ -91,7 +91,7 @@ TERMS["periodic"] = Term(
 
 
 def added(shipped: Collection[str]) -> dict[str, Term]:
-    """Return the terms that the lab adds. Raises InputError where one cannot be a friction term."""
+    """Return the terms that the workspace adds. Raises InputError where one is no friction term."""
     rest = JointMotion(*np.zeros((4, 3)))
     found = {}
     for source, name, own in additions("friction"):
@@ -102,7 +102,7 @@ def added(shipped: Collection[str]) -> dict[str, Term]:
             raise InputError(f"{place} is no Term; docs/extensions.md shows one")
         try:
             sizes = [np.shape(column) for column in own.columns(rest)]
-        except Exception as error:  # whatever the lab's code does
+        except Exception as error:  # whatever a user's code does
             raise failed(source, error) from error
         if sizes != [(3,)] * (len(own.parts) or 1):
             raise InputError(

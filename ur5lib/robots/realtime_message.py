@@ -1,5 +1,11 @@
 """Layout of the messages of the controller's realtime port (30003)."""
 
+from collections.abc import Mapping
+
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array
+
 SOFTWARE = {  # of the controller, by the size of its messages [bytes]
     756: "1.5, 1.6",
     764: "1.7",
@@ -66,3 +72,16 @@ def fields(size: int) -> dict[str, slice]:
     present = {name: at for name, at in (ALWAYS | further).items() if at[0] < size}
     ordered = sorted(present.items(), key=lambda field: field[1])
     return {n: slice((byte - 4) // 8, (byte - 4) // 8 + count) for n, (byte, count) in ordered}
+
+
+def encoded(size: int, timestamps: Array, channels: Mapping[str, Array | float]) -> list[bytes]:
+    """Return messages of a size [bytes]: int32 size, then big-endian doubles.
+
+    timestamps: (N,) [s]; channels: (N, n) each, or of all messages; those that are missing are 0.
+    """
+    doubles = np.zeros((len(timestamps), (size - 4) // 8), ">f8")
+    doubles[:, 0] = timestamps
+    for name, place in fields(size).items():
+        doubles[:, place] = channels.get(name, 0.0)
+    head = size.to_bytes(4, "big")
+    return [head + message.tobytes() for message in doubles]

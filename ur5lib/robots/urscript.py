@@ -16,6 +16,10 @@ from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
 FRAME = ("def ", "sec ", "end", "global ")  # lines without a command
+MOVE_ARGUMENTS: dict[str, dict[str, float | None]] = {  # with URScript's defaults, in SI units
+    "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
+    "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
+}
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,14 @@ def parse(line: str) -> Command:
         return Command(call.func.id, tuple(map(_value, call.args)), named)
     except (SyntaxError, TypeError, RecursionError, MemoryError) as error:
         raise ValueError(f"{line!r} is no plain call") from error
+
+
+def speed_and_acceleration(way: float, seconds: float) -> tuple[float, float]:
+    """Return the speed and acceleration of a move with a duration `t`, which overrides both.
+
+    way: [rad] or [m]; the arm accelerates for half of the time.
+    """
+    return 2 * way / seconds, 4 * way / seconds**2
 
 
 def six(values: Any) -> Array:

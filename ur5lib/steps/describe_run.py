@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from ur5lib.lab.places import CITATION, SNAKEFILE
 from ur5lib.report.crate import run_crate
 from ur5lib.strict import read_yaml
+from ur5lib.workspace.places import CITATION, SNAKEFILE
 
 
 class DescribedRun(NamedTuple):

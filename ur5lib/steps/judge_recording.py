@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.estimators import LEADING
 from ur5lib.force.problem import fmap_problem
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.records.accelerations import Accelerations, ImuComparison
@@ -60,24 +61,26 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
 
 
 def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
-    """Return the contacts by each estimate, beside the sensor; of F̂ᵐᵃᵖ, also whether they are at
-    the flange, what past currents alone tell, and the smallest push that is detected.
+    """Return the contacts by each estimate, beside the sensor.
+
+    Of the leading one, also whether they are at the flange, what past currents alone tell, and the
+    smallest push that is detected.
     """
     forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
     alarms = all_alarms(forces, published_forces(evidence), thresholds)
     contacts = detected(alarms, sensor, thresholds, load_finder(evidence))
     problem = fmap_problem(evidence.motion, currents, evidence.residuals)
-    if problem is None or "Fmap" not in contacts:
+    if problem is None or LEADING not in contacts:
         return contacts
     prior = ContactPrior(force=evidence.contact_force_n)
-    found = contacts["Fmap"]
+    found = contacts[LEADING]
     at_flange = judged_by_torques(evidence.arm, problem, forces.time, prior, found.raised)
     found = replace(found, raised=at_flange, causal=causally(forces, sensor, thresholds))
     if evidence.is_examined and evidence.role == "validate":
-        odds, jacobian = forces.log_odds["Fmap"], evidence.kinematics.jacobian
+        odds, jacobian = forces.log_odds[LEADING], evidence.kinematics.jacobian
         trials = pushed(problem, jacobian, prior, found.threshold, odds, TRIAL_PUSHES)
         found = replace(found, smallest_force_95=[*by_axis(trials)])
-    return contacts | {"Fmap": found}
+    return contacts | {LEADING: found}
 
 
 def audited(evidence: Evidence) -> Audit:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
 from ur5lib.force.detection import felt
+from ur5lib.force.estimators import LEADING
 from ur5lib.force.published import controller_estimate
 from ur5lib.force.sensor import (
     mounting_doubt,
@@ -128,8 +129,8 @@ def beside_sensor(
     """
     own, best = reading.offset, sensor.wrench["compensated"]
     force, columns, opposite = np.linalg.norm(best[:, :3], axis=1), sensed(best), list[str]()
-    if "Fmap" in compared["compensated"]:
-        estimated, _ = compared["compensated"]["Fmap"]
+    if LEADING in compared["compensated"]:
+        estimated, _ = compared["compensated"][LEADING]
         opposite = opposite_axes(best[:, :3], estimated[:, :3], rotation)
     account = vars(own) | {"free": float(own.free.mean()), "start_bias": reading.start_bias}
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarms, smallest_force
+from ur5lib.force.estimators import LEADING
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
@@ -55,9 +56,9 @@ def measure_observability(
             continue
         errors.append(judged(moved, predicted, friction.fit_for(name)))
         problem = fmap_problem(moved, predicted, residuals)
-        if "Fmap" in threshold and problem is not None:
-            jacobian, odds = kinematics[name].jacobian, forces[name].log_odds["Fmap"]
-            trials.append(pushed(problem, jacobian, prior, threshold["Fmap"], odds))
+        if LEADING in threshold and problem is not None:
+            jacobian, odds = kinematics[name].jacobian, forces[name].log_odds[LEADING]
+            trials.append(pushed(problem, jacobian, prior, threshold[LEADING], odds))
     return [*observability(trials, errors)]
 
 

@@ -11,7 +11,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from ur5lib.recorder.lab import Lab
+from ur5lib.lab.recorder.device_settings import LabSettings
+from ur5lib.lab.stand import layout
+from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.recordings.entries import (
     ChannelFiles,
     Files,
@@ -23,8 +25,6 @@ from ur5lib.recordings.entries import (
 )
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
-from ur5lib.stand import layout
-from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import PathText, Strict, existing_file
 from ur5lib.study.arms import Arm, Mounting, Name, NamedArm, Tool
 
@@ -158,12 +158,12 @@ class Simulable(Files, Part):
 
 
 class Recorded(Simulable):
-    """A recording that may be one of an emulated lab."""
+    """A recording that may be one of `ur5 record --emulate`."""
 
     truth: PathText | None = Field(
         None,
-        description="path within the recording's folder of the truth about it, which the emulated "
-        "lab of `ur5 record` leaves, without its suffixes .parquet and .json",
+        description="path within the recording's folder of the truth about it, which "
+        "`ur5 record` leaves with `--emulate`, without its suffixes .parquet and .json",
     )
 
 
@@ -184,7 +184,7 @@ class TableRecording(TableFiles, Part):
 
 
 class StoredRecording(StoredFiles, Part):
-    """Arrays in an HDF5, MAT, NumPy, Parquet or Feather file, a ROS bag, or a lab's own file."""
+    """Arrays in an HDF5, MAT, NumPy, Parquet or Feather file, a ROS bag, or of your own format."""
 
 
 class ChannelFilesRecording(ChannelFiles, Part):
@@ -325,7 +325,7 @@ class Study(Strict):
         description="other studies whose results are built: the report shows what differs from "
         "theirs by more than its error, as `ur5 compare` does",
     )
-    devices: Lab | None = Field(
+    devices: LabSettings | None = Field(
         None, description="devices that `ur5 record` records; the analysis does not use them"
     )
     hosts: dict[str, list[Literal["force_sensor", "imu"]]] = Field(

@@ -19,8 +19,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
+from ur5lib.lab.stand import layout
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.stand import layout
 from ur5lib.strict import FAST_DUMPER, expect_few_values, read_yaml
 from ur5lib.study.model import Study
 from ur5lib.study.schema import explain, shown
@@ -214,7 +214,7 @@ def _with_files(raw: Raw) -> Raw:
         if isinstance(plan := entry.get("simulate"), dict):
             files: dict[str, object] = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
             if entry.get("format") in layout.FORMATS:
-                sensors = [name for name in layout.COLUMNS if plan.get(name) is not None]
+                sensors = [name for name in layout.SENSOR_COLUMNS if plan.get(name) is not None]
                 files |= layout.device_keys(entry["format"], sensors)
             entries[k] = {**entry, **files}
     return {**raw, "recordings": entries} if entries else raw

@@ -10,8 +10,6 @@ from ur5lib.errors import InputError
 from ur5lib.jobs.code import checksum_of_step, in_library, of_study
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.jobs.workers import FAILED, run_step
-from ur5lib.lab.extensions import KINDS, source_files
-from ur5lib.lab.places import CITATION, PACKAGE, SNAKEFILE
 from ur5lib.report.document import Picture, contents
 from ur5lib.robots.description import JOINT_SIZES, robot_path
 from ur5lib.strict import read_yaml
@@ -19,6 +17,8 @@ from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import LOOPS, Selection
 from ur5lib.study.turn import share_turn, take_turn
 from ur5lib.thesis.reference import read_reference
+from ur5lib.workspace.extensions import KINDS, source_files
+from ur5lib.workspace.places import CITATION, PACKAGE, SNAKEFILE
 
 waits = config.pop("wait", False)
 try:

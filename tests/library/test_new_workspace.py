@@ -1,0 +1,69 @@
+"""`ur5 new`, and what to do next in a workspace."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.commands import Command
+from ur5lib.datasets.catalogue import catalogue
+from ur5lib.thesis.reference import read_reference
+from ur5lib.strict import read_yaml
+from ur5lib.study.reading import read_study
+from ur5lib.workspace.new import copy_study, new_workspace, next_command
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_new_workspace_has_all_that_snakemake_needs(here: Path, run_ur5: Command) -> None:
+    assert run_ur5("new", "my arm").out.endswith("next: cd 'my arm' && snakemake\n")
+    assert (here / "my arm" / "raw").is_dir()
+    assert (here / "my arm" / "profiles" / "default" / "config.yaml").is_file()
+    assert read_study(here / "my arm" / "config.yaml").study == "demo"
+
+
+def test_published_studies_and_their_schema_are_at_hand(here: Path) -> None:
+    new_workspace(Path())
+    published = {dataset.study for dataset in catalogue().values()} - {None}
+    assert published <= {str(path) for path in Path("workflow/studies").glob("*.yaml")}
+    for study in [*published, "config.yaml"]:
+        head = Path(study).read_text().splitlines()[0]
+        assert Path(head.partition("$schema=")[2]).is_absolute()
+        assert Path(head.partition("$schema=")[2]).is_file()
+
+
+def test_files_that_are_there_stay(here: Path) -> None:
+    (here / "config.yaml").write_text("study: mine\n")
+    assert new_workspace(Path()).endswith("next: snakemake")
+    assert (here / "config.yaml").read_text() == "study: mine\n"
+
+
+def test_a_folder_with_a_snakefile_is_left_alone(here: Path, run_ur5: Command) -> None:
+    (here / "Snakefile").touch()
+    assert run_ur5("new", ".").status == 1
+    assert [path.name for path in here.iterdir()] == ["Snakefile"]
+
+
+def test_what_cannot_be_written_is_said(here: Path, run_ur5: Command) -> None:
+    (here / "file").touch()
+    answer = run_ur5("new", "file")
+    assert answer.status == 1
+    assert answer.err.startswith("ur5: file cannot be written")
+
+
+def test_the_next_command_makes_a_workspace_where_there_is_none(here: Path) -> None:
+    assert next_command(Path("my study.yaml")) == (
+        "ur5 new . && snakemake --configfile 'my study.yaml'"
+    )
+    (here / "Snakefile").touch()
+    assert next_command(Path("config.yaml")) == "snakemake"
+
+
+def test_a_fetched_study_comes_with_its_printed_numbers(here: Path) -> None:
+    study = copy_study("workflow/studies/thesis.yaml")
+    assert read_reference(read_yaml(study)["reference"]).recordings()
+    study.write_text("edited")
+    assert copy_study("workflow/studies/thesis.yaml").read_text() == "edited"

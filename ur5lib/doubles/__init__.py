@@ -1,1 +1,0 @@
-"""Doubles of a laboratory's devices, which speak their real protocols on 127.0.0.1."""

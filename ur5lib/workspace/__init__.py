@@ -1,0 +1,1 @@
+"""Workspaces: folders of users, with their studies, recordings and extensions."""

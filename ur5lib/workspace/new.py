@@ -1,0 +1,71 @@
+"""`ur5 new`: a workspace, in which `snakemake` runs the workflow of the package."""
+
+from pathlib import Path
+from shlex import quote
+
+from ur5lib.errors import InputError
+from ur5lib.strict import read_yaml
+from ur5lib.tables import made, write_text
+from ur5lib.workspace.places import WORKFLOW
+
+TEMPLATES = Path(__file__).parent / "templates"
+SCHEMA_KEY = "$schema="  # in the first line of a study, with the path beside it in a clone
+
+
+def new_workspace(folder: Path) -> str:
+    """Make a workspace with Snakefile, studies, README.md, raw/ and profiles/; say what is next.
+
+    Files that are there already stay as they are. Raises InputError where the folder has a
+    Snakefile, or cannot be written.
+    """
+    if (folder / "Snakefile").exists():
+        raise InputError(f"{folder} has a Snakefile: run snakemake there, or name another folder")
+    made(made(folder) / "raw")
+    for name, text in _contents().items():
+        if not (folder / name).exists():
+            write_text(text, folder / name)
+    enter = "" if folder.resolve() == Path.cwd() else f"cd {quote(str(folder))} && "
+    return f"{folder} is ready; next: {enter}snakemake"
+
+
+def next_command(study: Path) -> str:
+    """Return the command that builds a study in the working folder."""
+    make = "" if Path("Snakefile").exists() else "ur5 new . && "
+    chosen = "" if study == Path("config.yaml") else f" --configfile {quote(str(study))}"
+    return f"{make}snakemake{chosen}"
+
+
+def copy_study(name: str) -> Path:
+    """Copy a study of the package, and its printed numbers, to the same place here; return it."""
+    reference = read_yaml(WORKFLOW / name).get("reference")
+    for file in filter(None, [name, reference]):
+        if not Path(file).exists():
+            write_text(_with_whole_schema_path(WORKFLOW / file), file)
+    return Path(name)
+
+
+def _contents() -> dict[str, str]:
+    """Return the content of each file of a new workspace by its name."""
+    schema, config = _with_whole_schema_path(WORKFLOW / "config.yaml").split("\n", 1)
+    example = (TEMPLATES / "config.yaml").read_text(encoding="utf-8")
+    copied = {path.name: path for path in (TEMPLATES / "Snakefile", TEMPLATES / "README.md")}
+    copied |= {_relative(path): path for path in WORKFLOW.glob("profiles/*/config.yaml")}
+    studies = WORKFLOW.glob("workflow/studies/*.yaml")
+    return (
+        {name: path.read_text(encoding="utf-8") for name, path in copied.items()}
+        | {_relative(path): _with_whole_schema_path(path) for path in studies}
+        | {"config.yaml": f"{schema}\n{example}{config}"}
+    )
+
+
+def _relative(path: Path) -> str:
+    """Return the path of a file of the workflow within the workflow, and within a workspace."""
+    return str(path.relative_to(WORKFLOW))
+
+
+def _with_whole_schema_path(path: Path) -> str:
+    """Return a study of the workflow, whose first line names the schema by its whole path."""
+    text = path.read_text(encoding="utf-8")
+    first, rest = text.split("\n", 1)
+    before, _, schema = first.partition(SCHEMA_KEY)
+    return f"{before}{SCHEMA_KEY}{(path.parent / schema).resolve()}\n{rest}" if schema else text
