@@ -31,6 +31,12 @@ from benchmarks.harness.prediction import (
     OURS,
     prediction_table,
 )
+from ur5lib.identification.current_samples import (
+    Smoother,
+    controllers_ratio,
+    current_record,
+    prior_of,
+)
 from ur5lib.identification.samples import (
     Record,
     Smooth,
@@ -38,12 +44,6 @@ from ur5lib.identification.samples import (
     smoothed_moving,
 )
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
-from ur5lib.identification.current_samples import (
-    Smoother,
-    controllers_ratio,
-    current_record,
-    prior_of,
-)
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion

@@ -17,11 +17,11 @@ import torch
 
 from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, MOTION, Taken, fitted_map, taken
-from ur5lib.identification.samples import passed
-from ur5lib.steps.judge_joints import checkup
 from ur5lib.identification.current_samples import Smoother
-from ur5lib.steps.track_health import health_of as tracked
+from ur5lib.identification.samples import passed
 from ur5lib.records.arm_state import JointChange
+from ur5lib.steps.judge_joints import checkup
+from ur5lib.steps.track_health import health_of as tracked
 
 SEEDS, DATES, SECONDS = 20, 20, 20.0
 PATHS, APART = 3, 3  # days between dates

@@ -17,12 +17,12 @@ from benchmarks.harness import page
 from benchmarks.harness.options import built, study_options
 from benchmarks.harness.sections import detection_tables, sections
 from ur5lib.errors import InputError
+from ur5lib.force.estimators import OWN
 from ur5lib.leaderboard.board import RESULTS, TABLE, contenders, scored
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.study import read_arms
 from ur5lib.leaderboard.tables import tables
-from ur5lib.force.estimators import OWN
 from ur5lib.tables import write_csv, write_text
 
 QUICK = (OURS, "zero", "least squares", "momentum observer")

@@ -38,10 +38,10 @@ from benchmarks.harness.options import built, study_options
 from benchmarks.leave_out import Fold, read_study, refusal, unseen
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.current_regression import expected_fit, fit_currents
+from ur5lib.identification.current_samples import prior_of
 from ur5lib.identification.currents import CurrentFit, band, parameters, predict
 from ur5lib.identification.samples import Record, record_days
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
-from ur5lib.identification.current_samples import prior_of
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
 

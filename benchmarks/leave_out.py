@@ -32,13 +32,13 @@ from ur5lib.errors import InputError
 from ur5lib.force.external_torque import SLOW
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
-from ur5lib.steps.judge_contacts import alarms_by_odds, raised_live, strongest
 from ur5lib.records.currents import Currents
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.report.findings import in_words
+from ur5lib.steps.judge_contacts import alarms_by_odds, raised_live, strongest
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array

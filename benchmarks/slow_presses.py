@@ -22,13 +22,13 @@ from benchmarks.simulated_contacts import FRICTION, posture
 from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import TOUCH
+from ur5lib.force.problem import fmap_problem
 from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
 from ur5lib.identification.current_samples import Smoother
-from ur5lib.force.problem import fmap_problem
-from ur5lib.steps.fit_residuals import usual_residuals
-from ur5lib.steps.predict_currents import tared
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.steps.fit_residuals import usual_residuals
+from ur5lib.steps.predict_currents import tared
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 

@@ -30,16 +30,15 @@ from benchmarks.few_recordings import sensed
 from benchmarks.harness.drawn_pushes import drawn_pushes
 from benchmarks.harness.options import arm_options, built
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
-from ur5lib.force import residual_model
+from ur5lib.force import force_input, residual_model
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarm_threshold, alarms, compare, contacts, in_contact
 from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import diagonal
+from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
 from ur5lib.leaderboard.tables import markdown
-from ur5lib.force import force_input
-from ur5lib.force.problem import fmap_problem
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion

@@ -19,28 +19,21 @@ from tests.entries import read_and_repair
 from ur5lib.commands.check import look_through, settled
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensor import SensorOffset
 from ur5lib.force.wrench_estimate import WrenchEstimate
-from ur5lib.identification.currents import CurrentFit
-from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Record, Smooth
-from ur5lib.records.carried import carried
-from ur5lib.steps.predict_currents import predicted_currents
 from ur5lib.identification.current_samples import (
     Smoother,
     controllers_ratio,
     current_record,
     prior_of,
 )
-from ur5lib.force.problem import Problem, fmap_problem
-from ur5lib.steps.fit_friction import fitted_friction
-from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.steps.judge_sensor import sensor_wrenches
-from ur5lib.steps.sensor_reading import by_own_clock, moved_tool
-from ur5lib.smoothing.smoothed_motion import measured, motion_record
-from ur5lib.steps.compute_torques import joint_torques
+from ur5lib.identification.currents import CurrentFit
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.samples import Record, Smooth
 from ur5lib.recordings.intake import Intake
+from ur5lib.records.carried import carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.friction import Friction
@@ -50,6 +43,13 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import Clock, SettledClock
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
+from ur5lib.steps.compute_torques import joint_torques
+from ur5lib.steps.fit_friction import fitted_friction
+from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.steps.judge_sensor import sensor_wrenches
+from ur5lib.steps.predict_currents import predicted_currents
+from ur5lib.steps.sensor_reading import by_own_clock, moved_tool
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_record, write_json

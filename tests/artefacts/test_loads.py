@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from ur5lib.tidy.making import lazy_results, make_table
 
 from tests.conftest import Workflow, copy_project
 from ur5lib.force.estimators import GATED
 from ur5lib.records.forces import Forces
 from ur5lib.records.truth import Truth
-from ur5lib.tidy.making import lazy_results, make_table
 from ur5lib.tables import read_json
 from ur5lib.timeseries.sampling import interpolated
 

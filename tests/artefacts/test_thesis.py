@@ -23,8 +23,8 @@ from tests.artefacts.documents import (
 from tests.conftest import PROJECT
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import PUBLISHED
-from ur5lib.thesis.reference import read_reference
 from ur5lib.tables import channel, read_json, read_table
+from ur5lib.thesis.reference import read_reference
 
 TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"
 TABLE_5_7 = "Movement_No9_Singularity_Free_NoDist"

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from scipy import signal
 
+from ur5lib.identification.current_samples import Smoother
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, columns_of
-from ur5lib.identification.current_samples import Smoother
 from ur5lib.robots.friction import BASE
 from ur5lib.timeseries.arrays import Array, Mask
 

@@ -12,8 +12,8 @@ from ur5lib.force.external_torque import MOVING, RESTING, REVERSING, SETTLING, S
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.identification.samples import Record
-from ur5lib.steps.predict_currents import causally_smoothed
 from ur5lib.robots.description import Robot
+from ur5lib.steps.predict_currents import causally_smoothed
 from ur5lib.timeseries.arrays import Array
 
 CUTOFF = 2.0  # Hz

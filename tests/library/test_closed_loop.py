@@ -13,7 +13,10 @@ from scipy.stats import f as fisher
 from tests.made_tables import table
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.robots.description import Robot
 from ur5lib.thesis import gains as closed_loop
+from ur5lib.thesis.closed_loop import gain_summary, published_gains, simulated, tracking_of
 from ur5lib.thesis.gains import (
     JointGains,
     Tracking,
@@ -21,9 +24,7 @@ from ur5lib.thesis.gains import (
     simulate_closed_loop,
     tracking_cost,
 )
-from ur5lib.thesis.closed_loop import gain_summary, published_gains, simulated, tracking_of
-from ur5lib.records.closed_loop import ClosedLoop
-from ur5lib.robots.description import Robot
+from ur5lib.tidy import motion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.sampling import interpolated
@@ -225,7 +226,7 @@ def test_a_joint_whose_target_rests_determines_nothing_whatever_it_does() -> Non
     recording = replace(moving, **rest, actual_q=wandering)
     found = estimate_gains(recording)
     summary = gain_summary(recording, found, {"some": (K0, K1)})
-    assert [*table("published_gains", gains={"one": summary})["joint"]] == [1, 2, 4, 5, 6]
+    assert [*table(motion.published_gains, {"one": summary})["joint"]] == [1, 2, 4, 5, 6]
     for gain in (found[2].position, found[2].velocity):
         assert not gain.determined
         assert (gain.low, gain.high) == (gain.grid[0], gain.grid[-1])

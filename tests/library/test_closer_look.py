@@ -16,9 +16,8 @@ from ur5lib.report.charts import response_panel
 from ur5lib.report.document import Document, Picture, Section
 from ur5lib.report.house_style import JOINTS, save
 from ur5lib.report.render import LEVELS, html_page, packed_lines
-from ur5lib.tables import write_text
 from ur5lib.report.traces import CURRENT, WRENCH, Panel, Traces, draw_traces
-from ur5lib.tables import read_csv
+from ur5lib.tables import read_csv, write_text
 
 LENGTH = 60.0  # s
 FRAME = 1000 / 60  # ms

@@ -27,8 +27,8 @@ from ur5lib.force.contact_wrench import (
     static_wrench,
     torque_std,
 )
-from ur5lib.thesis.current_based import wrench_from_torque
 from ur5lib.robots.description import Robot
+from ur5lib.thesis.current_based import wrench_from_torque
 from ur5lib.timeseries.metrics import coverage
 
 COUNT, PERIOD, WORTH = 100, 0.032, 0.032 / 0.25

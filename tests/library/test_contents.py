@@ -32,12 +32,12 @@ from ur5lib.report.document import (
     Table,
     contents,
 )
-from ur5lib.thesis.reference import Erratum
 from ur5lib.report.results import Results
-from ur5lib.tidy.making import declarations
 from ur5lib.report.torques import in_torques
+from ur5lib.thesis.reference import Erratum
+from ur5lib.tidy import columns
 
-TABLES_MADE = declarations()
+TABLES_MADE = columns()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 

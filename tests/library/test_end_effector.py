@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from tests.library.test_smoothing import POINT, Motion, kinematics, random_states
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, velocity
-from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Mounting, Robot
@@ -21,6 +20,7 @@ from ur5lib.signals.end_effector import (
     point_velocity,
 )
 from ur5lib.signals.imu_calibration import ImuRecord
+from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.timeseries.sampling import interpolated

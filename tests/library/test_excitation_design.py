@@ -24,8 +24,8 @@ from ur5lib.excitation.outlook import Bands, Earlier, Outlook
 from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, TORQUE_NOISE, nominal_maps
 from ur5lib.excitation.trajectory import Cell, Path
 from ur5lib.identification.current_regression import expected_fit
-from ur5lib.identification.currents import parameters
 from ur5lib.identification.current_samples import prior_of
+from ur5lib.identification.currents import parameters
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.arrays import Array

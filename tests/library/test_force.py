@@ -5,6 +5,8 @@ import pytest
 
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.published import environment_on_arm
+from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
+from ur5lib.robots.description import Robot
 from ur5lib.thesis.current_based import (
     delay,
     friction_torque,
@@ -12,8 +14,6 @@ from ur5lib.thesis.current_based import (
     motor_torque_as_published,
     wrench_from_torque,
 )
-from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
-from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import (
     correlation,
     coverage,

@@ -7,8 +7,8 @@ from tests.library.made_up_torques import ELBOW, MODEL, PRIOR, REGULAR, WRIST, j
 from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
-from ur5lib.thesis.current_based import wrench_from_torque
 from ur5lib.robots.description import Robot
+from ur5lib.thesis.current_based import wrench_from_torque
 
 RANDOM = np.random.default_rng(0)
 

@@ -5,8 +5,8 @@ import pytest
 
 from tests.library.made_up_torques import MODEL
 from tests.made_records import motion_of, stretch
-from ur5lib.force.residual_model import Residuals
 from ur5lib.force.problem import fmap_problem
+from ur5lib.force.residual_model import Residuals
 from ur5lib.records.currents import Currents
 
 RESIDUALS = Residuals(tau_ext=MODEL)

@@ -24,8 +24,6 @@ from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import Record, columns_of, passed
 from ur5lib.identification.validation import Scores
-from ur5lib.steps.judge_joints import checkup, dated
-from ur5lib.steps.track_health import health_of, together
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.records.prediction import Prediction
@@ -36,6 +34,8 @@ from ur5lib.report.results import Results
 from ur5lib.report.views import arm_state
 from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.robots.friction import BASE
+from ur5lib.steps.judge_joints import checkup, dated
+from ur5lib.steps.track_health import health_of, together
 
 START = date(2026, 3, 3)
 QUALITY = Quality(frames=1000, findings=[Finding("robot", "lost frames", "warning", 20)])

@@ -14,8 +14,8 @@ from tests.corpus import rtde
 from ur5lib.errors import InputError, printable
 from ur5lib.lab.stand.trajectories import read_way_points
 from ur5lib.recordings.quality import Finding
-from ur5lib.thesis.reference import read_reference
 from ur5lib.study.reading import parse_study
+from ur5lib.thesis.reference import read_reference
 
 MARKUP = ["[/x]", "[red]", ":x:", "[link=http://x]", "\\[/x]"]
 CONTROLS = ["\x1b[31m", "\x1b]0;title\x07", "\x9b31m", "\x00", "\x08", "\u202e", "\udcff", "\x7f"]

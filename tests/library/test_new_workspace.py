@@ -6,9 +6,9 @@ import pytest
 
 from tests.commands import Command
 from ur5lib.datasets.catalogue import catalogue
-from ur5lib.thesis.reference import read_reference
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import read_study
+from ur5lib.thesis.reference import read_reference
 from ur5lib.workspace.new import copy_study, new_workspace, next_command
 
 

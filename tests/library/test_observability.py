@@ -13,9 +13,9 @@ from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.force_input import Gears
 from ur5lib.force.trial_contacts import LEAST, MOST, Trials, felt_push, try_each_place
 from ur5lib.identification.validation import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
-from ur5lib.steps.measure_observability import Judged, observability
 from ur5lib.records.arm_state import Observed
 from ur5lib.report.arm_state_figures import observability_figure
+from ur5lib.steps.measure_observability import Judged, observability
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes

@@ -16,16 +16,16 @@ from ur5lib.commands.check import look_through
 from ur5lib.errors import InputError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import fit_currents
-from ur5lib.identification.currents import Parameter, parameters
 from ur5lib.identification.current_samples import Smoother, prior_of
-from ur5lib.steps.fit_friction import ContradictionError, fitted_friction
-from ur5lib.steps.read_postures import checked_postures, held_torque
+from ur5lib.identification.currents import Parameter, parameters
 from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.postures import read_postures
 from ur5lib.recordings.quality import Finding
 from ur5lib.records.friction import Friction
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
+from ur5lib.steps.fit_friction import ContradictionError, fitted_friction
+from ur5lib.steps.read_postures import checked_postures, held_torque
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
 

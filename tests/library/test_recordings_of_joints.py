@@ -16,7 +16,6 @@ from ur5lib.commands.described import describe_urdf
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.identification.current_samples import prior_of
-from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.checks import check_robot
 from ur5lib.recordings.entries import ENTRY
@@ -30,6 +29,7 @@ from ur5lib.report.traces import TORQUE, Series, Traces, draw_traces
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders
+from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, named, write_table
 

@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from ur5lib.tidy.making import declarations
 
 from tests.conftest import PROJECT
 from tests.synthetic import write_recording
-from ur5lib.tidy.making import declarations
 
 SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 EVERYTHING = """\

@@ -12,8 +12,8 @@ from ur5lib.force.sensor_audit import (
     slow_covariance,
 )
 from ur5lib.force.sensor_audit import shifts_after_contacts as shifts
-from ur5lib.steps.judge_audit import row
 from ur5lib.robots.description import Payload
+from ur5lib.steps.judge_audit import row
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import coloured
 

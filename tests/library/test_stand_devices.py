@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from tests.entries import read_and_repair
 from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.force.estimators import Run, controller
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.lab.stand.faults import (
     FIRST_PART_BYTES,
@@ -21,15 +22,14 @@ from ur5lib.lab.stand.faults import (
 )
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.simulate import Format, simulate
-from ur5lib.records.carried import configured_payload
-from ur5lib.steps.read_recording import own_clocks
-from ur5lib.force.estimators import Run, controller
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.thesis_csv import read_thesis_csv
+from ur5lib.records.carried import configured_payload
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.steps.read_recording import own_clocks
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table
 from ur5lib.timeseries.arrays import Array

@@ -23,12 +23,12 @@ from tests.synthetic import write_recording
 from ur5lib.channels import columns
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.simulate import simulate
-from ur5lib.records.carried import carried
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.checked import Checked
 from ur5lib.recordings.current_checks import foreign_currents
 from ur5lib.recordings.innovations import innovation_likelihoods
 from ur5lib.recordings.stop_signs import foreign_torque, given_load, stop_signs
+from ur5lib.records.carried import carried
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import load_torque

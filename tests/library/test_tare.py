@@ -13,11 +13,11 @@ from tests.library.made_up_torques import MODEL
 from tests.made_records import motion_of, stretch
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import STILL, TARED
-from ur5lib.force.residual_model import Residuals
 from ur5lib.force.problem import fmap_problem
-from ur5lib.steps.predict_currents import tared
+from ur5lib.force.residual_model import Residuals
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
+from ur5lib.steps.predict_currents import tared
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
 

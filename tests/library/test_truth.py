@@ -11,7 +11,6 @@ import pytest
 from ur5lib.identification.currents import Parameter
 from ur5lib.identification.rotor_inertia import Terms
 from ur5lib.lab.stand.plan import Imu
-from ur5lib.smoothing.fused_motion import no_fused_motion
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Rotors
@@ -19,7 +18,11 @@ from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
 from ur5lib.report.compose import shown_table
 from ur5lib.report.results import Results
-from ur5lib.report.truth_rows import (
+from ur5lib.report.views.first_screen import beside_truth
+from ur5lib.signals.clock import SettledClock
+from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.smoothing.fused_motion import no_fused_motion
+from ur5lib.steps.compare_with_truth import (
     Row,
     clock_rows,
     errors,
@@ -30,9 +33,6 @@ from ur5lib.report.truth_rows import (
     values,
     wrench_rows,
 )
-from ur5lib.report.views.first_screen import beside_truth
-from ur5lib.signals.clock import SettledClock
-from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 

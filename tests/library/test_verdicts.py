@@ -14,7 +14,6 @@ from ur5lib.report.compose import shown_table
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.tidy.making import declarations
 from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
 from ur5lib.report.views.currents import (
@@ -33,9 +32,10 @@ from ur5lib.report.views.first_screen import (
 from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
+from ur5lib.tidy import columns
 
 EVERY_JOINT = "1 2 3 4 5 6"
-COLUMNS = {name: own.columns for name, own in declarations().items()} | {  # and of steps
+COLUMNS = columns() | {  # and of steps
     "next_recordings": ["robot", "after", "force", "current", "mass"],
     "health": ["robot", "date", "joint", "quantity", "value", "std_error", "group"],
     "health_changes": [

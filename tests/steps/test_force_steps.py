@@ -14,17 +14,16 @@ from tests.made_records import motion_of, signals_of, stretch, torques_of
 from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
+from ur5lib.force.estimators import GATED
 from ur5lib.force.flange_contact import lever
+from ur5lib.force.problem import is_fitted
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
 from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, judged_load
 from ur5lib.identification.validation import least_squares_coefficients
-from ur5lib.records.carried import Carried
-from ur5lib.force.estimators import GATED
-from ur5lib.force.problem import is_fitted
-from ur5lib.steps.fit_residuals import usual_residuals
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
+from ur5lib.records.carried import Carried
 from ur5lib.records.contacts import Alarm, Detected
 from ur5lib.records.currents import Currents, LoadRegressor
 from ur5lib.records.dynamics import Kinematics
@@ -33,6 +32,7 @@ from ur5lib.records.friction import Friction, KnownConstants
 from ur5lib.records.prediction import Prediction
 from ur5lib.robots.description import Payload, Robot, robot_path
 from ur5lib.robots.statics import link_frames
+from ur5lib.steps.fit_residuals import usual_residuals
 from ur5lib.tables import read_json, read_record, read_table, write_json
 from ur5lib.timeseries.arrays import Array
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from tests.conftest import Workflow
-from ur5lib.robots.description import Robot
-from ur5lib.steps import job, workers
 from ur5lib.jobs.job import Job, Names, StepError
 from ur5lib.jobs.workers import run_chains, run_step
+from ur5lib.robots.description import Robot
+from ur5lib.steps import job, workers
 from ur5lib.tables import read_csv, read_json, read_table
 
 STEPS = {

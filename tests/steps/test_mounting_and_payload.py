@@ -9,10 +9,10 @@ import pytest
 
 from tests.made_records import motion_of
 from tests.scripts.conftest import script
+from ur5lib.identification.current_samples import current_record
 from ur5lib.lab.stand.controller_channels import frames
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import Experiment, perform
-from ur5lib.identification.current_samples import current_record
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path

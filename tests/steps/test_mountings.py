@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from tests.scripts.conftest import script
-from ur5lib.thesis.current_based import wrench_from_torque
-from ur5lib.lab.stand.plan import ForceSensor, Imu
 from ur5lib.identification.current_samples import current_record
+from ur5lib.lab.stand.plan import ForceSensor, Imu
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.motion import FusedMotion, Motion
@@ -21,6 +20,7 @@ from ur5lib.records.truth import Truth
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_json
+from ur5lib.thesis.current_based import wrench_from_torque
 from ur5lib.timeseries.arrays import Array
 
 MOUNTINGS = {  # gravity in the base frame [m/s²]

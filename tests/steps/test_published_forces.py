@@ -13,7 +13,6 @@ from tests.scripts.conftest import script
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
-from ur5lib.thesis.current_based import friction_torque
 from ur5lib.recordings.quality import Contradictions, Quality, StartOffset
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
@@ -23,6 +22,7 @@ from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, robot_path
 from ur5lib.signals.clock import BY_STAMPS, SettledClock
 from ur5lib.tables import read_json, write_json, write_table
+from ur5lib.thesis.current_based import friction_torque
 
 PERIOD, COUNT = 0.008, 2500
 TIME = np.arange(COUNT) * PERIOD
