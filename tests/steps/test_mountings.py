@@ -3,25 +3,31 @@
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.scripts.conftest import script
+from tests.steps.made_evidence import evidence
 from ur5lib.identification.current_samples import current_record
 from ur5lib.lab.stand.plan import ForceSensor, Imu
-from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.signals import Signals
-from ur5lib.records.truth import Truth
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.records.truth import TrueParameters, Truth
+from ur5lib.robots.description import Robot
+from ur5lib.steps.align_recording import align_recording
+from ur5lib.steps.calibrate_imu import calibrate_imu
+from ur5lib.steps.compute_torques import compute_torques
+from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
+from ur5lib.steps.judge_recording import judge_recording
+from ur5lib.steps.judge_sensor import compare_with_sensor
+from ur5lib.steps.read_recording import read_recording
+from ur5lib.steps.simulate_recording import simulate_recording
 from ur5lib.study.reading import parse_study
-from ur5lib.tables import read_json
+from ur5lib.tables import read_record, write_table
 from ur5lib.thesis.current_based import wrench_from_torque
+from ur5lib.tidy import columns
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth
 
 MOUNTINGS = {  # gravity in the base frame [m/s²]
     "floor": None,
@@ -44,105 +50,78 @@ PLAN: dict[str, Any] = {
     "force_sensor": {},
     "imu": {},
 }
-ARM = robot_path("ur5")
-TABLES = (
-    "robot force imu kinematics signals motion noise fused accelerations torques "
-    "forces published sensor truth"
-)
-SUMMARIES = "quality clocks calibration"
-SETTINGS: dict[str, Any] = {
-    "order": 4,
-    "cutoff_hz": 2.0,
-    "max_gap_s": 0.1,
-    "bias_window_s": 1.0,
-    "mounting": (None, None),
-    "min_singular_value": 0.01,
-}
+LOWPASS, CUTOFF, MAX_GAP = Butterworth(4, 2.0), 2.0, 0.1  # Hz, s
 
 
 class Mounted:
-    """A recording of an arm that hangs somewhere, and what the steps make of it."""
+    """A recording of an arm that hangs somewhere, and what the steps make of it.
 
-    def __init__(self, gravity: list[float] | None, folder: Path) -> None:
+    The IMU is calibrated on the motion itself, as if that were another recording.
+    """
+
+    def __init__(self, arm: Robot, gravity: list[float] | None, folder: Path) -> None:
         made: dict[str, Any] = {"name": "made", "robot": "ur5", "format": "thesis-csv"}
         made |= {"role": "fit", "gravity": gravity, "simulate": PLAN}
         study = parse_study({"study": "made", "title": "Made", "recordings": [made]}, "made.yaml")
-        recording: Any = study.recordings[0]
-        entry = recording.model_copy(update={"folder": f"{folder}/raw"})
-        self.folder = folder
-        self.params = SETTINGS | {
-            "format": recording.format,
-            "plan": recording.simulate.model_dump_json(),
-            "recording": entry.model_dump_json(),
-            "gravity": gravity,
-            "payload": recording.known_payload().model_dump_json(),
-            "tcp": [],
-            "role": recording.role,
-        }
-        self.files: dict[str, Any] = {n: f"{folder}/{n}.parquet" for n in TABLES.split()}
-        self.files |= {name: f"{folder}/{name}.json" for name in SUMMARIES.split()}
-        self.files["raw"] = [f"{folder}/raw/{file}" for file in recording.file_names()]
-
-    def run(self, step: str, files: dict[str, Any] | None = None, **params: Any) -> None:
-        """A step on the files of the folder, each under the name by which its rule has it."""
-        more = {"summary": f"{self.folder}/{step}.json", "arm": ARM} | (files or {})
-        paths = SimpleNamespace(**self.files | more)
-        getattr(script(step), step)(paths, paths, SimpleNamespace(**self.params | params))
-
-    def run_all(self) -> None:
-        """All that has to do with gravity, and what leads there.
-
-        The IMU is calibrated on the motion itself, as if that were another recording.
-        """
-        for step in ("simulate_recording", "repair_frames", "compute_kinematics"):
-            self.run(step)
-        self.run("estimate_clocks")
-        self.run("align_signals")
-        own = {name: [self.files[name]] for name in ("signals", "kinematics", "clocks")}
-        gravity = [self.params["gravity"]]
-        self.run("calibrate_imu", own, recordings=["other"], gravities=gravity)
-        self.run("smooth_motion")
-        account = {"account": f"{self.folder}/smooth_motion.json"}
-        self.run("fuse_imu", account, recording="made")
-        self.run("compare_accelerations")
-        self.run("compute_torques")
-        grid = {"time": self.signals.time, "segment": self.signals.segment}
-        Forces(**grid).write(self.files["forces"])
-        PublishedForces(**grid).write(self.files["published"])
-        self.run("compare_forces")
-
-    @property
-    def signals(self) -> Signals:
-        return Signals.read(self.files["signals"])
-
-    def summary(self, step: str) -> Any:
-        return read_json(f"{self.folder}/{step}.json")
+        entry: Any = study.recordings[0]
+        entry, file = entry.model_copy(update={"folder": f"{folder}/raw"}), folder / "s.parquet"
+        truth = folder / "truth"
+        simulate_recording(arm, entry.simulate, entry.format, entry.folder, str(truth), gravity)
+        self.truth = Truth.read(f"{truth}.parquet")
+        self.parameters = read_record(TrueParameters, f"{truth}.json")
+        raw = [Path(entry.folder, name) for name in entry.file_names()]
+        read = read_recording(entry, raw, arm, MAX_GAP)
+        aligned = align_recording(read.robot, read.force, read.imu, read.clocks)
+        write_table(aligned.signals, file)
+        signals = Signals.read(file)
+        known = {"other": signals}, {"other": read.kinematics}, {"other": aligned.alignment}
+        self.calibration = calibrate_imu(arm, *known, {"other": gravity}, LOWPASS)
+        torques, premises = compute_torques(
+            file, aligned.motion, arm, "fit", CUTOFF, gravity, entry.known_payload()
+        )
+        self.known = evidence(
+            arm,
+            signals,
+            aligned.motion,
+            read.kinematics,
+            role="fit",
+            quality=read.quality,
+            force=read.force,
+            imu=read.imu,
+            alignment=aligned.alignment,
+            torques=torques,
+            premises=premises,
+            calibration=self.calibration,
+            calibration_without_each=self.calibration,
+            gravity=gravity,
+        )
+        self.fused, _ = fuse_imu(self.known)
+        _, self.beside_imu = compare_accelerations(self.known, self.fused)
+        self.sensor, self.beside_sensor = compare_with_sensor(self.known)
 
     def by_sensor(self) -> Array:
         """Contact force (N, 3) [N], less bias and the tool's weight."""
-        return SensorWrenches.read(self.files["sensor"]).wrench["compensated"][:, :3]
+        return self.sensor.wrench["compensated"][:, :3]
 
     def by_currents(self) -> Array:
         """Contact force (N, 3) [N] by what currents, link model and known payload leave."""
-        motion, torques = Motion.read(self.files["motion"]), Torques.read(self.files["torques"])
-        model = load_robot(ARM).fullest_model()
-        record = current_record("made", self.signals, motion, torques, model)
+        own = self.known
+        record = current_record(
+            "made", own.signals, own.motion, own.torques, own.arm.fullest_model()
+        )
         assert record is not None
-        constant = np.array(self.summary("truth")["drive"]["torque_constant"])
-        jacobian = Kinematics.read(self.files["kinematics"]).jacobian
-        external, least = record.torque - constant * record.current, SETTINGS["min_singular_value"]
-        return wrench_from_torque(jacobian, external, least)[:, :3]
+        external = record.torque - self.parameters.drive.torque_constant * record.current
+        least = own.min_singular_value
+        return wrench_from_torque(own.kinematics.jacobian, external, least)[:, :3]
 
 
 @pytest.fixture(scope="module")
-def arm(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Mounted]:
+def arm(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Mounted]:
     """The same recording under a gravity, all steps done."""
 
     @cache
     def arm(mounting: str) -> Mounted:
-        made = Mounted(MOUNTINGS[mounting], tmp_path_factory.mktemp(mounting))
-        made.run_all()
-        return made
+        return Mounted(ur5, MOUNTINGS[mounting], tmp_path_factory.mktemp(mounting))
 
     return arm
 
@@ -153,38 +132,38 @@ def mounted(request: pytest.FixtureRequest, arm: Callable[[str], Mounted]) -> Mo
 
 
 def test_the_sensor_tells_its_bias_and_its_tool(mounted: Mounted) -> None:
-    found = mounted.summary("compare_forces")
-    assert found["offset_doubt"] is found["mounting_doubt"] is None
-    off = np.abs(np.array(found["offset"]["bias"]) - ForceSensor().bias)
+    found = mounted.beside_sensor
+    assert found.offset_doubt is found.mounting_doubt is None
+    assert found.offset is not None
+    off = np.abs(found.offset.bias - ForceSensor().bias)
     assert off[:3].max() < 0.2
     assert off[3:].max() < 0.01
-    assert found["offset"]["mass"] == pytest.approx(1.0, abs=0.02)
-    np.testing.assert_allclose(found["offset"]["moment_arm"], LEVER, atol=1e-3)
+    assert found.offset.mass == pytest.approx(1.0, abs=0.02)
+    np.testing.assert_allclose(found.offset.moment_arm, LEVER, atol=1e-3)
 
 
 def test_the_imu_tells_its_mounting_and_no_tilt(mounted: Mounted) -> None:
-    found, plan = read_json(mounted.files["calibration"])["all"], Imu()
-    np.testing.assert_allclose(found["mounting"], np.deg2rad(plan.mounting_deg), atol=1e-3)
-    np.testing.assert_allclose(found["tilt"], 0, atol=1e-3)
-    np.testing.assert_allclose(found["gyroscope_bias"], plan.gyroscope_bias, atol=1e-3)
-    bias = mounted.summary("compare_accelerations")["accelerometer_bias"]
+    found, plan = mounted.calibration["all"], Imu()
+    np.testing.assert_allclose(found.mounting, np.deg2rad(plan.mounting_deg), atol=1e-3)
+    np.testing.assert_allclose(found.tilt, 0, atol=1e-3)
+    np.testing.assert_allclose(found.gyroscope_bias, plan.gyroscope_bias, atol=1e-3)
+    bias = mounted.beside_imu.accelerometer_bias
     np.testing.assert_allclose(bias, plan.accelerometer_bias, atol=0.01)
 
 
 def test_joints_and_imu_tell_one_motion(mounted: Mounted) -> None:
-    bias = FusedMotion.read(mounted.files["fused"]).accelerometer_bias
+    bias = mounted.fused.accelerometer_bias
     np.testing.assert_allclose(bias[-1], Imu().accelerometer_bias, atol=0.02)
-    errors = mounted.summary("compare_accelerations")["errors"]
     for estimate in ("encoders", "encoders+imu"):
-        assert max(errors[estimate]["mae"].values()) < 0.02
+        assert max(mounted.beside_imu.errors[estimate].mae.values()) < 0.02
 
 
 def test_sensor_and_currents_tell_the_pushes(
     mounted: Mounted, arm: Callable[[str], Mounted]
 ) -> None:
     """The currents' ripple moves what they tell by newtons, but under any gravity alike."""
-    floor, time = arm("floor"), mounted.signals.time
-    true = Truth.read(mounted.files["truth"]).wrench[:, :3]
+    floor, time = arm("floor"), mounted.known.signals.time
+    true = mounted.truth.at(time).wrench[:, :3]
     for peak, force in PUSHES.items():
         during = np.abs(time - peak) < 0.2
         mean = true[during].mean(axis=0)
@@ -193,3 +172,16 @@ def test_sensor_and_currents_tell_the_pushes(
             own, upright = (estimate(made)[during].mean(axis=0) for made in (mounted, floor))
             np.testing.assert_allclose(own, mean, atol=off)
             np.testing.assert_allclose(own, upright, atol=0.4)
+
+
+def test_a_judged_recording_has_rows_of_every_table_of_recordings(
+    arm: Callable[[str], Mounted],
+) -> None:
+    """Of bands of acceleration, `make_tables`, which knows the other recordings."""
+    judged = judge_recording(arm("floor").known)
+    of_recordings = {name for name, own in columns().items() if "recording" in own}
+    assert judged.judgement.rows.keys() == of_recordings - {"acceleration_bands"}
+    for name, rows in judged.judgement.rows.items():
+        assert all(row.keys() <= {*columns()[name]} for row in rows), name
+    assert {row["device"] for row in judged.judgement.rows["clocks"]} == {"force", "imu"}
+    np.testing.assert_array_equal(judged.fused.q, arm("floor").fused.q)
