@@ -1,71 +1,104 @@
-"""How a step is run, and what each makes of one small recording."""
+"""How the job of a step is run: in a warm process, with a log, a benchmark and a sentence."""
 
 import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from tests.conftest import Workflow
-from ur5lib.jobs.job import Job, Names, StepError
-from ur5lib.jobs.workers import run_chains, run_step
-from ur5lib.robots.description import Robot
-from ur5lib.steps import job, workers
-from ur5lib.tables import read_csv, read_json, read_table
+from tests.conftest import PROJECT
+from ur5lib.jobs import workers
+from ur5lib.jobs.job import Job, Setting
+from ur5lib.jobs.unreadable import reason
+from ur5lib.jobs.workers import StepError, run_step
 
 STEPS = {
-    "adds": "import os\ndef adds(input, output, params):\n"
-    "    print('adding', input.numbers, flush=True)\n"
-    "    os.write(2, b'from a library')\n"
-    "    open(output.sum, 'w').write(str(sum(input['numbers']) + params.get('more', 0)))\n",
-    "adds_up": "def adds_up(input, output, params):\n"
-    "    open(output.sum, 'w').write(open(input.raw).read())\n",
-    "advises": "from ur5lib.errors import InputError\n"
-    "def advises(input, output, params):\n    raise InputError('mend this')\n",
-    "breaks": "def breaks(input, output, params):\n    print('so far so good')\n    {}['x']\n",
-    "fills": "def fills(input, output, params):\n    b'1' * 600_000_000\n",
-    "garbled": "def garbled(input, output, params):\n    return (\n",
-    "dies": "import os\ndef dies(input, output, params):\n    os.kill(os.getpid(), 9)\n",
-    "lasts": "import os, time\n"
-    "def lasts(input, output, params):\n"
-    "    open(output.pid, 'w').write(str(os.getpid()))\n    time.sleep(60)\n",
-    "loads": "import time\n"
-    "began = time.process_time()\nwhile time.process_time() < began + 0.1:\n    pass\n"
-    "def loads(input, output, params):\n    pass\n",
+    "adds": """\
+import os
+def adds(numbers: list[int], more: int = 0) -> str:
+    print('adding', numbers, flush=True)
+    os.write(2, b'from a library')
+    return str(sum(numbers) + more)
+""",
+    "reads": """\
+from pathlib import Path
+from ur5lib.errors import UnreadableError
+def reads(raw: Path) -> str:
+    if not raw.read_text():
+        raise UnreadableError('it is empty')
+    return raw.read_text()
+""",
+    "joins": """\
+from pathlib import Path
+def joins(parts: list[Path], unreadable: dict[str, str]) -> dict[str, str]:
+    text = ' '.join(path.read_text() for path in parts)
+    return {'joined': text, 'left_out': str(unreadable)}
+""",
+    "advises": """\
+from ur5lib.errors import InputError
+def advises(numbers: list[int]) -> None:
+    raise InputError('mend this')
+""",
+    "breaks": "def breaks(numbers: list[int]) -> None:\n    print('so far so good')\n    {}['x']\n",
+    "fills": "def fills(numbers: list[int]) -> None:\n    b'1' * 600_000_000\n",
+    "garbled": "def garbled(numbers: list[int]) -> None:\n    return (\n",
+    "dies": "import os\ndef dies(numbers: list[int]) -> None:\n    os.kill(os.getpid(), 9)\n",
+    "lasts": """\
+import os, time
+def lasts(pid: str) -> None:
+    open(pid, 'w').write(str(os.getpid()))
+    time.sleep(60)
+""",
+    "loads": """\
+import time
+began = time.process_time()
+while time.process_time() < began + 0.1:
+    pass
+def loads(numbers: list[int]) -> None:
+    pass
+""",
 }
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A project of a few made-up steps, with workers of its own."""
-    scripts = tmp_path / "workflow" / "scripts"
-    scripts.mkdir(parents=True)
+    """A library whose steps are a few made-up ones, with workers of its own."""
+    library, steps = tmp_path / "ur5lib", tmp_path / "ur5lib" / "steps"
+    steps.mkdir(parents=True)
+    for path in (PROJECT / "ur5lib").iterdir():
+        if path.name != "steps":
+            (library / path.name).symlink_to(path)
     for name, text in STEPS.items():
-        (scripts / f"{name}.py").write_text(text)
-    (tmp_path / "ur5lib").symlink_to(Path(job.__file__).parents[1])
+        (steps / f"{name}.py").write_text(text)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(workers, "IDLE", workers.queue.LifoQueue())
     yield tmp_path
     workers.end_idle()
 
 
-def run(step: str, **output: str) -> None:
+def run(step: str, input: dict[str, Setting] | None = None, **output: Setting) -> None:
     log = {"log": f"logs/{step}.log", "benchmark": f"benchmarks/{step}.tsv"}
-    run_step(step, {"numbers": [1, 2]}, output, {"more": 4}, log)
+    run_step(step, input or {}, output, {"numbers": [1, 2], "more": 4}, log)
 
 
-def test_a_step_gets_input_output_and_params(folder: Path) -> None:
-    run("adds", sum="sum.txt")
+def measured(folder: Path, step: str) -> dict[str, float]:
+    """The benchmark of a step's last job."""
+    header, values = (folder / "benchmarks" / f"{step}.tsv").read_text().splitlines()
+    return dict(zip(header.split(), map(float, values.split()), strict=True))
+
+
+@pytest.mark.parametrize("rule", ["adds", "adds_for_paper"])
+def test_a_step_gets_its_settings_and_its_result_is_written(folder: Path, rule: str) -> None:
+    """Also by another rule, which wants other outputs for the paper."""
+    run(rule, sum="sum.txt")
     assert (folder / "sum.txt").read_text() == "7"
-    assert (folder / "logs" / "adds.log").read_text() == "adding [1, 2]\nfrom a library"
-    header, values = (folder / "benchmarks" / "adds.tsv").read_text().splitlines()
-    assert header.split() == ["s", "max_rss", "start_up_time", "cpu_time"]
-    wall, memory, start_up, processor = map(float, values.split())
-    assert 0 < wall < 60
-    assert 1 < memory < 10_000
-    assert 0 <= start_up <= processor
+    assert (folder / "logs" / f"{rule}.log").read_text() == "adding [1, 2]\nfrom a library"
+    job = measured(folder, rule)
+    assert job.keys() == {"s", "max_rss", "start_up_time", "cpu_time"}
+    assert 0 < job["s"] < 60
+    assert 1 < job["max_rss"] < 10_000
+    assert 0 <= job["start_up_time"] <= job["cpu_time"]
 
 
 def test_a_warm_process_loads_once(folder: Path) -> None:
@@ -73,7 +106,7 @@ def test_a_warm_process_loads_once(folder: Path) -> None:
     times = []
     for _ in range(3):
         run("loads")
-        times.append(float((folder / "benchmarks" / "loads.tsv").read_text().split()[6]))
+        times.append(measured(folder, "loads")["start_up_time"])
     assert workers.IDLE.qsize() == 1
     assert times[0] >= 0.1
     assert max(times[1:]) < 0.1
@@ -83,7 +116,7 @@ def test_each_job_is_said_to_take_its_own_memory(folder: Path) -> None:
     memory = []
     for step in ("adds", "fills", "adds"):
         run(step, sum="sum.txt")
-        memory.append(float((folder / "benchmarks" / f"{step}.tsv").read_text().split()[5]))
+        memory.append(measured(folder, step)["max_rss"])
     before, largest, after = memory
     assert largest > before + 500  # MB
     assert after < before + 50
@@ -95,8 +128,7 @@ def test_a_job_that_reads_much_has_a_process_of_its_own(
     monkeypatch.setattr(workers, "MUCH_READ", 10)
     for size, idle in ((11, 0), (10, 1)):
         (folder / "raw").write_text("1" * size)
-        log = {"log": "logs/adds_up.log", "benchmark": "benchmarks/adds_up.tsv"}
-        run_step("adds_up", {"raw": "raw"}, {"sum": "sum.txt"}, {}, log)
+        run("reads", {"raw": "raw"}, sum="sum.txt")
         assert (folder / "sum.txt").read_text() == "1" * size
         assert workers.IDLE.qsize() == idle
 
@@ -148,8 +180,8 @@ def test_what_a_killed_process_wrote_aside_is_gone_when_its_step_has_run_again(
 def test_a_job_ends_with_its_run(folder: Path) -> None:
     """It would write its files later, when another run makes them."""
     worker, pid = workers.Worker(), folder / "pid"
-    files = Names(), Names(pid="pid"), Names()
-    worker.connection.send((Job.run, Job("lasts", *files, "lasts.log", "lasts.tsv")))
+    job = Job("lasts", {}, {}, {"pid": "pid"}, "lasts.log", "lasts.tsv")
+    worker.connection.send((Job.run, job))
     while not pid.exists() or not pid.read_text():
         time.sleep(0.05)
     worker.connection.close()
@@ -157,63 +189,20 @@ def test_a_job_ends_with_its_run(folder: Path) -> None:
     assert not Path(f"/proc/{pid.read_text()}").exists()
 
 
-def test_a_recording_that_kills_the_process_of_its_batch_is_named_alone(folder: Path) -> None:
-    """The others' steps run, each once; what has run is not run again."""
-    (folder / "number").write_text("1")
-
-    def step(name: str, of: str) -> Job:
-        log = f"logs/{name}/{of}.log", f"benchmarks/{name}/{of}.tsv"
-        files = Names(raw="number"), Names(sum=f"sum_{of}.txt")
-        return Job(name, *files, Names(), *log)
-
-    chains = {"a": ["adds_up"], "b": ["adds_up", "dies"], "c": ["adds_up"]}
-    jobs = {of: [step(name, of) for name in steps] for of, steps in chains.items()}
-    ends = run_chains(jobs)
-    assert {of: end.error for of, end in ends.items() if end.error} == {
-        "b": "dies: its process ended early, perhaps for lack of memory; see logs/dies/b.log"
-    }
-    assert all((folder / f"sum_{of}.txt").read_text() == "1" for of in chains)
-    del jobs["b"]
-    assert all(end.ran == [] and end.written for end in run_chains(jobs).values())
-
-
-# The small study's steps
-
-
-@pytest.fixture(scope="module")
-def results(built_workflow: Workflow) -> Path:
-    return built_workflow.folder / "results" / "small"
-
-
-def test_signals_are_on_the_robots_clock(results: Path) -> None:
-    signals = read_table(results / "recordings" / "pushed" / "signals.parquet")
-    np.testing.assert_allclose(np.diff(signals["time"]), 0.008)
-    push = signals["time"].between(2.4, 3.2)
-    assert signals.loc[push, "ft_fx"].mean() == pytest.approx(15, abs=0.1)
-    clock = read_json(results / "recordings" / "pushed" / "clocks.json")["force"]
-    assert clock["offset"] == pytest.approx(0.005, abs=1e-6)
-    assert clock["drift"] is None
-    # absent devices have no columns
-    still = read_table(results / "recordings" / "still" / "signals.parquet")
-    assert not still.filter(regex="ft_|imu_").columns.any()
-    assert read_json(results / "recordings" / "still" / "quality.json")["devices"] == ["robot"]
-
-
-def test_tables_have_a_row_for_each_value(results: Path, ur5: Robot) -> None:
-    torque = read_csv(results / "tables" / "torque_mae.csv")
-    looped = ur5.models.keys() & ur5.closed_loop_gains.keys()
-    models = {*ur5.models, "identified"}
-    assert len(torque) == 2 * (2 * len(models) + len(looped)) * 6  # recordings, ..., joints
-    assert torque["printed"].isna().all()
-    force = read_csv(results / "tables" / "force_mae.csv")
-    assert set(force["recording"]) == {"pushed"}
-    estimates = force.groupby("kind")["estimate"].unique().map(set)
-    assert estimates["printed"] == {"Fu", "F", "F*"}
-    assert estimates["corrected"] == estimates["compensated"] >= {"Fu", "F", "F*", "Fmap"}
-    parts = force.groupby(["kind", "estimate", "during"]).size()
-    assert (parts == 6).all()  # components
-    assert len(parts) == sum(map(len, estimates)) * force["during"].nunique()
-    assert {"all", "contact"} <= {*force["during"]}
-    errors = read_csv(results / "tables" / "contact_errors.csv")
-    assert errors.groupby("estimate")["contact"].nunique().eq(1).all()
-    assert {*errors["estimate"]} == estimates["compensated"]
+def test_a_recording_that_cannot_be_read_fails_no_job_and_changes_no_other(folder: Path) -> None:
+    """Its files say why, the log of its first step too; what is made of all is made of the rest."""
+    for name, text in (("a", "1"), ("b", ""), ("c", "3")):
+        (folder / f"{name}.raw").write_text(text)
+        (folder / name).mkdir()
+        run("reads", {"raw": f"{name}.raw"}, made=f"{name}/read")
+        assert ("it is empty" in (folder / "logs" / "reads.log").read_text()) == (name == "b")
+        run("reads", {"raw": f"{name}/read"}, made=f"{name}/again")
+    assert reason("b/read") == reason("b/again") == "it is empty"
+    for whole, names in (("all", "abc"), ("rest", "ac")):
+        parts = [f"{name}/again" for name in names]
+        run("joins", {"parts": parts}, joined=f"{whole}.txt", left_out=f"{whole}_left_out.txt")
+    assert (folder / "all.txt").read_text() == (folder / "rest.txt").read_text() == "1 3"
+    assert (folder / "all_left_out.txt").read_text() == "{'b': 'it is empty'}"
+    assert (folder / "rest_left_out.txt").read_text() == "{}"
+    with pytest.raises(StepError, match="joins: none of 1 recordings can be read; it is empty"):
+        run("joins", {"parts": ["b/again"]}, joined="none.txt")
