@@ -113,14 +113,11 @@ def of_ast(path: Path) -> set[str]:
     return names
 
 
-def test_every_import_of_the_library_is_found() -> None:
-    """Without importing any module: what Python's own grammar says is what the text tells."""
+def test_no_import_of_the_library_is_missed() -> None:
+    """A result would stay when its code changes. The text tells all that Python's grammar does."""
     files = {}
     for path in sorted((PROJECT / "ur5lib").rglob("*.py")):
         name = ".".join(path.relative_to(PROJECT).with_suffix("").parts)
         files[name.removesuffix(".__init__")] = path
     for path in files.values():
-        expected = {files[name] for name in of_ast(path) & files.keys()}
-        assert expected <= imported_modules(path) <= expected | {PROJECT / "ur5lib/__init__.py"}, (
-            path
-        )
+        assert {files[name] for name in of_ast(path) & files.keys()} <= imported_modules(path), path
