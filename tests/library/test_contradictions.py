@@ -49,6 +49,7 @@ from ur5lib.steps.fit_friction import (
     require_single_runs,
 )
 from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.tidy import models
 from ur5lib.timeseries.arrays import Array
 
 WRONG = "another arm"
@@ -157,10 +158,9 @@ def results(signs: int, stopped: str | None) -> Results:
     rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
     key, why = ("stopped", stopped) if stopped else ("refused", "too short")
     friction = {"from": [], key: asdict(remark("other reason", reason=why))}
-    fits = {"identification": {}, "friction": {"ur5": friction}, "residuals": {}}
     tables = {
         "quality": pd.concat([empty("quality"), pd.DataFrame(rows)]),
-        "remarks": table("remarks", arm={"ur5": {}}, **fits),
+        "remarks": table(models.remarks, {"ur5": (None, friction, None)}),
     }
     return Results({}, tables, Path())
 
