@@ -59,7 +59,7 @@ from ur5lib.steps.compare_with_truth import (
     rotor_rows,
     wrench_rows,
 )
-from ur5lib.steps.compute_torques import joint_torques, rotor_samples
+from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.steps.fit_residuals import residual_models
 from ur5lib.steps.identify_model import rotor_samples

@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from benchmarks.motion import judged, simulated, with_imu
-from tests.made_tables import table
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.smoothing.encoders import widening
 from ur5lib.steps.judge_accelerations import by_range

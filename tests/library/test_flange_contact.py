@@ -10,6 +10,7 @@ from ur5lib.force.flange_contact import (
     place_jacobian,
     places,
 )
+from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
