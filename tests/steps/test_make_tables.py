@@ -1,5 +1,6 @@
 """The study's tables from the rows of its recordings and arms."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,7 @@ def test_bands_of_acceleration_are_of_the_other_recordings(ur5: Robot) -> None:
     imu = ImuComparison(
         calibrated_on=["a", "b", "gone"], ranges=difference, plain_ranges=difference
     )
-    bands = made(ur5, dict.fromkeys("ab", Judgement(imu=imu)))["acceleration_bands"]
+    bands = made(ur5, {name: Judgement(imu=replace(imu)) for name in "ab"})["acceleration_bands"]
     assert {*bands["recording"]} == {"a", "b"}
     assert made(ur5, {"a": Judgement(imu=imu)})["acceleration_bands"].empty
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import Workflow
-from ur5lib.force.estimators import GATED
+from ur5lib.force.estimators import NEW
 from ur5lib.recordings.quality import Quality
 from ur5lib.records.motion import Alignment
 from ur5lib.robots.description import Robot
@@ -50,7 +50,7 @@ def test_tables_have_a_row_for_each_value(results: Path, ur5: Robot) -> None:
     estimates = force.groupby("kind")["estimate"].unique().map(set)
     assert estimates["printed"] == {"Fu"}
     assert estimates["corrected"] == estimates["compensated"] >= {"Fu", "Fmap"}
-    assert estimates["corrected"] - {"Fu"} <= {*GATED}
+    assert estimates["corrected"] - {"Fu"} <= {*NEW}
     parts = force.groupby(["kind", "estimate", "during"]).size()
     assert (parts == 6).all()  # components
     assert len(parts) == sum(map(len, estimates)) * force["during"].nunique()
