@@ -2,8 +2,9 @@
 PYTHON ?= python3
 DATA ?=
 ESTIMATOR ?=
-SPEED := dynamics smoothing stream rtde_csv study
-REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m real_time --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
+SPEED := dynamics smoothing study
+EXCEPT = and not thorough
+REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m "real_time $(EXCEPT)" --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib | sed 's/+cpu//'
@@ -24,19 +25,25 @@ studies: .venv/ready ## build the default study and every other whose recordings
 		else snakemake --configfile "$$study" || failed="$$failed $$study"; fi; \
 	done; [ -z "$$failed" ] || { echo "failed:$$failed"; exit 1; }
 
-test: lint ## run every check, as .ci/run does: style, types, all tests
+test: lint ## check style and types, and show every result, command and format, as .ci/run does: some ten minutes
+	$(MAKE) tests
+
+test-all: lint ## the same with the tests marked thorough: installed packages, Slurm, benchmarks, devices in all their faults
+	$(MAKE) tests EXCEPT=
+
+tests:
 	rm -f .pytest_cache/late
 	$(MAKE) --jobs 2 test-others test-real-time
 	# what did not keep up beside the others is tried again, alone
 	test ! -e .pytest_cache/late || $(REAL_TIME) --last-failed --reruns 2 --reruns-delay 5
 
 test-others:
-	MAKEFLAGS= OMP_NUM_THREADS=1 nice -n 19 pytest -m "not real_time"  # two processes share the work already
+	MAKEFLAGS= OMP_NUM_THREADS=1 nice -n 19 pytest -m "not real_time $(EXCEPT)"  # two processes share the work already
 
 test-real-time:
 	$(REAL_TIME) || touch .pytest_cache/late
 
-test-fast: lint ## the same without the tests marked slow: many arms and designs, studies, devices in real time
+test-fast: lint ## check style and types, and run the tests that are not marked slow: without many arms and designs, studies, devices in real time
 	OMP_NUM_THREADS=1 pytest -m "not slow"
 
 lint: .venv/dev ## check style and types
@@ -89,4 +96,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-others test-real-time test-fast lint bench leaderboard docs schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint bench leaderboard docs schema lock clean help

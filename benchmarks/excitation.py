@@ -3,15 +3,12 @@
 For each arm: time, log det and condition numbers of a designed trajectory, of the best of many
 random ones that keep the same limits, and of way-points that move one joint after the other, as
 the thesis's `_No6` does. Then the errors on unseen motions after a fit to each, in memory: the
-problem's own equations with their noise. `--other` adds another's trajectory, such as the one that
-`figaroh/optimal_trajectory.py` writes; `--free` leaves out what FIGAROH does not know, distances
-and singularities. `--cells` designs in random cells instead, and counts the trajectories that keep
-all limits at 1 kHz.
+problem's own equations with their noise. `--cells` designs in random cells instead, and counts the
+trajectories that keep all limits at 1 kHz.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path as File
 
 import numpy as np
 
@@ -19,16 +16,15 @@ from benchmarks.harness.options import options_of
 from benchmarks.harness.timing import timed
 from ur5lib.commands.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
-from ur5lib.excitation.design import RATE, Effort, design, free_postures, random_path
-from ur5lib.excitation.objective import STEP, Task, Worth
-from ur5lib.excitation.problem import INDEPENDENT, Problem
-from ur5lib.excitation.trajectory import Cell
+from ur5lib.excitation.design import CHECK_RATE, Effort, design, free_postures, random_path
+from ur5lib.excitation.objective import STATE_STEP, Task, Worth
+from ur5lib.excitation.problem import INDEPENDENT_STEP, DesignProblem
+from ur5lib.excitation.trajectory import WorkCell
 from ur5lib.lab.stand.plan import POSTURE, Movej
 from ur5lib.lab.stand.trajectories import INITIAL_REST, plan_targets
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.sampling import interpolated
 
 ROBOTS = ("ur5", "ur5e")
 SECONDS, RANDOM = 20.0, 1000
@@ -40,7 +36,7 @@ ROUNDS = 6  # of Gauss and Newton's
 CELL_SECONDS = 5.0
 
 
-States = tuple[Array, Array]  # of a recording every STEP: Y (N, n, 11 n), q̇ (N, n)
+States = tuple[Array, Array]  # of a recording every STATE_STEP: Y (N, n, 11 n), q̇ (N, n)
 
 
 def main() -> None:
@@ -48,16 +44,12 @@ def main() -> None:
     options = options_of(__doc__)
     options.add_argument("--random", type=int, default=RANDOM, help="random trajectories")
     options.add_argument("--cells", type=int, default=0, help="random cells to design in")
-    options.add_argument("--other", type=File, help="CSV of another's trajectory: time, q1..q6")
-    options.add_argument("--free", action="store_true", help="without collisions, singularities")
     given = options.parse_args()
     if given.cells:
         return print_cells(given.cells)
     effort, count = (QUICK, 3) if given.quick else (USUAL, given.random)
     for robot in ROBOTS[-1:] if given.quick else ROBOTS:
-        task = usual_task(robot, SECONDS)
-        task = free(task) if given.free else task
-        compared(robot, task, effort, count, given.other)
+        compared(robot, usual_task(robot, SECONDS), effort, count)
 
 
 def usual_task(robot: str, seconds: float) -> Task:
@@ -66,20 +58,12 @@ def usual_task(robot: str, seconds: float) -> Task:
     return task_of(options, *earlier(options))
 
 
-def free(task: Task) -> Task:
-    """Return the task without limits of distances and singularities."""
-    limits = replace(task.cell.limits, clearance=-1.0, singular_value=1e-9)
-    return replace(task, cell=replace(task.cell, limits=limits))
-
-
-def compared(robot: str, task: Task, effort: Effort, count: int, other: File | None) -> None:
+def compared(robot: str, task: Task, effort: Effort, count: int) -> None:
     """Print what each trajectory is worth, and the errors after a fit to it."""
     took, found = timed(lambda: design(task, 0, effort))
     ours = task.regressor(found.path)
     rivals = random_motions(task, count)
     motions = {"designed": ours, "way-points": one_joint_after_the_other(task)}
-    if other is not None:
-        motions["another's"] = read_motion(task, other)
     print(f"\n{robot}, {SECONDS:g} s, designed in {took:.0f} s")
     print(f"{'':>24}{'log det':>9}{'cond. W':>9}{'cond. J':>10}")
     rows = {name: worth(task, motion) for name, motion in motions.items()}
@@ -108,17 +92,8 @@ def one_joint_after_the_other(task: Task) -> States:
     turned = [np.add(POSTURE, TURN * axis) for axis in np.eye(6)]
     turns = [point for own in turned for point in (POSTURE, own)]
     plan = Movej(kind="movej", way_points=[tuple(map(float, point)) for point in turns])
-    targets = plan_targets(plan, task.cell.robot, INITIAL_REST + np.arange(0, SECONDS, STEP))
+    targets = plan_targets(plan, task.cell.robot, INITIAL_REST + np.arange(0, SECONDS, STATE_STEP))
     return task.cell.model.regressor(targets.q, targets.qd, targets.qdd), targets.qd
-
-
-def read_motion(task: Task, path: File) -> States:
-    """Return the states of a trajectory in a CSV without a header: time [s], q1 .. q6 [rad]."""
-    clock, *angles = np.loadtxt(path, delimiter=",").T
-    at = np.arange(clock[0], clock[-1], STEP)
-    q = interpolated(at, clock, np.array(angles).T)
-    qd = np.gradient(q, STEP, axis=0)
-    return task.cell.model.regressor(q, qd, np.gradient(qd, STEP, axis=0)), qd
 
 
 def worth(task: Task, motion: States) -> Array:
@@ -147,11 +122,11 @@ def unseen_error(task: Task, motion: States) -> Array:
 
 def thinned(Y: Array, qd: Array) -> tuple[Array, Array]:
     """Return the samples whose errors are independent."""
-    every = round(INDEPENDENT / STEP)
+    every = round(INDEPENDENT_STEP / STATE_STEP)
     return Y[::every], qd[::every]
 
 
-def fit(problem: Problem, Y: Array, qd: Array, measured: Array) -> Array:
+def fit(problem: DesignProblem, Y: Array, qd: Array, measured: Array) -> Array:
     """Return the parameters (P,) by Gauss-Newton from measurements (N, 12) and the prior."""
     theta = problem.theta
     for _ in range(ROUNDS):
@@ -182,7 +157,7 @@ def keeps_limits(seed: int) -> bool:
     """Return whether the trajectory of a random cell keeps all limits at 1 kHz."""
     task = random_task(np.random.default_rng(seed))
     path = design(task, seed, OF_CELLS).path
-    return not task.cell.margins(path.sampled(RATE)[1]).broken()
+    return not task.cell.margins(path.sampled(CHECK_RATE)[1]).broken()
 
 
 def random_task(random: np.random.Generator) -> Task:
@@ -193,7 +168,7 @@ def random_task(random: np.random.Generator) -> Task:
         table=float(random.uniform(-0.3, 0.0)) if random.random() < 0.7 else None,
         boxes=[random_box(random) for _ in range(random.integers(4))],
     )
-    cell = Cell.around(load_robot(robot_path(robot)), things)
+    cell = WorkCell.around(load_robot(robot_path(robot)), things)
     limits = replace(
         cell.limits,
         velocity=cell.limits.velocity * random.uniform(0.2, 1.5),

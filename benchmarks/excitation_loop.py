@@ -18,9 +18,9 @@ import yaml
 from benchmarks.harness.options import options_of
 from benchmarks.study import snakemake
 from ur5lib.commands.excite import ExciteOptions, excite, known_load
-from ur5lib.excitation.design import USUAL, Effort
-from ur5lib.excitation.outlook import KEPT
-from ur5lib.excitation.problem import PER_JOINT
+from ur5lib.excitation.design import USUAL_EFFORT, Effort
+from ur5lib.excitation.outlook import KEPT_COEFFICIENTS
+from ur5lib.excitation.problem import JOINT_PARAMETERS
 from ur5lib.records.friction import Friction
 from ur5lib.tables import read_json, read_record
 
@@ -40,7 +40,7 @@ def main() -> None:
     options.add_argument("robot", nargs="?", default="ur5e", help="name of an arm")
     options.add_argument("--precision", type=float, default=PRECISION, help="share of the prior's")
     given = options.parse_args()
-    effort, most = (QUICK, 2) if given.quick else (USUAL, MOST)
+    effort, most = (QUICK, 2) if given.quick else (USUAL_EFFORT, MOST)
     recordings: list[dict[str, Any]] = []
     before: dict[str, float] = {}
     for number in range(1, most + 1):
@@ -93,7 +93,7 @@ def built(recordings: list[dict[str, Any]]) -> None:
 def stated(robot: str) -> dict[str, float]:
     """Return the standard errors of torque constants and friction that the study states."""
     rows = read_record(Friction, RESULTS / "parameters" / robot / "friction.json").parameters
-    told = dict(zip(KEPT, PER_JOINT, strict=True))
+    told = dict(zip(KEPT_COEFFICIENTS, JOINT_PARAMETERS, strict=True))
     return {
         f"{told[row.name]} of joint {row.joint}": row.std_error for row in rows if row.name in told
     }

@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.harness.options import asked
 from ur5lib.steps.track_health import FALSE_ALARMS
-from ur5lib.timeseries.changes import Series, coloured, find_changes
+from ur5lib.timeseries.changes import DatedSeries, coloured, find_changes
 
 ARMS, DATES, APART = 100, 20, 3.0  # days between dates
 SERIES = 30  # of an arm: six joints, five quantities
@@ -38,24 +38,24 @@ def main() -> None:
             print(f"| {correlation:g} | {false} of {arms} | {size:g} | {drifts} | {jumps} |")
 
 
-def arm(seed: int, correlation: float, series: int) -> list[Series]:
+def arm(seed: int, correlation: float, series: int) -> list[DatedSeries]:
     """Return the quantities of an arm that does not change."""
     independent = np.random.default_rng(seed).standard_normal((series, DATES))
     day, error = APART * np.arange(DATES), np.full(DATES, STATED)
-    return [Series(day, 1 + SPREAD * row, error) for row in coloured(independent, correlation)]
+    return [DatedSeries(day, 1 + SPREAD * row, error) for row in coloured(independent, correlation)]
 
 
-def drifting(series: Series, size: float) -> Series:
+def drifting(series: DatedSeries, size: float) -> DatedSeries:
     """Return a series that rises evenly by a size [standard deviations]."""
     return replace(series, value=series.value + size * SPREAD * np.linspace(0, 1, DATES))
 
 
-def jumping(series: Series, size: float) -> Series:
+def jumping(series: DatedSeries, size: float) -> DatedSeries:
     """Return a series that jumps by a size [standard deviations] on the date in the middle."""
     return replace(series, value=series.value + size * SPREAD * (np.arange(DATES) >= DATES // 2))
 
 
-def found(series: Series, kind: str) -> bool:
+def found(series: DatedSeries, kind: str) -> bool:
     """Return whether the first change that is found is of this kind."""
     changes = find_changes(series, LEVEL)
     return bool(changes) and changes[0].kind == kind

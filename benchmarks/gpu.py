@@ -15,7 +15,7 @@ from torch import Tensor
 
 from benchmarks.harness.options import options_of
 from benchmarks.harness.timing import timed
-from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
@@ -77,7 +77,7 @@ def random_states(size: int, dtype: torch.dtype) -> list[Tensor]:
     return [torch.rand(size, 6, dtype=dtype, generator=random) * 6 - 3 for _ in range(3)]
 
 
-def error(robot: Robot, arm: Arm, states: list[Tensor]) -> float:
+def error(robot: Robot, arm: ArmTensors, states: list[Tensor]) -> float:
     """Return the largest difference from the processor in float64, on the first 10,000 states."""
     few = [state[:10_000] for state in states]
     exact = inverse_dynamics(build_arm(robot, MODEL), *(state.double() for state in few))

@@ -4,8 +4,7 @@
 
 Prints the tables of results/<study> as built, by default of `thesis` and `ur10e`, as `ur5
 leaderboard` does, and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too, with
-the tables of `simulated_contacts`, `current_prediction` and `learning_curve` as these left them in
-results/, or as the page already has them.
+the table of `simulated_contacts` as that left it in results/, or as the page already has it.
 `--estimator` adds one that is not among them; with it, or with estimators of the working folder,
 the page is results/benchmark.md. `--quick` takes four estimators: it only shows that it runs.
 """
@@ -15,10 +14,10 @@ from pathlib import Path
 
 from benchmarks.harness import page
 from benchmarks.harness.options import built, study_options
-from benchmarks.harness.sections import detection_tables, sections
+from benchmarks.harness.sections import detection_tables, simulated_section
 from ur5lib.errors import InputError
 from ur5lib.force.estimators import OWN
-from ur5lib.leaderboard.board import RESULTS, TABLE, contenders, scored
+from ur5lib.leaderboard.board import RESULTS_FOLDER, TABLE_FILE, contenders, scored
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.study import read_arms
@@ -27,7 +26,7 @@ from ur5lib.tables import write_csv, write_text
 
 QUICK = (OURS, "zero", "least squares", "momentum observer")
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
-BESIDE = RESULTS / "benchmark.md"  # with estimators that are not the project's
+BESIDE = RESULTS_FOLDER / "benchmark.md"  # with estimators that are not the project's
 
 
 def main() -> None:
@@ -36,7 +35,7 @@ def main() -> None:
     options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
     options.add_argument("--estimator", help="package.module:Class, beside the rivals")
     given = options.parse_args()
-    folders = built(RESULTS / name for name in given.studies)
+    folders = built(RESULTS_FOLDER / name for name in given.studies)
     try:
         slow = {own.name for own in all_estimators()} - {*QUICK} if given.quick else {}
         chosen = [own for own in contenders(given.estimator) if own.name not in slow]
@@ -44,12 +43,13 @@ def main() -> None:
         table = scored(arms, chosen)
     except InputError as error:
         sys.exit(str(error))
-    write_csv(table, TABLE)
+    write_csv(table, TABLE_FILE)
     print(tables(table))
     if given.page:
-        further = sections(RESULTS) | {"detections": detection_tables(folders)}
+        simulated = simulated_section(RESULTS_FOLDER / "simulated_contacts.csv")
+        further = {"simulated": simulated, "detections": detection_tables(folders)}
         text, names = page.page(table, arms, further), [*table["estimator"].unique()]
-        text = page.with_kept(text, PAGE.read_text(), further, names)
+        text = page.with_kept(text, PAGE.read_text(), simulated is not None, names)
         if given.estimator or OWN:
             write_text(text.replace("](methods.md", "](../docs/methods.md"), BESIDE)
         else:

@@ -29,16 +29,16 @@ import yaml
 
 from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
-from ur5lib.force.external_torque import SLOW
+from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.records.currents import Currents
-from ur5lib.records.forces import Forces
+from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
-from ur5lib.report.findings import in_words
-from ur5lib.steps.judge_contacts import alarms_by_odds, raised_live, strongest
+from ur5lib.report.page.findings import in_words
+from ur5lib.steps.judge_contacts import alarms_by_odds, live_alarms, strongest
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
@@ -80,6 +80,11 @@ class Recording:
     def file(self, name: str) -> str:
         """Path of a file that the study made of it."""
         return str(self.folder / name)
+
+    def sensed(self) -> Array:
+        """Return the sensor's wrench (N, 6), bias and tool removed; empty without a sensor."""
+        found = SensorWrenches.read(self.file("sensor.parquet")).wrench
+        return found.get("compensated", np.empty((0, 6)))
 
 
 @dataclass(frozen=True)
@@ -301,7 +306,7 @@ class Fold:
                     [own.name, name, len(stated), len(found.evidence) * minute, lasted, most]
                 )
             if (odds := forces.causal_log_odds) is not None:
-                raised = raised_live(odds, thresholds.get("causal", 0.0))
+                raised = live_alarms(odds, thresholds.get("causal", 0.0))
                 lasted = sum(last - first for first, last in raised) * minute
                 rows.append([own.name, "causal", len(raised), len(odds) * minute, lasted, np.nan])
         return pd.DataFrame(rows, columns=ALARMS)
@@ -381,7 +386,7 @@ def friction_excess(currents: Currents, motion: Motion) -> Array:
     excess = np.full(6, np.nan)
     for joint in range(6):
         torque, friction = currents.external_torque[:, joint], currents.friction_torque[:, joint]
-        rows = (np.abs(motion.motor_qd[:, joint]) > SLOW) & np.isfinite(torque + friction)
+        rows = (np.abs(motion.motor_qd[:, joint]) > REST_SPEED) & np.isfinite(torque + friction)
         if rows.sum() * motion.period >= MOVES:
             columns = np.column_stack([-friction[rows], np.ones(rows.sum())])
             excess[joint] = np.linalg.lstsq(columns, torque[rows])[0][0]

@@ -30,7 +30,6 @@ from ur5lib.timeseries.metrics import NORMAL95
 SEEDS, PERIOD = 20, 0.008  # s
 POSTURE = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 KINDS = ("moves", "moves with pauses", "Fourier series")
-QUANTITIES = ("q", "qd", "qdd")
 ORDER, CUTOFFS = 4, np.geomspace(0.5, 50, 60)
 BAND = signal.butter(ORDER, [5, 20], "bandpass", fs=1 / PERIOD, output="sos")
 PAUSE = 38  # samples: 0.3 s

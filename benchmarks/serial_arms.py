@@ -26,7 +26,10 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarm_threshold, alarms, match, spans
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.wrench_estimate import WrenchEstimate
-from ur5lib.identification.currents import BETWEEN_DAYS, BETWEEN_RUNS
+from ur5lib.identification.currents import (
+    DAY_TO_DAY_STD,
+    RUN_TO_RUN_STD,
+)
 from ur5lib.lab.stand.layout import ROBOT_FILES
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import Motor, Robot
@@ -74,8 +77,8 @@ def plans(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:
     middle = np.clip(robot.position_limits(), -np.pi, np.pi).mean(axis=1)
     bent = middle + BEND * (-1.0) ** np.array(robot.joint_numbers)
     rubbing = np.random.default_rng([seed, 1])  # so that motions do not depend on it
-    days = 1 + BETWEEN_DAYS * rubbing.normal(size=(len(SHARES) // OF_A_DAY, len(bent)))
-    runs = 1 + BETWEEN_RUNS * rubbing.normal(size=(len(SHARES), len(bent)))
+    days = 1 + DAY_TO_DAY_STD * rubbing.normal(size=(len(SHARES) // OF_A_DAY, len(bent)))
+    runs = 1 + RUN_TO_RUN_STD * rubbing.normal(size=(len(SHARES), len(bent)))
     for k, share in enumerate(SHARES):
         posture = bent + random.uniform(-SWAY, SWAY, len(bent))
         friction = [*(days[k // OF_A_DAY] * runs[k])]

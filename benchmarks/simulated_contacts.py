@@ -31,14 +31,14 @@ from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
-from ur5lib.force.detection import CONTACT, is_free
+from ur5lib.force.detection import CONTACT_FORCE, is_free
 from ur5lib.lab.stand.plan import POSTURE
-from ur5lib.leaderboard.board import RESULTS, estimates, learnt
+from ur5lib.leaderboard.board import RESULTS_FOLDER, estimates, learnt
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.leaderboard.scores import known_to_all, masked, score_by_sample
-from ur5lib.leaderboard.study import Arm, label_paths, read_run
+from ur5lib.leaderboard.study import StudyArm, label_paths, read_run
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot
@@ -65,7 +65,11 @@ def main() -> None:
     given = options.parse_args()
     torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
     names = [own.name for own in all_estimators() if own.name not in LEFT_OUT]
-    folder, seeds, size = RESULTS / "simulated_contacts", given.seeds or SEEDS, (EACH, FIT_SECONDS)
+    folder, seeds, size = (
+        RESULTS_FOLDER / "simulated_contacts",
+        given.seeds or SEEDS,
+        (EACH, FIT_SECONDS),
+    )
     if given.quick:
         folder, seeds = folder.with_name("simulated_contacts_quick"), given.seeds or 1
         size = (1, QUICK_SECONDS)
@@ -101,7 +105,7 @@ def seed_rows(
     """
     contacts = pushes(seed, each)
     study = planned(seed, contacts, seconds)
-    folder, arm = RESULTS / study["study"], ARMS[seed % len(ARMS)]
+    folder, arm = RESULTS_FOLDER / study["study"], ARMS[seed % len(ARMS)]
     clear(study)  # what a run left that was killed
     try:
         built(study)
@@ -113,7 +117,7 @@ def seed_rows(
     finally:
         clear(study)
     *free, pushed = label_paths(runs)
-    known = Arm(study["study"], arm, free, [pushed], [])
+    known = StudyArm(study["study"], arm, free, [pushed], [])
     chosen = [own for own in all_estimators() if own.name in names]
     entries = {entry.estimator.name: entry for entry in learnt(known, chosen)}
     about = {"seed": seed, "arm": arm, "motion": motion_of(seed)["kind"]}
@@ -127,7 +131,7 @@ def seed_rows(
 
 def clear(study: dict[str, Any]) -> None:
     """Remove a seed's recordings and results."""
-    for folder in (RESULTS / study["study"], Path("raw", study["study"])):
+    for folder in (RESULTS_FOLDER / study["study"], Path("raw", study["study"])):
         shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -212,7 +216,7 @@ def figures(
     true = {place: force_at(place, time, contacts) for place in PLACES}
     common = known_to_all(found)
     touched = {
-        place: common & (np.linalg.norm(own, axis=1) > CONTACT) for place, own in true.items()
+        place: common & (np.linalg.norm(own, axis=1) > CONTACT_FORCE) for place, own in true.items()
     }
     whole = np.hstack([sum(true.values()), np.zeros_like(time)[:, None].repeat(3, axis=1)])
     free = common & is_free(np.linalg.norm(whole[:, :3], axis=1), run.period)

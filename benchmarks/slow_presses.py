@@ -21,9 +21,9 @@ from benchmarks.harness.options import asked
 from benchmarks.simulated_contacts import FRICTION, posture
 from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import TOUCH
+from ur5lib.force.detection import TOUCH_FORCE
 from ur5lib.force.problem import fmap_problem
-from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
+from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
 from ur5lib.identification.current_samples import Smoother
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import load_robot, robot_path
@@ -137,14 +137,16 @@ def sums(true: Array, wrench: Array, std: Array) -> tuple[float, float, int]:
 def delay(own: Pressed, found: WrenchEstimate) -> float:
     """Time [s] from touch to the first sample of the gate's contact, NaN if there is none."""
     rows = in_contact(own.force)
-    odds = np.flatnonzero(rows & (found.log_odds > np.log(OPENS / (1 - OPENS))))
+    odds = np.flatnonzero(
+        rows & (found.log_odds > np.log(OPENING_PROBABILITY / (1 - OPENING_PROBABILITY)))
+    )
     period = own.taken.motion.period
     return float(odds[0] - np.argmax(rows)) * period if len(odds) else np.nan
 
 
 def in_contact(force: Array) -> Array:
     """Samples (N,) at which a force (N, 3) counts as touched."""
-    return np.linalg.norm(force, axis=1) > TOUCH
+    return np.linalg.norm(force, axis=1) > TOUCH_FORCE
 
 
 if __name__ == "__main__":

@@ -21,7 +21,13 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.smoothing.encoders import encoder_system
-from ur5lib.smoothing.imu_fusion import ALL, WITH_BIASES, LinearImu, add_imu, linearise_imu
+from ur5lib.smoothing.imu_fusion import (
+    ALL_STATES,
+    OUTPUTS_FROM_STATES,
+    LinearImu,
+    add_imu,
+    linearise_imu,
+)
 from ur5lib.smoothing.noise import EncoderNoise
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import LinearSystem, System, smooth
@@ -76,7 +82,10 @@ def main() -> None:
         "loop, Pinocchio": lambda: looped(robot, pin, recording),
     }
     count = 1 if quick else ROUNDS
-    print(f"{len(recording.q)} samples, {ALL} states, 18 measurements; median of {count} rounds")
+    print(
+        f"{len(recording.q)} samples, {ALL_STATES} states, 18 measurements; "
+        f"median of {count} rounds"
+    )
     rounds = [{name: timed(run) for name, run in contenders.items()} for _ in range(count)]
     states = rounds[0]["this library"][1]
     for name in contenders:
@@ -154,12 +163,14 @@ def linearised(robot: Robot, kinematics: Kinematics, q: Array, qd: Array) -> Lin
 def looped(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
     """Return the states (N, 42) by plain loops: sample after sample, then back."""
     start, q, qd = first_two(robot, kinematics, own), own.q, own.qd
-    ekf = ExtendedKalmanFilter(ALL, 18)
-    ekf.x, ekf.P, ekf.R = np.zeros(ALL), np.zeros((ALL, ALL)), np.diag(start.R[0])
+    ekf = ExtendedKalmanFilter(ALL_STATES, 18)
+    ekf.x = np.zeros(ALL_STATES)
+    ekf.P = np.zeros((ALL_STATES, ALL_STATES))
+    ekf.R = np.diag(start.R[0])
     steps = []
     for k in range(len(q)):
         model = linearised(robot, kinematics, q[k : k + 1], qd[k : k + 1])
-        H = np.vstack([start.H[0, :12], model.H[0] @ WITH_BIASES])
+        H = np.vstack([start.H[0, :12], model.H[0] @ OUTPUTS_FROM_STATES])
         ekf.F, ekf.Q = start.F[min(k, 1)], start.Q[min(k, 1)]
         ekf.predict()
         z = np.concatenate([q[k], qd[k], own.readings[k] - model.offset[0]])

@@ -30,7 +30,7 @@ from ur5lib.identification.current_samples import (
     prior_of,
 )
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import CurrentSamples
 from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.lab.stand.simulate import simulate
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
@@ -150,7 +150,7 @@ class Taken:
         return joint_torques(self.robot, carried(None, self.signals), self.signals, self.motion)
 
     @cached_property
-    def record(self) -> Record:
+    def record(self) -> CurrentSamples:
         """Smoothed motion, its torque under the true model, the measured current."""
         name, model = f"seed {self.summary.plan.seed}", self.summary.model
         record = current_record(name, self.signals, self.motion, self.torques, model)

@@ -26,7 +26,6 @@ import numpy as np
 import pandas as pd
 import torch
 
-from benchmarks.few_recordings import sensed
 from benchmarks.harness.drawn_pushes import drawn_pushes
 from benchmarks.harness.options import arm_options, built
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
@@ -37,7 +36,7 @@ from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import diagonal
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.wrench_estimate import OPENS, WrenchEstimate
+from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
 from ur5lib.leaderboard.tables import markdown
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
@@ -97,9 +96,13 @@ PARTS = {
     "load friction of gears": Part(without_gears("loss")),
     "background": Part({f"{GATE}.smooth": unknown_background}),
     "hunting": Part(prior={"hunting": (0.0,)}),
-    "stiction given back": Part({f"{ESTIMATE}.held": lambda torque, *_: 0 * torque}),
-    "margin and hysteresis": Part({f"{ESTIMATE}.MARGIN": 0.0, f"{ESTIMATE}.CLOSES": OPENS}),
-    "friction at rest": Part({f"{GATE}.HELD": 0.0}, {"stiction": 0.01}),
+    "stiction given back": Part(
+        {f"{ESTIMATE}.mean_stiction_torque": lambda torque, *_: 0 * torque}
+    ),
+    "margin and hysteresis": Part(
+        {f"{ESTIMATE}.CONTACT_MARGIN": 0.0, f"{ESTIMATE}.CLOSING_PROBABILITY": OPENING_PROBABILITY}
+    ),
+    "friction at rest": Part({f"{GATE}.MIN_REST_STD": 0.0}, {"stiction": 0.01}),
     "mixture band": Part({f"{ESTIMATE}.mixture_std": of_a_free_arm}),
     "cross-fitting": Part(
         {"ur5lib.records.friction.Friction.fit_for": lambda own, _: own.fit}, refits=True
@@ -120,14 +123,17 @@ CONSTANTS = {  # a field of the prior, or the places of a constant
     "in motion": "rubbing",
     "hunting": "hunting",
     "settling [s]": "settling",
-    "mean of what stiction takes": ["ur5lib.force.force_input.MEAN", f"{ESTIMATE}.MEAN"],
-    "least deviation at rest": [f"{GATE}.HELD"],
-    "weight of the typical lever": ["ur5lib.force.contact_wrench.LEVERS"],
-    "weight of the typical contact": ["ur5lib.force.contact_wrench.WEIGHT"],
-    "gate closes": [f"{ESTIMATE}.CLOSES"],
-    "margin [s]": [f"{ESTIMATE}.MARGIN"],
-    "κ": [f"{ESTIMATE}.MISSED_TO"],
-    "blur [s]": ["ur5lib.force.contact_wrench.BLUR"],
+    "mean of what stiction takes": [
+        "ur5lib.force.force_input.MEAN_STICTION",
+        f"{ESTIMATE}.MEAN_STICTION",
+    ],
+    "least deviation at rest": [f"{GATE}.MIN_REST_STD"],
+    "weight of the typical lever": ["ur5lib.force.contact_wrench.TYPICAL_LEVER_WEIGHT"],
+    "weight of the typical contact": ["ur5lib.force.contact_wrench.TYPICAL_SIZE_WEIGHT"],
+    "gate closes": [f"{ESTIMATE}.CLOSING_PROBABILITY"],
+    "margin [s]": [f"{ESTIMATE}.CONTACT_MARGIN"],
+    "κ": [f"{ESTIMATE}.MISSED_DEVIATIONS"],
+    "blur [s]": ["ur5lib.force.contact_wrench.LOWPASS_BLUR"],
 }
 
 
@@ -182,7 +188,7 @@ def folds(study: Study) -> list[tuple[list[Recording], list[Recording]]]:
 
 def is_judged(own: Recording) -> bool:
     """Whether nothing touches the arm, or a sensor feels what does."""
-    return own.entry["role"] != "contact" or len(sensed(own)) > 0
+    return own.entry["role"] != "contact" or len(own.sensed()) > 0
 
 
 def without_parts(
@@ -212,7 +218,7 @@ def counts(fold: Fold, tested: list[Recording], prior: ContactPrior) -> Iterator
     for own in tested:
         motion, found = Motion.read(own.file("motion.parquet")), estimate(fold, own, prior)
         if own.entry["role"] == "contact":
-            yield {"by": "sensor"} | in_contacts(found, sensed(own), least, motion.period)
+            yield {"by": "sensor"} | in_contacts(found, own.sensed(), least, motion.period)
             continue
         minutes = len(motion.time) * motion.period / 60
         yield {"by": "alarms", "found": len(alarms(found.log_odds, least)), "minutes": minutes}

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from ur5lib.checks.devices import checked_intake
 from ur5lib.recordings import formats, intake
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake
@@ -14,5 +15,6 @@ def read_recording(entry: Mapping[str, Any]) -> RawRecording:
     return formats.read_recording(ENTRY.validate_python(entry))
 
 
-def read_and_repair(entry: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
-    return intake.read_and_repair(ENTRY.validate_python(entry), arm, max_gap)
+def read_and_check(entry: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
+    repaired = intake.read_and_repair(ENTRY.validate_python(entry), arm, max_gap)
+    return checked_intake(repaired, arm)

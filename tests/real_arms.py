@@ -15,7 +15,7 @@ import pandas as pd
 import yaml
 
 from tests.conftest import PROJECT
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from ur5lib.commands.check import look_through, settled
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
@@ -31,7 +31,7 @@ from ur5lib.identification.current_samples import (
 )
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Record, Smooth
+from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.recordings.intake import Intake
 from ur5lib.records.carried import carried
 from ur5lib.records.currents import Currents
@@ -40,7 +40,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clock import Clock, SettledClock
+from ur5lib.signals.clock import ClockRelation, SettledClock
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
@@ -72,7 +72,7 @@ class RealRecording:
     arm_file: Path
     motion_file: Path
     built: Path | None = None
-    sensor_clock: Clock | None = None
+    sensor_clock: ClockRelation | None = None
 
     @property
     def name(self) -> str:
@@ -85,7 +85,7 @@ class RealRecording:
     @cached_property
     def intake(self) -> Intake:
         max_gap = self.settings.frames.max_gap_s
-        return read_and_repair(self.entry, self.robot, max_gap)
+        return read_and_check(self.entry, self.robot, max_gap)
 
     @cached_property
     def signals(self) -> Signals:
@@ -122,7 +122,7 @@ class RealRecording:
         return Kinematics.of(self.signals.time, *frames)
 
     @cached_property
-    def record(self) -> Record:
+    def record(self) -> CurrentSamples:
         """What its currents are fitted on."""
         model = self.robot.fullest_model()
         record = current_record(self.name, self.signals, self.motion, self.torques, model)
@@ -187,7 +187,7 @@ class RealStudy:
         return RealRecording(entry, settings, arm, motion, None, self.sensor_clocks.get(name))
 
     @cached_property
-    def sensor_clocks(self) -> dict[str, Clock]:
+    def sensor_clocks(self) -> dict[str, ClockRelation]:
         """How each force sensor's clock runs: by stamps and by its host."""
         if not self.study.hosts:
             return {}

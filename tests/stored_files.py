@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from tests.entries import read_recording
 from tests.synthetic import write_recording
-from ur5lib.channels import SIX, SUFFIXES
+from ur5lib.channels import SIX_SUFFIXES, SUFFIXES
 
 Channels = dict[str, np.ndarray]  # (n, k) by channel of RTDE
 Made = tuple[np.ndarray, Channels]  # time (n,) [s], and channels
@@ -93,7 +93,7 @@ def frame(time: np.ndarray, channels: Channels) -> pd.DataFrame:
     columns = {
         name + suffix: values[:, k]
         for name, values in channels.items()
-        for k, suffix in enumerate(SUFFIXES.get(name, SIX))
+        for k, suffix in enumerate(SUFFIXES.get(name, SIX_SUFFIXES))
     }
     return pd.DataFrame({"time": time, **columns})
 

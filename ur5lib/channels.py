@@ -4,12 +4,12 @@ import math
 import re
 from collections.abc import Collection
 from difflib import get_close_matches
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
-SIX = tuple(f"_{index}" for index in range(6))
+SIX_SUFFIXES = tuple(f"_{index}" for index in range(6))
 MOST_JOINTS = 8
-AXES = ("x", "y", "z")
-UNUSED = (
+AXIS_SUFFIXES = ("x", "y", "z")
+UNUSED_CHANNELS = (
     "actual_robot_braking_energy_dissipated",
     "actual_robot_energy_consumed",
     "analog_io_types",
@@ -40,9 +40,10 @@ class ChannelSpec(NamedTuple):
     bound: float = math.inf
     of_joints: bool = False
 
-
-def _of_joints(unit: str, bound: float = math.inf) -> ChannelSpec:
-    return ChannelSpec(unit, SIX, bound, of_joints=True)
+    @classmethod
+    def by_joint(cls, unit: str, bound: float = math.inf) -> Self:
+        """Return a channel with a column for each joint."""
+        return cls(unit, SIX_SUFFIXES, bound, of_joints=True)
 
 
 CHANNELS = {
@@ -51,41 +52,43 @@ CHANNELS = {
     "interpolated": ChannelSpec("1"),
     "filled": ChannelSpec("1"),
     "received": ChannelSpec("s"),
-    "actual_q": _of_joints("rad", 4 * math.pi),
-    "target_q": _of_joints("rad", 4 * math.pi),
-    "actual_qd": _of_joints("rad/s", 20.0),
-    "target_qd": _of_joints("rad/s", 20.0),
-    "target_qdd": _of_joints("rad/s2", 200.0),
-    "actual_current": _of_joints("A", 60.0),
-    "actual_current_as_torque": _of_joints("Nm", 1000.0),
-    "actual_torque": _of_joints("Nm", 1000.0),  # of joints that sense it, not RTDE
-    "actual_torque_less_gravity": _of_joints("Nm", 1000.0),  # as some drivers write, not RTDE
-    "target_current": _of_joints("A", 60.0),
-    "target_moment": _of_joints("Nm", 1000.0),
-    "joint_control_output": _of_joints("A"),
-    "joint_temperatures": _of_joints("degC"),
-    "actual_joint_voltage": _of_joints("V"),
+    "actual_q": ChannelSpec.by_joint("rad", 4 * math.pi),
+    "target_q": ChannelSpec.by_joint("rad", 4 * math.pi),
+    "actual_qd": ChannelSpec.by_joint("rad/s", 20.0),
+    "target_qd": ChannelSpec.by_joint("rad/s", 20.0),
+    "target_qdd": ChannelSpec.by_joint("rad/s2", 200.0),
+    "actual_current": ChannelSpec.by_joint("A", 60.0),
+    "actual_current_as_torque": ChannelSpec.by_joint("Nm", 1000.0),
+    "actual_torque": ChannelSpec.by_joint("Nm", 1000.0),  # of joints that sense it, not RTDE
+    "actual_torque_less_gravity": ChannelSpec.by_joint(
+        "Nm", 1000.0
+    ),  # as some drivers write, not RTDE
+    "target_current": ChannelSpec.by_joint("A", 60.0),
+    "target_moment": ChannelSpec.by_joint("Nm", 1000.0),
+    "joint_control_output": ChannelSpec.by_joint("A"),
+    "joint_temperatures": ChannelSpec.by_joint("degC"),
+    "actual_joint_voltage": ChannelSpec.by_joint("V"),
     "actual_current_window": ChannelSpec("A"),
     "joint_mode": ChannelSpec("1"),
-    "actual_TCP_force": ChannelSpec("N, Nm", SIX, 5000.0),
-    "actual_TCP_speed": ChannelSpec("m/s, rad/s", SIX, 50.0),
-    "actual_TCP_pose": ChannelSpec("m, rad", SIX, 20.0),
-    "target_TCP_pose": ChannelSpec("m, rad", SIX),
-    "target_TCP_speed": ChannelSpec("m/s, rad/s", SIX),
-    "ft_raw_wrench": ChannelSpec("N, Nm", SIX),
-    "wrench_calc_from_currents": ChannelSpec("N, Nm", SIX, 5000.0),
+    "actual_TCP_force": ChannelSpec("N, Nm", SIX_SUFFIXES, 5000.0),
+    "actual_TCP_speed": ChannelSpec("m/s, rad/s", SIX_SUFFIXES, 50.0),
+    "actual_TCP_pose": ChannelSpec("m, rad", SIX_SUFFIXES, 20.0),
+    "target_TCP_pose": ChannelSpec("m, rad", SIX_SUFFIXES),
+    "target_TCP_speed": ChannelSpec("m/s, rad/s", SIX_SUFFIXES),
+    "ft_raw_wrench": ChannelSpec("N, Nm", SIX_SUFFIXES),
+    "wrench_calc_from_currents": ChannelSpec("N, Nm", SIX_SUFFIXES, 5000.0),
     "tcp_force_scalar": ChannelSpec("N"),
-    "tcp_offset": ChannelSpec("m, rad", SIX),
+    "tcp_offset": ChannelSpec("m, rad", SIX_SUFFIXES),
     "payload": ChannelSpec("kg"),
-    "payload_cog": ChannelSpec("m", SIX[:3]),
-    "payload_inertia": ChannelSpec("kg m2", SIX),
-    "target_gravity": ChannelSpec("m/s2", SIX[:3], 50.0),
-    "target_base_acceleration": ChannelSpec("m/s2, rad/s2", SIX),
+    "payload_cog": ChannelSpec("m", SIX_SUFFIXES[:3]),
+    "payload_inertia": ChannelSpec("kg m2", SIX_SUFFIXES),
+    "target_gravity": ChannelSpec("m/s2", SIX_SUFFIXES[:3], 50.0),
+    "target_base_acceleration": ChannelSpec("m/s2, rad/s2", SIX_SUFFIXES),
     "collision_detection_ratio": ChannelSpec("1"),
     "joint_position_deviation_ratio": ChannelSpec("1"),
-    "actual_tool_accelerometer": ChannelSpec("m/s2", SIX[:3]),
-    "elbow_position": ChannelSpec("m", SIX[:3]),
-    "elbow_velocity": ChannelSpec("m/s", SIX[:3]),
+    "actual_tool_accelerometer": ChannelSpec("m/s2", SIX_SUFFIXES[:3]),
+    "elbow_position": ChannelSpec("m", SIX_SUFFIXES[:3]),
+    "elbow_velocity": ChannelSpec("m/s", SIX_SUFFIXES[:3]),
     "actual_execution_time": ChannelSpec("s"),
     "actual_main_voltage": ChannelSpec("V"),
     "actual_robot_voltage": ChannelSpec("V"),
@@ -102,11 +105,11 @@ CHANNELS = {
     "speed_scaling": ChannelSpec("1"),
     "target_speed_fraction": ChannelSpec("1"),
     "ft": ChannelSpec("N, Nm", ("_fx", "_fy", "_fz", "_tx", "_ty", "_tz")),
-    "ft_f": ChannelSpec("N", AXES, 5000.0),
-    "ft_t": ChannelSpec("Nm", AXES, 1000.0),
-    "imu_a": ChannelSpec("m/s2", AXES, 500.0),
-    "imu_g": ChannelSpec("rad/s", AXES, 50.0),
-    "imu_m": ChannelSpec("1", AXES),
+    "ft_f": ChannelSpec("N", AXIS_SUFFIXES, 5000.0),
+    "ft_t": ChannelSpec("Nm", AXIS_SUFFIXES, 1000.0),
+    "imu_a": ChannelSpec("m/s2", AXIS_SUFFIXES, 500.0),
+    "imu_g": ChannelSpec("rad/s", AXIS_SUFFIXES, 50.0),
+    "imu_m": ChannelSpec("1", AXIS_SUFFIXES),
 }
 THESIS_FILES = {  # name after log_ of the thesis's files, and RTDE name
     "q_actual": "actual_q",
@@ -121,8 +124,9 @@ THESIS_FILES = {  # name after log_ of the thesis's files, and RTDE name
     "tcp_speed": "actual_TCP_speed",
     "tool_vector": "actual_TCP_pose",
 }
-INTERNAL = ("segment", "interpolated", "filled", "received")  # of repaired frames
-RECORDED = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL}
+MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current")
+INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # of repaired frames
+RECORDED_CHANNELS = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL_CHANNELS}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
 SIGNED_CHANNELS = [name for name in JOINT_CHANNELS if CHANNELS[name].unit not in ("degC", "V")]
@@ -165,11 +169,11 @@ def meant(column: str) -> str | None:
     if channels_of(column):
         return None
     name = re.sub(r"_\d$", "", column.lower()).rstrip("s")
-    known = {channel.lower(): channel for channel in RECORDED}
-    near = get_close_matches(name, known, cutoff=0.85)
-    return next((known[n] for n in near if n == name or not name.startswith(n)), None)
+    by_lower_case = {channel.lower(): channel for channel in RECORDED_CHANNELS}
+    near = get_close_matches(name, by_lower_case, cutoff=0.85)
+    return next((by_lower_case[n] for n in near if n == name or not name.startswith(n)), None)
 
 
 def is_unused(column: str) -> bool:
     """Return whether a column holds an output of RTDE that nothing here uses."""
-    return re.fullmatch("|".join(UNUSED), column) is not None
+    return re.fullmatch("|".join(UNUSED_CHANNELS), column) is not None

@@ -121,13 +121,15 @@ def import_(
 
     from ur5lib.commands.check import text_console
     from ur5lib.commands.exported import described
-    from ur5lib.importing.contents import Stated
+    from ur5lib.importing.contents import UserStatement
     from ur5lib.importing.files import add_to_study, as_entries, import_files, write_study
 
     if robot is not None:
         described(robot)
     units = dict(_pair(one) for one in unit or [])
-    stated = Stated(robot or "", tuple((columns or "").split(",")) if columns else (), rate, units)
+    stated = UserStatement(
+        robot or "", tuple((columns or "").split(",")) if columns else (), rate, units
+    )
     console = text_console(stderr=True)
     imported = import_files(track(files, "reading", console=console, transient=True), stated)
     if study := write or add:
@@ -362,11 +364,11 @@ def leaderboard(
     ] = None,
 ) -> None:
     """Compare published estimators of the contact force with ours, and yours, on your studies."""
-    from ur5lib.leaderboard.board import TABLE
+    from ur5lib.leaderboard.board import TABLE_FILE
     from ur5lib.leaderboard.board import leaderboard as compared
 
     typer.echo(compared(results, estimator))
-    typer.echo(f"all figures: {TABLE}")
+    typer.echo(f"all figures: {TABLE_FILE}")
 
 
 @app.command()

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
-UNSEEN = {"Zl", "Zp"}  # separators; besides all of "C": controls, marks of direction, surrogates
+SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # beside "C…": controls, marks of direction, surrogates
 
 
 class InputError(Exception):
@@ -28,7 +28,7 @@ class UnreadableError(InputError):
 
 @dataclass(frozen=True)
 class Remark:
-    """A remark of a step, by the code of its sentence in `report/templates/findings.yaml`.
+    """A remark of a step, by the code of its sentence in `report/page/templates/findings.yaml`.
 
     values: numbers and names in the sentence, or further remarks.
     """
@@ -97,6 +97,6 @@ def printable(text: str) -> str:
 
 def _escaped(letter: str) -> str:
     category = unicodedata.category(letter)
-    if letter in "\n\t" or not (category.startswith("C") or category in UNSEEN):
+    if letter in "\n\t" or not (category.startswith("C") or category in SEPARATOR_CATEGORIES):
         return letter
     return letter.encode("unicode_escape").decode()

@@ -13,14 +13,14 @@ from ur5lib.errors import InputError
 
 MOST_BYTES = 5_000_000  # of a file; a study of a thousand recordings has a twentieth of them
 MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of them
-DEEPEST = 50  # levels of lists and mappings; a study has 8
-LONGEST_NUMBER = 100  # characters
-LONGEST_PATH, LONGEST_PART = 1000, 255  # bytes of a path, and of a name in it
-PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # Snakemake replaces it in a path
-MERGE = "tag:yaml.org,2002:merge"  # of the key <<, which may stand several times
+MAX_LEVELS = 50  # levels of lists and mappings; a study has 8
+MAX_NUMBER_LENGTH = 100  # characters
+MAX_PATH_BYTES, MAX_PART_BYTES = 1000, 255  # bytes of a path, and of a name in it
+SNAKEMAKE_PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # replaced in a path
+MERGE_TAG = "tag:yaml.org,2002:merge"  # of the key <<, which may stand several times
 FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, if installed
 FAST_DUMPER: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-SPECIAL = {
+SPECIAL_FILE_KINDS = {
     stat.S_ISFIFO: "a named pipe",
     stat.S_ISSOCK: "a socket",
     stat.S_ISCHR: "a device",
@@ -37,11 +37,11 @@ class Strict(BaseModel):
 def usable_path(path: str) -> str:
     """Return the path. Raises ValueError for one that no file has, or that Snakemake changes."""
     longest = max(len(part.encode(errors="replace")) for part in path.split("/"))
-    if "\0" in path or longest > LONGEST_PART or len(path) > LONGEST_PATH:
+    if "\0" in path or longest > MAX_PART_BYTES or len(path) > MAX_PATH_BYTES:
         raise ValueError(
-            f"a path of at most {LONGEST_PATH:,} bytes, each name in it at most {LONGEST_PART}"
+            f"a path of at most {MAX_PATH_BYTES:,} bytes, each name in it at most {MAX_PART_BYTES}"
         )
-    if PLACEHOLDER.search(path):
+    if SNAKEMAKE_PLACEHOLDER.search(path):
         raise ValueError(
             "a path without a word in {} or <>, which Snakemake would replace; rename the file or "
             "folder"
@@ -75,7 +75,7 @@ def _special_kind(path: Path) -> str | None:
         mode = path.stat().st_mode
     except OSError:
         return None
-    return next((kind for is_kind, kind in SPECIAL.items() if is_kind(mode)), None)
+    return next((kind for is_kind, kind in SPECIAL_FILE_KINDS.items() if is_kind(mode)), None)
 
 
 def read_yaml(path: Path) -> Any:
@@ -101,7 +101,7 @@ def _expect_few_levels(text: str, source: str) -> None:
     for count, event in enumerate(yaml.parse(text, FAST_LOADER)):
         level += isinstance(event, yaml.CollectionStartEvent)
         level -= isinstance(event, yaml.CollectionEndEvent)
-        if level > DEEPEST:
+        if level > MAX_LEVELS:
             raise _too_deep(source)
         if count > 3 * MOST_VALUES:  # a list has an event for its beginning, and one for its end
             raise _too_many(source)
@@ -116,7 +116,7 @@ def _plain_data(loader: Any, source: str) -> Any:
         for part in _nodes(node):
             if isinstance(part, yaml.MappingNode):
                 _expect_keys_once(part, source)
-            elif isinstance(part, yaml.ScalarNode) and part.tag != MERGE:
+            elif isinstance(part, yaml.ScalarNode) and part.tag != MERGE_TAG:
                 _expect_value(part, loader, source)
         return loader.construct_document(node)
     except RecursionError as error:
@@ -140,7 +140,7 @@ def _expect_keys_once(node: yaml.MappingNode, source: str) -> None:
     """Raise InputError where a mapping has a key twice: one of its values would vanish."""
     lines: dict[str, int] = {}
     for key, _ in node.value:
-        if not isinstance(key, yaml.ScalarNode) or key.tag == MERGE:
+        if not isinstance(key, yaml.ScalarNode) or key.tag == MERGE_TAG:
             continue
         if key.value in lines:
             raise InputError(
@@ -157,7 +157,7 @@ def _expect_value(node: yaml.ScalarNode, loader: Any, source: str) -> None:
     """
     try:
         value = loader.construct_object(node)
-        sound = not isinstance(value, int) or len(node.value) <= LONGEST_NUMBER
+        sound = not isinstance(value, int) or len(node.value) <= MAX_NUMBER_LENGTH
     except yaml.YAMLError:
         raise
     except Exception:  # PyYAML lets through whatever a conversion raises
@@ -184,16 +184,16 @@ def expect_few_values(data: Any, source: str) -> None:
 
 
 def _measure(
-    data: Any, level: int, known: dict[int, tuple[int, int]], source: str
+    data: Any, level: int, measured: dict[int, tuple[int, int]], source: str
 ) -> tuple[int, int]:
-    """Return the count of values and of levels below; known: those of parts seen before, by id."""
-    if level + known.get(id(data), (1, 0))[1] > DEEPEST:
+    """Return the count of values and of levels below; measured: those of parts by id."""
+    if level + measured.get(id(data), (1, 0))[1] > MAX_LEVELS:
         raise _too_deep(source)
-    if id(data) not in known:
-        below = [_measure(part, level + 1, known, source) for part in _parts(data)]
+    if id(data) not in measured:
+        below = [_measure(part, level + 1, measured, source) for part in _parts(data)]
         count = 1 + sum(count for count, _ in below)
-        known[id(data)] = count, 1 + max((depth for _, depth in below), default=-1)
-    return known[id(data)]
+        measured[id(data)] = count, 1 + max((depth for _, depth in below), default=-1)
+    return measured[id(data)]
 
 
 def _parts(data: Any) -> Sequence[Any]:
@@ -216,5 +216,5 @@ def _too_many(source: str) -> InputError:
 
 def _too_deep(source: str) -> InputError:
     return InputError(
-        f"{source} nests lists and mappings more than {DEEPEST} levels deep; flatten it"
+        f"{source} nests lists and mappings more than {MAX_LEVELS} levels deep; flatten it"
     )

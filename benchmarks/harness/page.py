@@ -11,7 +11,7 @@ import pandas as pd
 from ur5lib.force import contact_figures, detection
 from ur5lib.leaderboard import tuning
 from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.study import Arm
+from ur5lib.leaderboard.study import StudyArm
 from ur5lib.leaderboard.tables import interval, markdown, tables
 
 TEMPLATE = "page.md.jinja"
@@ -25,14 +25,7 @@ FIGURES = {  # what the sentences are about: component and figure, and how it is
     ("norm", "score"): "interval score in contact",
 }
 
-
-MEASURED = {  # sections by the name of what other benchmarks measure
-    "simulated": "Simulated arms",
-    "currents": "Currents along paths that no fit has seen",
-    "curve": "Currents by few recordings",
-    "curve_forces": "Forces by few recordings",
-    "days": "Days left out",
-}
+SIMULATED = "Simulated arms"  # title of the section that `simulated_contacts` measures
 ABSENT = "Estimators of the tables above that did not run on all of these seeds:"
 
 
@@ -52,10 +45,10 @@ class Comparison(NamedTuple):
     others: int
 
 
-def page(table: pd.DataFrame, arms: Sequence[Arm], further: Mapping[str, Any]) -> str:
+def page(table: pd.DataFrame, arms: Sequence[StudyArm], further: Mapping[str, Any]) -> str:
     """Return the page in Markdown.
 
-    further: what the sections that other benchmarks measure hold, None where they did not run.
+    further: `detections` and `simulated`, what these sections hold, None where it was not measured.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent),
@@ -77,16 +70,14 @@ def page(table: pd.DataFrame, arms: Sequence[Arm], further: Mapping[str, Any]) -
     )
 
 
-def with_kept(new: str, old: str, further: Mapping[str, Any], estimators: Sequence[str]) -> str:
-    """Return the new page with the old page's text of each section that was not measured again.
+def with_kept(new: str, old: str, measured: bool, estimators: Sequence[str]) -> str:
+    """Return the new page with the old page's section on simulated arms unless it was measured.
 
-    further: as in `page`; estimators: of the tables. Those that the section on simulated arms does
-    not show are named below it.
+    estimators: of the tables. Those that the section does not show are named below it.
     """
-    for name, title in MEASURED.items():
-        if further.get(name) is None and section(old, title):
-            new = new.replace(section(new, title), section(old, title))
-    simulated = section(new, MEASURED["simulated"])
+    if not measured and section(old, SIMULATED):
+        new = new.replace(section(new, SIMULATED), section(old, SIMULATED))
+    simulated = section(new, SIMULATED)
     shown = "\n".join(line for line in simulated.splitlines() if not line.startswith(ABSENT))
     missing = [own for own in estimators if f"| {own} |" not in simulated]
     if missing and "|" in simulated:
@@ -103,14 +94,14 @@ def section(text: str, title: str) -> str:
 def rule() -> dict[str, str]:
     """Return the numbers of the rule and of the scores, as the page writes them."""
     return {
-        "latency": f"{1000 * tuning.MOST:.0f} ms",
-        "reached": f"{tuning.REACHED:.0%}".replace("%", " %"),
-        "push": f"{tuning.PUSH:g} N",
-        "contact": f"{detection.CONTACT:g} N",
-        "free": f"{detection.FREE:g} N",
-        "apart": f"{detection.CLEAR:g} s",
-        "touch": f"{detection.TOUCH:g} N",
-        "draws": f"{contact_figures.DRAWS}",
+        "latency": f"{1000 * tuning.MAX_LATENCY:.0f} ms",
+        "reached": f"{tuning.STEP_SHARE:.0%}".replace("%", " %"),
+        "push": f"{tuning.PUSH_FORCE:g} N",
+        "contact": f"{detection.CONTACT_FORCE:g} N",
+        "free": f"{detection.FREE_FORCE:g} N",
+        "apart": f"{detection.CONTACT_CLEARANCE:g} s",
+        "touch": f"{detection.TOUCH_FORCE:g} N",
+        "draws": f"{contact_figures.CONTACT_RESAMPLES}",
     }
 
 

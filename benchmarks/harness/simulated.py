@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.contact_figures import DRAWS, TAILS
+from ur5lib.force.contact_figures import CONTACT_RESAMPLES, INTERVAL_ENDS
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.tables import interval, markdown, number, share
 from ur5lib.timeseries.arrays import Array
@@ -59,9 +59,9 @@ def compared(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def draws(seeds: int) -> Array:
-    """Return weights (DRAWS + 1, seeds) of resampled seeds; the first are all one."""
+    """Return weights (CONTACT_RESAMPLES + 1, seeds) of resampled seeds; the first are all one."""
     random = np.random.default_rng(0)
-    drawn = random.multinomial(seeds, np.full(seeds, 1 / seeds), size=DRAWS)
+    drawn = random.multinomial(seeds, np.full(seeds, 1 / seeds), size=CONTACT_RESAMPLES)
     return np.vstack([np.ones(seeds), drawn])
 
 
@@ -89,7 +89,7 @@ def row(own: pd.DataFrame, drawn: Array, ours: Mapping[str, Array]) -> dict[str,
         known["score"] = pooled(own, "score", LINK_6, drawn)
         found["inside"] = pooled(own, "inside", LINK_6, drawn)[0]
     for name, values in known.items():
-        low, high = np.quantile(values[1:], TAILS)
+        low, high = np.quantile(values[1:], INTERVAL_ENDS)
         found |= {name: values[0], f"{name}_low": low, f"{name}_high": high}
     return found | {"free": own["free"].median()}
 

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from typer.testing import CliRunner
 
+from benchmarks.leaderboard import QUICK
 from tests.artefacts.documents import (
     check_in_browser,
     check_pdf,
@@ -16,10 +18,13 @@ from tests.artefacts.documents import (
 )
 from tests.conftest import PROJECT, Workflow
 from tests.library.test_benchmarks import run_benchmark
+from ur5lib.cli import app
 from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
-from ur5lib.importing.contents import Stated
+from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
+from ur5lib.leaderboard import board
+from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.tables import read_csv, read_json
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -42,16 +47,12 @@ def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
     return (rows["estimate"] - rows["truth"]).abs()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "given", "texts"),
     [
         ("leave_out", [], ["alarms a minute", "friction differs by"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
-        # the last subset that is drawn, of all paths but one or more: bands and contacts
-        ("few_recordings", [], ["inside", "in motion"]),
-        # without any recording, and with all
-        ("learning_curve", ["demo"], ["| demo_ur5 | 0 |", "| demo_ur5 | all | 1.00 |"]),
-        ("current_prediction", ["demo"], ["| demo_ur5 | 6 |"]),
     ],
 )
 def test_what_was_built_is_measured(
@@ -76,6 +77,15 @@ def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -
     counts = table.groupby("estimator").size()
     assert counts["moving average"] == counts["least squares"]
     assert page.read_text() == before
+
+
+def test_the_command_compares_estimators(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of all that are published, a few; the installed package compares all of them."""
+    few = [own for own in all_estimators() if own.name in QUICK]
+    monkeypatch.setattr(board, "all_estimators", lambda: few)
+    monkeypatch.chdir(demo.folder)
+    done = CliRunner().invoke(app, ["leaderboard", "results/demo"], catch_exceptions=False)
+    assert "| momentum observer | yes |" in done.output
 
 
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:
@@ -222,7 +232,7 @@ def test_an_exported_recording_is_imported(
     results: Path, tmp_path: Path, to: str, file: str
 ) -> None:
     (_,) = write_recordings(results, ["way_points"], to, tmp_path)
-    (found,) = import_files([tmp_path / file], Stated("ur5"))
+    (found,) = import_files([tmp_path / file], UserStatement("ur5"))
     assert not found.entry.keys() & {"joints", "units"}
     assert any(
         "actual_current in A" in one or "actual_current_5 in A" in one for one in found.comments

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import shared_folder
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from tests.real_arms import RealStudy
 from ur5lib.commands.check import look_through
 from ur5lib.dynamics.link_model import LinkModel
@@ -42,7 +42,7 @@ def test_the_ur5e_s_model_is_its_controller_s(real_ur5e: Study) -> None:
     """With the rotors, and the payload that its file states; nothing else is said of the arm."""
     moving = real_ur5e.recordings[0]
     robot = moving.arm.description()
-    taken = read_and_repair(moving, robot, 0.1).robot
+    taken = read_and_check(moving, robot, 0.1).robot
     signals = Signals.from_table(taken)
     payload = carried(moving.known_payload(), signals).payload
     assert payload is not None

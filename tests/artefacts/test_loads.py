@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from ur5lib.tidy.making import lazy_results, make_table
 
 from tests.conftest import Workflow, copy_project
 from ur5lib.force.estimators import GATED

@@ -17,6 +17,7 @@ from ur5lib.tables import read_csv
 ERRORS = re.compile(r"^ *load friction of joint \d +(\S+) -> (\S+) +(\S+) -> (\S+)", re.MULTILINE)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_second_recording_tells_what_it_was_designed_for(tmp_path: Path) -> None:
     """On the virtual stand, load friction: at least as much as predicted, and of the worst half."""

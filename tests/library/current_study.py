@@ -10,8 +10,8 @@ from scipy import signal
 from ur5lib.identification.current_samples import Smoother
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
-from ur5lib.identification.samples import Record, columns_of
-from ur5lib.robots.friction import BASE
+from ur5lib.identification.samples import CurrentSamples, columns_of
+from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.timeseries.arrays import Array, Mask
 
 PERIOD = 0.02
@@ -39,7 +39,7 @@ def coefficients(joint: int) -> Array:
     return np.array([1.0, -OFFSET[joint], *FRICTION[joint]]) / CONSTANT[joint]
 
 
-def make_record(seed: int, seconds: float = 24.0) -> Record:
+def make_record(seed: int, seconds: float = 24.0) -> CurrentSamples:
     """A motion of slow waves with pauses, and the current it needs without any noise."""
     random = np.random.default_rng(seed)
     time = np.arange(0, seconds, PERIOD)[:, None]
@@ -49,14 +49,14 @@ def make_record(seed: int, seconds: float = 24.0) -> Record:
     q = np.cumsum(qd, axis=0) * PERIOD + phase[1]
     torque = LOAD * np.sin(q + 0.3 * np.roll(q, 1, axis=1))
     return with_current(
-        Record(f"made_up_{seed}", PERIOD, np.zeros(len(q), int), q, qd, torque, 0 * q)
+        CurrentSamples(f"made_up_{seed}", PERIOD, np.zeros(len(q), int), q, qd, torque, 0 * q)
     )
 
 
-def with_current(record: Record) -> Record:
+def with_current(record: CurrentSamples) -> CurrentSamples:
     """The record with the current that its motion and torque need."""
     motions = [record.joint(joint) for joint in range(6)]
-    exact = [columns_of(motions[j], BASE)[0] @ coefficients(j) for j in range(6)]
+    exact = [columns_of(motions[j], BASE_TERMS)[0] @ coefficients(j) for j in range(6)]
     return replace(record, current=np.stack(exact, axis=1))
 
 
@@ -68,7 +68,7 @@ def make_noise(random: np.random.Generator, count: int, step: float) -> Array:
     return NOISE * (signal.lfilter([1.0], [1.0, -memory], white, axis=0) + offset)
 
 
-def with_noise(record: Record, seed: int) -> Record:
+def with_noise(record: CurrentSamples, seed: int) -> CurrentSamples:
     """The record with a correlated residual, and white noise on top."""
     random = np.random.default_rng(1000 + seed)
     noise = make_noise(random, len(record.q), record.period)
@@ -76,12 +76,12 @@ def with_noise(record: Record, seed: int) -> Record:
     return replace(record, current=record.current + noise + white)
 
 
-def noisy(seeds: Iterable[int], seconds: float = 24.0) -> list[Record]:
+def noisy(seeds: Iterable[int], seconds: float = 24.0) -> list[CurrentSamples]:
     """A recording with noise of each seed."""
     return [with_noise(make_record(seed, seconds), seed) for seed in seeds]
 
 
-def cut(record: Record, rows: slice | Mask, **changes: Any) -> Record:
+def cut(record: CurrentSamples, rows: slice | Mask, **changes: Any) -> CurrentSamples:
     """Some samples of a recording."""
     names = ("segment", "q", "qd", "torque", "current")
     return replace(record, **{name: getattr(record, name)[rows] for name in names}, **changes)

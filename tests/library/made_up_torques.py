@@ -10,8 +10,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gate import Noise, diagonal
-from ur5lib.force.missed_contacts import MISSED_TO
+from ur5lib.force.gate import TorqueVariances, diagonal
+from ur5lib.force.missed_contacts import MISSED_DEVIATIONS
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
     WrenchEstimate,
@@ -139,8 +139,8 @@ def unnoticed(
 
     A push that is there, and is missed, is none of the mixture of which the band holds 95 %.
     """
-    noise = Noise.of(states, model, PRIOR, np.zeros(states.shape))
-    hidden, nothing = diagonal(MISSED_TO**2 * noise.hiding()), np.zeros(states.shape)
+    noise = TorqueVariances.of(states, model, PRIOR, np.zeros(states.shape))
+    hidden, nothing = diagonal(MISSED_DEVIATIONS**2 * noise.hiding()), np.zeros(states.shape)
     missed = regularised_wrench(nothing, jacobian, hidden, PRIOR.unknown()).covariance
     shut = (estimate.wrench == 0).all(axis=1)[:, None]
     return np.where(shut, np.sqrt(np.diagonal(missed, axis1=1, axis2=2)), estimate.std)

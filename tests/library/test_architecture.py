@@ -11,7 +11,7 @@ import pytest
 
 from tests.conftest import PROJECT
 
-ROOMS = {"recordings", "signals", "dynamics", "identification", "force", "lab.stand"}
+ROOMS = {"recordings", "checks", "signals", "dynamics", "identification", "force", "lab.stand"}
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 ARROWS = {  # what each part of ur5lib may import, besides itself
     "timeseries": set(),
@@ -25,6 +25,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "robots": {"errors", "strict", "timeseries", "workspace"},
     **dict.fromkeys(ROOMS, BASE),
     "recordings": BASE | {"workspace"},
+    "checks": BASE | {"recordings"},
     "smoothing": BASE | {"signals"},
     "lab.recorder": BASE,
     "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
@@ -39,7 +40,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"datasets", "excitation", "finished", "lab.doubles", "lab.recorder", "pipeline"}
     | {"records", "report", "study"},
     "leaderboard": BASE | ROOMS | {"pipeline", "records", "workspace"},
-    "importing": BASE | {"commands", "dynamics", "recordings", "study"},
+    "importing": BASE | {"checks", "commands", "dynamics", "recordings", "study"},
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}
     | {"workspace"},
@@ -125,6 +126,12 @@ def test_tables_are_read_and_written_in_one_place() -> None:
     sources = [*MODULES, *SCRIPTS]
     users = {path.name for path in sources if any(word in path.read_text() for word in words)}
     assert users == {"tables.py"}
+
+
+def test_readers_ask_the_registry_which_estimate_leads() -> None:
+    readers = ("report", "commands", "leaderboard")
+    paths = [path for room in readers for path in (PROJECT / "ur5lib" / room).rglob("*.py")]
+    assert [path for path in paths if '"Fmap"' in path.read_text()] == []
 
 
 def test_no_script_reads_the_configuration() -> None:

@@ -1,5 +1,6 @@
 """Inertial parameters: identities, known arms under noise, the model of a real controller."""
 
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -10,12 +11,13 @@ import pytest
 import torch
 from scipy.signal import lfilter
 
+from tests.conftest import PROJECT
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.identification import base_parameters as module
 from ur5lib.identification.base_parameters import (
     BaseParameters,
-    Estimate,
+    InertialEstimate,
     base_parameters,
     identified_model,
     identify,
@@ -23,12 +25,12 @@ from ur5lib.identification.base_parameters import (
     prior_width,
     stack,
     torque_error,
-    total,
+    total_factors,
 )
 from ur5lib.identification.consistency import (
-    LENGTH,
-    MARGIN,
-    consistent,
+    DEFINITENESS_MARGIN,
+    LINK_LENGTH,
+    consistent_parameters,
     pseudo_inertias,
     smallest_eigenvalues,
 )
@@ -83,7 +85,7 @@ def blocks(rows: Array, torque: Array, size: int = 50) -> Iterator[tuple[Array, 
         yield rows[start : start + size], torque[start : start + size]
 
 
-def fit(rows: Array, torque: Array, prior: Array, size: int = 50) -> Estimate:
+def fit(rows: Array, torque: Array, prior: Array, size: int = 50) -> InertialEstimate:
     return identify(stack(blocks(rows, torque, size)), prior, prior_width(rows.shape[2]))
 
 
@@ -136,7 +138,7 @@ def test_names_say_what_is_hidden_in_what() -> None:
 
 
 def test_blocks_add_up_without_growing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MOST_BLOCKS", 7)
+    monkeypatch.setattr(module, "MAX_BLOCKS", 7)
     rows, torque = columns("ur5", *sines(20)), np.random.default_rng(0).normal(size=(500, 6))
     torque[123, 4] = np.nan
     data = stack(blocks(rows, torque, 10))
@@ -144,7 +146,7 @@ def test_blocks_add_up_without_growing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert data.samples.sum() == 499
     assert data.samples.max() < 3 * data.samples.min()
     known = np.delete(np.concatenate([rows, torque[..., None]], axis=2), 123, axis=0)
-    factor = total(data)
+    factor = total_factors(data)
     np.testing.assert_allclose(
         factor.mT @ factor, np.einsum("njp,njq->jpq", known, known), atol=1e-9
     )
@@ -186,6 +188,19 @@ def test_noise_is_by_the_degrees_of_freedom_that_are_left() -> None:
         ]
         error = np.sqrt((count - 1) / count * np.sum(np.square(changes)))
         assert found.standard_errors(np.eye(6))[joint] == pytest.approx(error, rel=1e-6)
+
+
+def test_the_prior_is_as_wide_as_the_methods_say() -> None:
+    """By the kind of a parameter: masses, first moments, inertias, rotors."""
+    text = " ".join((PROJECT / "docs" / "methods.md").read_text(encoding="utf-8").split())
+    stated = re.findall(r"(masses|first moments|inertias about the joint|rotors) ± ([\d.]+)", text)
+    kinds = {"m of": "masses", "m c": "first moments", "I_": "inertias about the joint"}
+    widths = {kind: float(number) for kind, number in stated}
+    expected = [
+        widths[next((kinds[start] for start in kinds if name.startswith(start)), "rotors")]
+        for name in parameter_names(22)
+    ]
+    np.testing.assert_array_equal(prior_width(22), expected)
 
 
 # Known arms
@@ -249,7 +264,7 @@ def test_the_pseudo_inertia_of_points_is_their_second_moment() -> None:
     mass, r = random.uniform(0.1, 1, 20), random.normal(0, 0.1, (20, 3))
     inertia = sum(m * (p @ p * np.eye(3) - np.outer(p, p)) for m, p in zip(mass, r, strict=True))
     link = [mass.sum(), *(mass @ r), *inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]]
-    points = np.column_stack([r / LENGTH, np.ones(20)])
+    points = np.column_stack([r / LINK_LENGTH, np.ones(20)])
     expected = (points * mass[:, None]).T @ points
     found = pseudo_inertias(np.append(np.tile(link, 6), np.zeros(6)))  # no rotors
     np.testing.assert_allclose(found, np.tile(expected, (6, 1, 1)), rtol=1e-12, atol=1e-14)
@@ -267,8 +282,8 @@ def test_what_is_a_body_stays_as_it_is(ur5: Robot) -> None:
     rows = columns("ur5", *sines(20))
     noise = np.random.default_rng(0).normal(0, 1e-4, rows.shape[:2])
     found = fit(rows, rows @ parameters(ur5, "C+rotors") + noise, parameters(ur5, "C+rotors"))
-    assert smallest_eigenvalues(found.parameters).min() > MARGIN
-    np.testing.assert_allclose(consistent(found), found.parameters, atol=1e-7)
+    assert smallest_eigenvalues(found.parameters).min() > DEFINITENESS_MARGIN
+    np.testing.assert_allclose(consistent_parameters(found), found.parameters, atol=1e-7)
 
 
 def test_what_is_none_becomes_the_nearest(ur5: Robot) -> None:
@@ -277,9 +292,9 @@ def test_what_is_none_becomes_the_nearest(ur5: Robot) -> None:
     truth[[59, 65]] = -0.05, -0.2
     torque = rows @ truth + np.random.default_rng(0).normal(0, 0.01, rows.shape[:2])
     found = fit(rows, torque, parameters(ur5, "C"))
-    nearest = consistent(found)
+    nearest = consistent_parameters(found)
     assert smallest_eigenvalues(found.parameters).min() < 0
-    assert smallest_eigenvalues(nearest).min() > 0.5 * MARGIN
+    assert smallest_eigenvalues(nearest).min() > 0.5 * DEFINITENESS_MARGIN
     before, after = (torque_error([(rows, torque)], p) for p in (found.parameters, nearest))
     assert after[5] > before[5] + 0.1  # what being a body costs here
     assert identified_model(ur5, nearest, "as near as it gets").rotor_inertias[5] > 0
@@ -294,7 +309,7 @@ def test_what_is_none_becomes_the_nearest(ur5: Robot) -> None:
 
 def test_torques_of_no_bodies_are_refused() -> None:
     """As of a log whose torques belong to another arm, or to none."""
-    estimate = Estimate(
+    estimate = InertialEstimate(
         parameters=np.full(66, -5.0),
         scatter=np.zeros((1, 66)),
         spread=1e-6 * np.eye(66),
@@ -303,14 +318,14 @@ def test_torques_of_no_bodies_are_refused() -> None:
         noise=np.ones(6),
     )
     with pytest.raises(RefusalError, match="no bodies"):
-        consistent(estimate)
+        consistent_parameters(estimate)
 
 
 # One model more
 
 
 @pytest.fixture(scope="module")
-def noisy(ur5: Robot) -> Estimate:
+def noisy(ur5: Robot) -> InertialEstimate:
     rows, truth = columns("ur5", *sines(100)), parameters(ur5, "C+rotors")
     noise = np.random.default_rng(0).normal(0, 0.05, (len(rows), 6))  # Nm
     return fit(rows, rows @ truth + noise, parameters(ur5, "C"))
@@ -325,9 +340,9 @@ def test_parameters_and_models_are_the_same_thing(ur5: Robot) -> None:
 
 
 def test_an_identified_model_survives_yaml_and_urdf(
-    ur5: Robot, noisy: Estimate, tmp_path: Path
+    ur5: Robot, noisy: InertialEstimate, tmp_path: Path
 ) -> None:
-    found = consistent(noisy)
+    found = consistent_parameters(noisy)
     model = identified_model(ur5, found, "from target_moment")
     text = robot_yaml(ur5.with_model("identified", model))
     (tmp_path / "ur5.yaml").write_text(text)

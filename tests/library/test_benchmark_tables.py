@@ -1,8 +1,7 @@
-"""The benchmark's tables of simulated arms and predicted currents, by identity."""
+"""The benchmark's tables of simulated arms and of contacts found, by identity."""
 
 from collections.abc import Collection, Iterator
 from contextlib import nullcontext
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,19 +12,12 @@ import pytest
 import yaml
 
 from benchmarks import simulated_contacts
-from benchmarks.current_prediction import Known, Own, pair_rows
-from benchmarks.harness import curve
-from benchmarks.harness.prediction import FLOOR, prediction_findings, prediction_table
 from benchmarks.harness.pushes import PLACES
 from benchmarks.harness.sections import detection_tables
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
 from benchmarks.simulated_contacts import force_at
-from ur5lib.identification.samples import Record
 from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.robots.description import Robot
 from ur5lib.tables import write_csv
-
-PERIOD, COUNT = 0.008, 1000  # s, samples
 
 
 def seed_row(seed: int, estimator: str, error: float) -> dict[str, Any]:
@@ -150,83 +142,3 @@ def test_contacts_found_are_those_of_the_study(tmp_path: Path) -> None:
     assert "| pushed | F̂* | 5.0 | 2 of 4 |" in found
     (alarms,) = false.splitlines()[2:]
     assert alarms.startswith("| free | validate | 1.5 | 1.5 | 1.5 | 1.5 |")
-
-
-def predictions() -> pd.DataFrame:
-    """Return errors of 1 A for 3 s and of 3 A for 1 s; a rival errs by 1.5 A."""
-    rows = [
-        {"arm": "arm", "joint": 1, "during": during, "model": model, "path": 1}
-        | {"seconds": seconds, "square": square}
-        for during in ("motion", "rest")
-        for model, pairs in {"ours": ((3, 1.0), (1, 9.0)), "least squares": ((4, 2.25),)}.items()
-        for seconds, square in pairs
-    ]
-    return pd.DataFrame(rows)
-
-
-def test_recordings_count_by_their_time() -> None:
-    assert prediction_table(predictions()).splitlines()[2].startswith("| arm | 1 | 1.500 | 1.732 |")
-
-
-def test_the_page_names_the_joints_on_which_ours_is_worse() -> None:
-    (sentence,) = prediction_findings(predictions())
-    assert "115% of least squares (higher on joint 1)" in sentence
-    assert sentence.endswith("No path was repeated.")
-
-
-def test_the_floor_is_half_the_square_of_what_repeats_differ_by(ur5: Robot) -> None:
-    phase = np.linspace(0, 6, COUNT)[:, None] + np.arange(6)
-    q, qd = np.sin(phase), np.cos(phase) * 6 / (COUNT * PERIOD)
-    zeros, segment = np.zeros((COUNT, 6)), np.zeros(COUNT, int)
-    record = Record("first", PERIOD, segment, q, qd, zeros, zeros)
-    first = Own(record, zeros, zeros, zeros, np.ones(6), fitted=True)
-    second = replace(first, record=replace(record, name="second", current=zeros + 0.2))
-    arm = Known("arm", Path(), ur5, lambda values, _: values, [first, second], np.zeros(2, int))
-    rows = pd.DataFrame(pair_rows(arm, first, second))
-    assert len(rows[rows["model"] == FLOOR]) == 6
-    assert rows[rows["model"] == FLOOR]["square"].to_numpy() == pytest.approx(0.02)
-    assert rows[rows["model"] == "ours"]["square"].to_numpy() == pytest.approx(0.04)
-
-
-def errors_by_few(errors: dict[str, float]) -> pd.DataFrame:
-    """Rows of one arm, two recordings and joints; errors: RMSE [A] by model, of all recordings."""
-    rows = []
-    for size, factor in (("1", 2.0), ("all", 1.0)):
-        for (model, error), name, joint in product(errors.items(), "ab", (1, 2)):
-            about = {"arm": "x", "fitted": size, "recording": name, "joint": joint}
-            square = 100 * (factor * error * joint) ** 2
-            inside = {"banded": 100, "inside": 80 + 10 * joint}
-            rows.append(about | {"model": model, "square": square, "samples": 100} | inside)
-    return pd.DataFrame(rows)
-
-
-def test_errors_of_few_recordings_are_relative_to_ours_of_all() -> None:
-    """Every joint alike; a difference that is the same on all recordings is certain."""
-    printed = curve.learning_table(
-        errors_by_few(dict(zip(curve.MODELS, (0.1, 0.3, 0.2), strict=True)))
-    )
-    one, every = [line.split(" | ") for line in printed.splitlines()[2:]]
-    assert one[2:5] == ["2.00", "6.00", "4.00"]
-    assert every[2:5] == ["1.00", "3.00", "2.00"]
-    assert one[5] == "−4.00 (−4.00 to −4.00)"
-    assert one[6] == "0.95, joint 0.90"
-
-
-def test_a_share_inside_the_band_has_its_interval_over_recordings() -> None:
-    rows = errors_by_few({curve.OURS: 0.1})
-    assert curve.share_inside(rows) == pytest.approx((0.95, 0.95, 0.95))
-    one = rows["recording"] == "a"
-    share, low, high = curve.share_inside(rows.assign(inside=rows["inside"] - 40 * one))
-    assert (share, low, high) == pytest.approx((0.75, 0.55, 0.95))
-
-
-def test_days_left_out_are_told_one_by_one_and_together() -> None:
-    rows = errors_by_few({curve.OURS: 0.1})
-    rows["day"] = rows["fitted"]
-    rows["agrees"] = rows["joint"] == 1
-    printed = curve.days_table(rows.assign(inside=rows["inside"] - 40 * (rows["day"] == "1")))
-    (first, last, whole) = [line.strip("| ").split(" | ") for line in printed.splitlines()[2:]]
-    assert first[:4] == ["x", "1", "0.50", "0.60"]
-    assert last[-2:] == ["0.950", "1 of 2"]
-    assert whole[1:4] == ["all", "0.70", "0.80"]
-    assert whole[-1] == "2 of 4"

@@ -13,19 +13,16 @@ from typing import IO
 
 import pytest
 
-from tests.conftest import PROJECT, shared_folder
+from tests.conftest import PROJECT
 
 PRINTED = {  # what each prints at least
     "dynamics": ["inverse dynamics, UR5", "inertia matrix, UR5", "pinocchio", "peak memory"],
     "gpu": ["GPU"],
     "smoothing": ["200 samples", "this library", "loop, Pinocchio"],
     "motion": ["Fourier series", "within the 95 % band", "with an IMU", "bridged"],
-    "stream": ["10000 frames", "ours", "struct", "ratio of the fastest"],
-    "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
     "long_recording": ["1 min", "processor time", "wall s"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "slow_presses": ["1 seeds", "with an untouched span", "twenty lines"],
-    "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
@@ -34,17 +31,12 @@ PRINTED = {  # what each prints at least
 }
 ELSEWHERE = {  # run by tests of their own, here and in tests/
     "simulated_contacts",
-    "seven_joints",
     "serial_arms",  # library/test_stand_of_other_arms.py
-    "serial_excitation",  # library/test_excite_other_arms.py
     "excitation_loop",  # artefacts/test_next_recording.py
 }
 OF_A_BUILT_STUDY = {
     "leave_out",
-    "few_recordings",
     "leaderboard",
-    "learning_curve",
-    "current_prediction",
     "worth",
 }  # in tests/artefacts/test_demo.py
 
@@ -83,6 +75,7 @@ def test_every_benchmark_is_run() -> None:
     assert files == set(PRINTED) | ELSEWHERE | OF_A_BUILT_STUDY
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRINTED)
 def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
@@ -90,20 +83,7 @@ def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
     assert all(text in printed for text in PRINTED[name]), printed
 
 
-@pytest.mark.slow
-def test_torques_of_real_arms_of_seven_joints_are_explained(tmp_path: Path) -> None:
-    """Sensed ones within a tenth of their changes, and better than a motor's."""
-    folder = shared_folder("seven-joints", "they are a Rokae's and a KUKA's recordings")
-    printed = run_benchmark("seven_joints", tmp_path, str(folder)).splitlines()
-    (constant, ours, motor), (still, med, _) = (
-        [float(cell) for cell in line.split("|")[2:5]] for line in printed if "| mean |" in line
-    )
-    assert ours < 0.1 * constant
-    assert ours < 0.5 * motor
-    assert med < 0.1 * still
-    assert (tmp_path / "docs" / "seven_joints.svg").exists()
-
-
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_seed_goes_on_after_a_killed_run_and_is_computed_once() -> None:
     """Of the killed run, a torn file lies where the workflow writes; none of it is used or kept."""

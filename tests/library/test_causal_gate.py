@@ -7,11 +7,11 @@ import pytest
 
 from tests.library.made_up_torques import MODEL, PERIOD, PRIOR, Free, between, free_run
 from ur5lib.force.causal_gate import causal_log_odds
-from ur5lib.force.detection import raised_live
-from ur5lib.force.external_torque import MOVING, RESTING, REVERSING, SETTLING, STILL, past_states
+from ur5lib.force.detection import live_alarms
+from ur5lib.force.external_torque import JointState, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.wrench_estimate import used_rows
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import CurrentSamples
 from ur5lib.robots.description import Robot
 from ur5lib.steps.predict_currents import causally_smoothed
 from ur5lib.timeseries.arrays import Array
@@ -24,7 +24,7 @@ def odds(run: Free, current: Array | None = None, segment: Array | None = None) 
     """From the currents, in Nm, of a motion that needs none, to the odds."""
     segment, step = np.zeros(len(run.time), int) if segment is None else segment, run.time[1]
     current = -run.torque if current is None else current
-    record = Record("run", step, segment, run.q, run.qd, 0 * current, current)
+    record = CurrentSamples("run", step, segment, run.q, run.qd, 0 * current, current)
     torque = causally_smoothed(-current, record, CUTOFF)
     states = past_states(run.qd, segment, step)
     one = ForceInput(run.q, run.qd, torque, states, segment, step)
@@ -70,8 +70,8 @@ def test_every_stretch_is_judged_alone(ur5: Robot) -> None:
 @pytest.mark.parametrize("moving", [True, False])
 def test_a_push_is_found_soon_and_none_is_made_up(ur5: Robot, moving: bool) -> None:
     run = free_run(ur5, 11, 20.0, moving)
-    assert raised_live(odds(run), 0.0) == []
-    ((first, _),) = raised_live(odds(pushed(run, 12.0, 13.5, 60.0)), 0.0)
+    assert live_alarms(odds(run), 0.0) == []
+    ((first, _),) = live_alarms(odds(pushed(run, 12.0, 13.5, 60.0)), 0.0)
     assert 0 < run.time[first] - 12.0 < 0.6
 
 
@@ -90,9 +90,17 @@ def test_states_from_the_past() -> None:
     qd = np.ones((400, 6))
     qd[100:300, 0] = 0.0
     states = past_states(qd, np.zeros(400, int), step)
-    assert (states[:, 1:] == MOVING).all()
+    assert (states[:, 1:] == JointState.MOVING).all()
     stops = [states[at, 0] for at in (99, 101, 135, 145, 200, 290, 301, 348, 360)]
-    settles = [SETTLING, SETTLING, RESTING]
-    assert stops == [MOVING, REVERSING, REVERSING, *settles, REVERSING, REVERSING, MOVING]
+    settles = [JointState.SETTLING, JointState.SETTLING, JointState.RESTING]
+    assert stops == [
+        JointState.MOVING,
+        JointState.REVERSING,
+        JointState.REVERSING,
+        *settles,
+        JointState.REVERSING,
+        JointState.REVERSING,
+        JointState.MOVING,
+    ]
     qd[:] = 0.0
-    assert (past_states(qd, np.zeros(400, int), step) == STILL).all()
+    assert (past_states(qd, np.zeros(400, int), step) == JointState.STILL).all()

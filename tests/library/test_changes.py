@@ -9,14 +9,14 @@ from scipy import stats
 
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import (
-    FEWEST,
-    WORST,
-    Series,
+    MIN_DATES,
+    WORST_CORRELATION,
+    DatedSeries,
     coloured,
     explained_shares,
     find_changes,
     over_spans,
-    variation,
+    variance_between_dates,
     whitened,
 )
 
@@ -26,42 +26,42 @@ DRIFT, JUMP, JUMPED = 0.15, 0.12, 11
 LEVEL = 0.05 / 6  # of each joint
 
 
-def made_up(seed: int, dates: int = DATES) -> Series:
+def made_up(seed: int, dates: int = DATES) -> DatedSeries:
     """A quantity that does not change but for its spread and its temperature."""
     random = np.random.default_rng(seed)
     day = np.sort(random.choice(np.arange(1.0, 90.0), dates, replace=False))
     std_error = 0.01 * np.exp(0.3 * random.standard_normal(dates))
     warmth = 30 + 3 * random.standard_normal(dates)
     noise = np.hypot(std_error, SPREAD) * random.standard_normal(dates)
-    return Series(day, 1 - 0.009 * (warmth - 30) + noise, std_error, warmth)
+    return DatedSeries(day, 1 - 0.009 * (warmth - 30) + noise, std_error, warmth)
 
 
-def slow(seed: int, correlation: float) -> Series:
+def slow(seed: int, correlation: float) -> DatedSeries:
     """A quantity that does not change, but whose noise is correlated from date to date."""
     noise = np.random.default_rng(seed).standard_normal((1, DATES))
     value = 1 + SPREAD * coloured(noise, correlation)[0]
-    return Series(3.0 * np.arange(DATES), value, np.full(DATES, 0.01))
+    return DatedSeries(3.0 * np.arange(DATES), value, np.full(DATES, 0.01))
 
 
 def independent(monkeypatch: pytest.MonkeyPatch) -> None:
     """Dates are known to be independent."""
-    for name in ("CORRELATIONS", "WIDER"):
+    for name in ("SEARCH_CORRELATIONS", "SIZE_CORRELATIONS"):
         monkeypatch.setattr(f"ur5lib.timeseries.changes.{name}", np.zeros(1))
 
 
-def drifting(series: Series, size: float = DRIFT) -> Series:
+def drifting(series: DatedSeries, size: float = DRIFT) -> DatedSeries:
     course = (series.day - series.day[0]) / np.ptp(series.day)
     return replace(series, value=series.value + size * course)
 
 
-def jumping(series: Series, size: float = JUMP) -> Series:
+def jumping(series: DatedSeries, size: float = JUMP) -> DatedSeries:
     return replace(series, value=series.value + size * (series.day >= series.day[JUMPED]))
 
 
 def test_drifts_and_jumps_are_told_apart_and_jumps_are_dated(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 2000)
+    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 2000)
     series = [(drifting(made_up(100 * seed)), jumping(made_up(seed))) for seed in range(20)]
     drifts, jumps = (
         [find_changes(own, LEVEL)[0] for own in kind] for kind in zip(*series, strict=True)
@@ -78,14 +78,14 @@ def test_drifts_and_jumps_are_told_apart_and_jumps_are_dated(
 @pytest.mark.parametrize("among_slow_noise", [False, True])
 @pytest.mark.parametrize(("change", "size"), [(drifting, DRIFT), (jumping, JUMP)])
 def test_intervals_hold_the_size_as_often_as_stated(
-    change: Callable[[Series, float], Series],
+    change: Callable[[DatedSeries, float], DatedSeries],
     size: float,
     among_slow_noise: bool,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 200 if among_slow_noise else 500)
+    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 200 if among_slow_noise else 500)
     if among_slow_noise:
-        size, series = 0.3, [slow(seed, WORST) for seed in range(100)]
+        size, series = 0.3, [slow(seed, WORST_CORRELATION) for seed in range(100)]
     else:
         series = [made_up(seed) for seed in range(1000, 1100)]
     found = [find_changes(change(own, size), LEVEL)[0] for own in series]
@@ -100,7 +100,7 @@ def test_slow_noise_makes_false_changes_on_few_arms(
 
     With the slowest noise, that is the chance: more than ten have one of 1 %.
     """
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 1000)
+    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 1000)
     arms = [[slow(1000 + 3 * arm + k, correlation) for k in range(3)] for arm in range(100)]
     assert sum(any(find_changes(own, 0.05 / 3) for own in arm) for arm in arms) <= most
 
@@ -115,7 +115,7 @@ def test_coloured_noise_has_its_correlation_and_whitens_again() -> None:
 
 def test_what_temperature_explains_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
     """A hundred quiet series that warm up over time: at 5 %, some five false changes."""
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 1000)
+    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 1000)
     false = 0
     for seed in range(100):
         series = made_up(seed)
@@ -144,20 +144,22 @@ def test_errors_uncertain_or_known_make_few_false_changes(
     Their noise is as slow as is guarded against. With noise that is drawn by the weights alone, 43
     of those of uncertain errors do; with equal weights, some 130 of those of known errors.
     """
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 400)
-    monkeypatch.setattr("ur5lib.timeseries.changes.BATCH", 400)
+    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 400)
+    monkeypatch.setattr("ur5lib.timeseries.changes.BATCH_DRAWS", 400)
     false = 0
     for seed in range(10_000, 10_400):
         random = np.random.default_rng(seed)
         error = stated(random)
-        noise = coloured(random.standard_normal((1, DATES)), WORST)[0]
+        noise = coloured(random.standard_normal((1, DATES)), WORST_CORRELATION)[0]
         value = 1 + noise * (error if known else SPREAD)
-        false += bool(find_changes(Series(np.arange(20.0), value, error), 0.05, seed))
+        false += bool(find_changes(DatedSeries(np.arange(20.0), value, error), 0.05, seed))
     assert 6 <= false <= 29
 
 
 @pytest.mark.parametrize("changing", [drifting, jumping])
-def test_temperature_s_part_is_told_apart(changing: Callable[[Series, float], Series]) -> None:
+def test_temperature_s_part_is_told_apart(
+    changing: Callable[[DatedSeries, float], DatedSeries],
+) -> None:
     """It warms by 6 K with the change and by some K at random; -0.9 % per kelvin."""
     series = changing(made_up(3), -0.054)
     warmth = changing(replace(series, value=series.covariate), 6.0).value
@@ -202,8 +204,8 @@ def test_a_drift_is_that_of_linear_regression(monkeypatch: pytest.MonkeyPatch) -
 def test_a_jump_s_dates_hold_95_percent_of_its_likelihood(monkeypatch: pytest.MonkeyPatch) -> None:
     """p ∝ S^(-(n - 2) / 2), with S the sum of squares about the means before and after."""
     independent(monkeypatch)
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 100)
-    monkeypatch.setattr("ur5lib.timeseries.changes.MOST", 1)
+    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 100)
+    monkeypatch.setattr("ur5lib.timeseries.changes.MAX_CHANGES", 1)
     after = np.arange(2, DATES - 1)
     for seed in range(40):
         series = replace(made_up(seed), covariate=None, std_error=np.full(DATES, 0.01))
@@ -234,7 +236,7 @@ def test_one_outlier_at_an_end_is_no_jump_there(outlier: int) -> None:
 
 def test_six_dates_tell_a_change_and_twenty_at_most_three() -> None:
     six = replace(jumping(made_up(9, 20), 1.0), covariate=None)
-    six = Series(six.day[8:14], six.value[8:14], six.std_error[8:14])
+    six = DatedSeries(six.day[8:14], six.value[8:14], six.std_error[8:14])
     assert [one.kind for one in find_changes(six, LEVEL)] == ["jump"]
     date, many = np.arange(DATES), replace(made_up(10), covariate=None)
     steps = 100 * (date >= 10) + 20 * (date >= 5) + 4 * (date >= 15) + (date >= 17)
@@ -264,7 +266,7 @@ def test_two_changes_of_one_series_are_both_found() -> None:
 
 
 def test_few_dates_tell_no_change() -> None:
-    few = made_up(1, FEWEST - 1)
+    few = made_up(1, MIN_DATES - 1)
     assert find_changes(replace(few, value=few.day), 0.5) == []
 
 
@@ -281,7 +283,7 @@ def test_a_change_needs_three_degrees_of_freedom_beside_it(groups: bool) -> None
     random, day = np.random.default_rng(4), np.arange(6.0)
     value = np.where(day < 3, 0.0, 10.0) + 0.01 * random.standard_normal(6)
     group = np.array([0, 1, 0, 1, 0, 1]) if groups else None
-    series = Series(day, value, np.full(6, 0.01), random.standard_normal(6), group)
+    series = DatedSeries(day, value, np.full(6, 0.01), random.standard_normal(6), group)
     assert len(find_changes(series, LEVEL)) == (not groups)
 
 
@@ -289,7 +291,7 @@ def test_what_a_jump_owes_to_the_covariate_is_by_its_means_before_and_after() ->
     random, day = np.random.default_rng(5), np.arange(20.0)
     warmth = np.where(day < 12, 0.0, 5.0) + random.standard_normal(20)
     value = 0.3 * warmth + np.where(day < 12, 0.0, 10.0) + 0.01 * random.standard_normal(20)
-    (change,) = find_changes(Series(day, value, np.full(20, 0.01), warmth), LEVEL)
+    (change,) = find_changes(DatedSeries(day, value, np.full(20, 0.01), warmth), LEVEL)
     assert change.size == pytest.approx(10.0, rel=0.01)
     rise = warmth[12:].mean() - warmth[:12].mean()
     assert change.explained == pytest.approx(0.3 * rise, rel=0.02)
@@ -297,15 +299,15 @@ def test_what_a_jump_owes_to_the_covariate_is_by_its_means_before_and_after() ->
 
 def test_the_variation_is_what_the_errors_leave() -> None:
     value, ones = np.random.default_rng(0).normal(0, 2, 5000), np.ones(5000)
-    assert variation(value, ones) == pytest.approx(2**2 - 1, rel=0.1)
-    assert variation(value, 3 * ones) == 0
+    assert variance_between_dates(value, ones) == pytest.approx(2**2 - 1, rel=0.1)
+    assert variance_between_dates(value, 3 * ones) == 0
 
 
 def test_neither_drift_nor_jump_adds_to_the_variation() -> None:
     """A median over twenty dates scatters itself: the mean over seeds counts."""
     series = [replace(made_up(seed), covariate=None) for seed in range(100)]
     plain, changed = (
-        np.mean([variation(own.value, own.std_error) for own in some])
+        np.mean([variance_between_dates(own.value, own.std_error) for own in some])
         for some in (series, [jumping(drifting(own)) for own in series])
     )
     assert changed == pytest.approx(plain, rel=0.25)
@@ -328,13 +330,13 @@ def test_shares_are_those_of_least_squares() -> None:
 # Of hundreds of dates
 
 
-def two_years(seed: int, size: float) -> Series:
+def two_years(seed: int, size: float) -> DatedSeries:
     """A run each day, along one of three paths in turn; a change within the 14th of 24 months."""
     random, day = np.random.default_rng(seed), np.arange(730.0)
     group, warmth = np.arange(730) % 3, 30 - 4 * np.cos(2 * np.pi * day / 365)
     worn = np.interp(day / 730, [13 / 24, 14 / 24], [0.0, size])
     value = 1 + 0.1 * group - 0.009 * (warmth - 30) + worn + SPREAD * random.standard_normal(730)
-    return Series(day, value, np.full(730, 0.01), warmth, group)
+    return DatedSeries(day, value, np.full(730, 0.01), warmth, group)
 
 
 def test_a_change_in_two_years_is_found_with_its_month() -> None:

@@ -14,8 +14,8 @@ from tests.conftest import said
 from tests.made_tables import table
 from tests.synthetic import write_recording
 from ur5lib.commands.check import (
-    FEW,
-    WORST,
+    MAX_NAMED,
+    SEVERITY_ORDER,
     by_month,
     concerned,
     print_tables,
@@ -25,7 +25,7 @@ from ur5lib.commands.check import (
 )
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.quality import Finding, Quality
-from ur5lib.report.findings import by_finding, group_findings
+from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.model import Settings, Study
@@ -65,7 +65,7 @@ def test_each_month_counts_its_recordings_by_the_worst_finding() -> None:
     qualities = {"a": found("note", "error"), "b": found(), "c": found("note"), "d": found("stop")}
     table = by_month(months, qualities)
     rows = [*zip(*(column.cells for column in table.columns), strict=True)]
-    assert [column.header for column in table.columns][2:] == WORST
+    assert [column.header for column in table.columns][2:] == SEVERITY_ORDER
     assert rows == [("2026-01", "1", *"00001"), ("2026-02", "2", *"01010")]
 
 
@@ -133,7 +133,7 @@ def test_many_damaged_files_fill_one_screen() -> None:
     assert print_tables(console, qualities, {}) == bad
     lines = console.file.getvalue().splitlines()
     assert len(lines) < 12
-    assert f"{bad} of {count} recordings: run_0, run_1, run_2 and {bad - FEW} more" in (
+    assert f"{bad} of {count} recordings: run_0, run_1, run_2 and {bad - MAX_NAMED} more" in (
         console.file.getvalue()
     )
 

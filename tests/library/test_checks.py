@@ -6,7 +6,9 @@ import pytest
 
 from tests.conftest import said
 from tests.synthetic import PERIOD
-from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot, touched
+from ur5lib.checks.channels import check_robot
+from ur5lib.checks.contacts import sensed_contacts
+from ur5lib.checks.devices import check_force_sensor, check_imu
 from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import FullScale
 
@@ -262,4 +264,4 @@ def test_a_contact_in_a_free_recording_is_found(
     time = np.arange(0, 10, 0.01)
     force = np.where(time < seconds, newton, 0.0) + 3.0  # and a bias
     table = pd.DataFrame({"time": time, "ft_fx": force, "ft_fy": 0.0, "ft_fz": -4.0})
-    assert len(touched(table, mass)) == found
+    assert len(sensed_contacts(table, mass)) == found

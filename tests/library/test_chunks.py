@@ -28,7 +28,7 @@ def test_in_chunks_is_the_function_of_the_whole(count: int) -> None:
         return x[:, :, None] * y[:, None]
 
     np.testing.assert_array_equal(in_chunks(outer, x, y), x[:, :, None] * y[:, None])
-    assert max(sizes) <= module.SIZE
+    assert max(sizes) <= module.CHUNK_SAMPLES
 
 
 def test_dynamics_do_not_depend_on_chunks(ur5: Robot, monkeypatch: pytest.MonkeyPatch) -> None:

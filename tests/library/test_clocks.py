@@ -14,11 +14,11 @@ from scipy import signal
 
 from ur5lib.errors import Remark, remark
 from ur5lib.signals.clock import (
-    BY_MOTION,
-    BY_STAMPS,
-    UNKNOWN_DRIFT,
-    WANDER,
-    Clock,
+    CLOCK_WANDER,
+    MOTION_METHOD,
+    STAMPS_METHOD,
+    UNKNOWN_DRIFT_STD,
+    ClockRelation,
     HostDrift,
     OwnClock,
     SettledClock,
@@ -28,7 +28,7 @@ from ur5lib.signals.clock import (
     settle_clocks,
 )
 from ur5lib.signals.device_clock import (
-    LATENCY,
+    LATENCY_STD,
     clock_from_rotation,
     even_samples,
     interpolate,
@@ -64,7 +64,7 @@ class Record:
     device_time: np.ndarray
     gyroscope: np.ndarray
 
-    def clock(self, stamps: Clock = STAMPS) -> tuple[Clock, Remark | None]:
+    def clock(self, stamps: ClockRelation = STAMPS) -> tuple[ClockRelation, Remark | None]:
         return clock_from_rotation(**vars(self), stamps=stamps)
 
 
@@ -89,9 +89,9 @@ def test_the_standard_errors_hold() -> None:
     """
     found = [record(trajectory, seed).clock() for seed in range(60)]
     clocks = [clock for clock, _ in found]
-    assert {(clock.method, reason) for clock, reason in found} == {(BY_MOTION, None)}
-    assert max(clock.offset_std for clock in clocks) < 1.2 * LATENCY
-    floors = LATENCY, WANDER / (TIME[-1] - TIME[0])
+    assert {(clock.method, reason) for clock, reason in found} == {(MOTION_METHOD, None)}
+    assert max(clock.offset_std for clock in clocks) < 1.2 * LATENCY_STD
+    floors = LATENCY_STD, CLOCK_WANDER / (TIME[-1] - TIME[0])
     for name, truth, floor in zip(("offset", "drift"), (OFFSET, DRIFT), floors, strict=True):
         error = np.array([getattr(clock, name) - truth for clock in clocks])
         stated = np.array([getattr(clock, f"{name}_std") for clock in clocks])
@@ -223,7 +223,7 @@ def test_joints_explain_four_fifths_of_what_a_gyroscope_feels() -> None:
 
 def test_time_is_counted_from_either_clock() -> None:
     """t_robot = offset + (1 + drift) t_device."""
-    clock = Clock(-0.5, 0.03, 0.01, 0.002, "")
+    clock = ClockRelation(-0.5, 0.03, 0.01, 0.002, "")
     device = np.array([0.0, 10.0])
     np.testing.assert_allclose(clock.device_time(-0.5 + 1.01 * device), device, atol=1e-12)
     assert clock.std_after(20.0) == pytest.approx(0.05)
@@ -334,7 +334,7 @@ OF_STAMPS = OwnClock(
     offset_std=0.006,
     drift=None,
     drift_std=None,
-    method=BY_STAMPS,
+    method=STAMPS_METHOD,
     warning=None,
     stamps=-0.006,
 )
@@ -345,7 +345,12 @@ def by_motion(
     drift: float, std: float = 1e-4, late: float = 0.0, stamps: float = -0.006
 ) -> OwnClock:
     """late: how much later than its stamps say the device's clock began [s]."""
-    found = {"offset": stamps + late, "offset_std": 0.005, "stamps": stamps, "method": BY_MOTION}
+    found = {
+        "offset": stamps + late,
+        "offset_std": 0.005,
+        "stamps": stamps,
+        "method": MOTION_METHOD,
+    }
     return replace(OF_STAMPS, **found, drift=drift, drift_std=std)
 
 
@@ -426,5 +431,5 @@ def test_a_clock_that_motion_told_stays() -> None:
 def test_an_unknown_drift_is_in_the_error_at_the_end() -> None:
     clock = settled(OF_STAMPS, {})
     assert clock.drift is None
-    assert clock.end_std == pytest.approx(np.hypot(0.006, UNKNOWN_DRIFT * SECONDS))
-    assert Clock(0.0, 0.006, 0.0, 0.0, "").std_after(SECONDS) == 0.006
+    assert clock.end_std == pytest.approx(np.hypot(0.006, UNKNOWN_DRIFT_STD * SECONDS))
+    assert ClockRelation(0.0, 0.006, 0.0, 0.0, "").std_after(SECONDS) == 0.006

@@ -77,16 +77,14 @@ def test_of_a_long_recording_the_part_that_moves_is_enough(
 ) -> None:
     """Here 6.4 s that leap, after 12.8 s and before 3.2 s in which the target hardly moves."""
     moving = tracking(leap=0.3, seed=3)
-    count, arrays = (
-        len(moving.segment),
-        ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd"),
-    )
+    count = len(moving.segment)
+    arrays = ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd")
     resting = {name: np.repeat(getattr(moving, name)[:1], count, axis=0) for name in arrays}
     resting["target_qdd"] = 0 * resting["target_qdd"]
     parts = [resting, resting, vars(moving), {k: v[: count // 2] for k, v in resting.items()}]
     whole = {name: np.concatenate([part[name] for part in parts]) for name in arrays}
     long = Tracking(**whole, segment=np.zeros(count * 7 // 2, np.int64), period=PERIOD)
-    monkeypatch.setattr(closed_loop, "ENOUGH", count * PERIOD)
+    monkeypatch.setattr(closed_loop, "MAX_MOTION_DURATION", count * PERIOD)
     found, expected = estimate_gains(long), estimate_gains(moving)
     for own, alone in zip(found, expected, strict=True):
         assert (own.position.best, own.velocity.best) == (alone.position.best, alone.velocity.best)

@@ -12,11 +12,17 @@ import numpy as np
 import pytest
 
 from tests.artefacts.documents import browser
-from ur5lib.report.charts import response_panel
-from ur5lib.report.document import Document, Picture, Section
-from ur5lib.report.house_style import JOINTS, save
-from ur5lib.report.render import LEVELS, html_page, packed_lines
-from ur5lib.report.traces import CURRENT, WRENCH, Panel, Traces, draw_traces
+from ur5lib.report.figures.charts import response_panel
+from ur5lib.report.figures.house_style import JOINT_COLOURS, save
+from ur5lib.report.figures.traces import (
+    CURRENT_PANELS,
+    WRENCH_PANELS,
+    Panel,
+    Traces,
+    draw_traces,
+)
+from ur5lib.report.page.document import Document, Picture, Section
+from ur5lib.report.page.render import LINE_LEVELS, html_page, packed_lines
 from ur5lib.tables import read_csv, write_text
 
 LENGTH = 60.0  # s
@@ -29,7 +35,7 @@ def drawn(path: Path, panels: list[Panel], style: str = "first") -> Path:
     time[9000:9010] = np.nan
     measured = np.outer(np.sin(time), np.arange(1.0, 7.0))
     series = {"sensor, raw": (measured, "measured"), "estimate": (0.9 * measured, style)}
-    band = (measured - 1, measured + 1) if panels is WRENCH else None
+    band = (measured - 1, measured + 1) if panels is WRENCH_PANELS else None
     save(draw_traces(Traces(time, series, band=band), panels), path)
     return path
 
@@ -50,8 +56,8 @@ def unpacked(text: str) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
 @pytest.fixture(scope="module")
 def figures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
-    drawn(folder / "forces.svg", WRENCH)
-    drawn(folder / "currents.svg", CURRENT, "joint")
+    drawn(folder / "forces.svg", WRENCH_PANELS)
+    drawn(folder / "currents.svg", CURRENT_PANELS, "joint")
     return folder
 
 
@@ -68,16 +74,16 @@ def test_lines_are_packed_within_half_a_level(figures: Path) -> None:
     told = data[[name for name in data if name != "time [s]"]].to_numpy().T
     assert (np.isnan(columns) == np.isnan(told)).all()
     worst = np.nanmax(np.abs(columns - told), axis=1)
-    assert (worst <= 0.51 * np.ptp(told[:, known], axis=1) / (LEVELS - 1)).all()
+    assert (worst <= 0.51 * np.ptp(told[:, known], axis=1) / (LINE_LEVELS - 1)).all()
 
 
 def test_colours_of_a_figure_over_time_are_kept_and_others_have_no_closer_look(
     figures: Path, tmp_path: Path
 ) -> None:
     head, *_ = unpacked(packed_lines(figures / "currents.svg"))
-    assert [line["colours"] for line in head["lines"]] == [["#000000"], [*JOINTS[:6]]]
+    assert [line["colours"] for line in head["lines"]] == [["#000000"], [*JOINT_COLOURS[:6]]]
     save(response_panel(np.arange(1.0, 9.0), {"a": np.ones(8)}), tmp_path / "filters.svg")
-    save(draw_traces(Traces(np.arange(3.0), {}), CURRENT), tmp_path / "empty.svg")
+    save(draw_traces(Traces(np.arange(3.0), {}), CURRENT_PANELS), tmp_path / "empty.svg")
     assert [packed_lines(tmp_path / f"{name}.svg") for name in ("filters", "empty")] == ["", ""]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ur5lib.force.free_fit import agreement, candidates, drawn, quiet_stretches
+from ur5lib.force.free_fit import agreement, candidates, quiet_stretches, random_subset
 
 PERIOD = 0.01
 SCALE = np.array([0.1] * 3 + [0.01] * 3)
@@ -77,8 +77,8 @@ def test_what_agrees_does_so_in_all_components() -> None:
 
 def test_a_draw_is_of_different_values_and_always_the_same() -> None:
     values = np.arange(100, 200)
-    chosen = drawn(values, 30)
+    chosen = random_subset(values, 30)
     assert len(np.unique(chosen)) == 30
     assert np.isin(chosen, values).all()
-    np.testing.assert_array_equal(chosen, drawn(values, 30))
-    np.testing.assert_array_equal(drawn(values, 100), values)
+    np.testing.assert_array_equal(chosen, random_subset(values, 30))
+    np.testing.assert_array_equal(random_subset(values, 100), values)

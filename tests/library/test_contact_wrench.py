@@ -17,9 +17,9 @@ from tests.library.made_up_torques import (
     torque_of,
 )
 from ur5lib.force.contact_wrench import (
-    BREAKAWAY,
-    LEVERS,
-    SLOW,
+    BREAKAWAY_SHARE,
+    STATIC_SPEED,
+    TYPICAL_LEVER_WEIGHT,
     at_rest,
     contact_wrench,
     learned_size,
@@ -32,7 +32,7 @@ from ur5lib.thesis.current_based import wrench_from_torque
 from ur5lib.timeseries.metrics import coverage
 
 COUNT, PERIOD, WORTH = 100, 0.032, 0.032 / 0.25
-BLUR = "ur5lib.force.contact_wrench.BLUR"
+BLUR = "ur5lib.force.contact_wrench.LOWPASS_BLUR"
 LOSSLESS = replace(PRIOR, load_friction=0.0)
 NOISE = np.array([1.2, 1.5, 1.0, 0.4, 0.3, 0.3])  # Nm
 
@@ -101,10 +101,8 @@ def test_an_estimate_widens_its_band_in_contact_by_the_doubt_of_constants(ur5: R
     """And changes nothing else: the wrench, and the band where no contact is found."""
     free = free_run(ur5, 0, seconds=12.0, moving=False)
     force = 60.0 * between(free.time, 4, 7)[:, None] * [0.0, 0.6, 0.8]
-    pushed, doubtful = (
-        free.pushed(free.wrench(force)),
-        replace(MODEL, constants_doubt=np.full(6, 0.3)),
-    )
+    pushed = free.pushed(free.wrench(force))
+    doubtful = replace(MODEL, constants_doubt=np.full(6, 0.3))
     plain, wider = pushed.estimate(), pushed.estimate(model=doubtful)
     np.testing.assert_array_equal(wider.wrench, plain.wrench)
     touched = (plain.wrench != 0).any(axis=1)
@@ -213,7 +211,10 @@ def test_near_singularities_no_constant_of_the_prior_decides(
             ]
             others = [contact_wrench(*own, WORTH, PERIOD, prior) for prior in priors]
             with monkeypatch.context() as changed:
-                changed.setattr("ur5lib.force.contact_wrench.LEVERS", factor * LEVERS)
+                changed.setattr(
+                    "ur5lib.force.contact_wrench.TYPICAL_LEVER_WEIGHT",
+                    factor * TYPICAL_LEVER_WEIGHT,
+                )
                 others.append(contact_wrench(*own, WORTH, PERIOD, PRIOR))
             for other in others:
                 assert (np.abs(other.mean - told.mean)[middle, :3] <= half).all()
@@ -263,7 +264,7 @@ def test_moments_are_uncertain_by_a_lever_of_five_centimetres(
     """Of whatever force; the force is not."""
     own = contact(ur5, np.array([300.0, -200, 400, 0, 0, 0]), seed=11)
     told = contact_wrench(*own, WORTH, PERIOD, LOSSLESS)
-    monkeypatch.setattr("ur5lib.force.contact_wrench.UNTOLD", 0.0)
+    monkeypatch.setattr("ur5lib.force.contact_wrench.UNRESOLVED_LEVER", 0.0)
     exact = contact_wrench(*own, WORTH, PERIOD, LOSSLESS)
     np.testing.assert_array_equal(told.variance[:, :3], exact.variance[:, :3])
     force = np.linalg.norm(told.mean[:, :3], axis=1)[:, None]
@@ -304,7 +305,7 @@ def test_the_band_holds_under_any_friction_and_wrong_constants() -> None:
     wrench = rng.normal(size=(count, 6)) * np.array([100.0] * 3 + [10.0] * 3)
     external = (jacobian.mT @ wrench[..., None])[..., 0]
     gravity = rng.uniform(-0.3, 0.3, (count, 6)) * TORQUE_MAX
-    friction = rng.uniform(-BREAKAWAY, BREAKAWAY, (count, 6)) * TORQUE_MAX
+    friction = rng.uniform(-BREAKAWAY_SHARE, BREAKAWAY_SHARE, (count, 6)) * TORQUE_MAX
     motor = gravity - external + friction
     measured = motor * (1 + 0.3 * rng.normal(size=(count, 6)))
     std = torque_std(motor, np.full(6, 0.3), TORQUE_MAX)
@@ -315,7 +316,7 @@ def test_the_band_holds_under_any_friction_and_wrong_constants() -> None:
 
 def test_motion_is_no_rest_and_unknown_torque_is_no_force() -> None:
     qd = np.zeros((3, 6))
-    qd[1, 4] = 2 * SLOW
+    qd[1, 4] = 2 * STATIC_SPEED
     assert at_rest(qd).tolist() == [True, False, True]
     torque = np.zeros((3, 6))
     torque[1, 0] = np.nan

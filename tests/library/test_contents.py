@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.compose import (
+from ur5lib.report.page.compose import (
     MENTION,
     SENTENCE_END,
     _drafts,
@@ -16,24 +16,24 @@ from ur5lib.report.compose import (
     compose,
     view,
 )
-from ur5lib.report.document import (
+from ur5lib.report.page.document import (
     Block,
     Cell,
     Code,
     Contents,
+    DeclaredSection,
     DeclaredTable,
     Document,
     Items,
+    Mention,
     Paragraph,
-    Part,
     Picture,
-    Reference,
     Section,
-    Table,
+    TableBlock,
     contents,
 )
+from ur5lib.report.page.torques import in_torques
 from ur5lib.report.results import Results
-from ur5lib.report.torques import in_torques
 from ur5lib.thesis.reference import Erratum
 from ur5lib.tidy import columns
 
@@ -49,7 +49,7 @@ TABLES = [block for block in EVERY if isinstance(block, DeclaredTable)]
 def test_every_view_exists() -> None:
     names = re.findall(
         r"(?:sentences|entries|rows|listing|judged|each): ([a-z_.]+)",
-        (PROJECT / "ur5lib" / "report" / "contents.yaml").read_text(),
+        (PROJECT / "ur5lib" / "report" / "page" / "contents.yaml").read_text(),
     )
     assert len(names) > 40
     found = [view(name) if "." in name else getattr(Results, name) for name in names]
@@ -122,12 +122,12 @@ def composed(**study: str) -> Document:
 
 def test_what_the_first_section_shows_is_mentioned_and_not_repeated() -> None:
     document = composed()
-    assert [block.label for block in document.blocks() if isinstance(block, Table)] == [
+    assert [block.label for block in document.blocks() if isinstance(block, TableBlock)] == [
         "noise",
         "jitter",
     ]
     mention = next(block for block in document.blocks() if isinstance(block, Paragraph)).spans[1]
-    assert mention == Reference("noise", "Table 1")
+    assert mention == Mention("noise", "Table 1")
     assert document.subtitle == "Study “s” of ur5, recordings: 1 (1 fit; 1.0 min)"
 
 
@@ -152,7 +152,9 @@ def test_a_table_named_alone_is_shown_as_it_is() -> None:
 @pytest.mark.parametrize("count", [0, 2])
 def test_a_list_is_introduced_where_it_has_items(count: int) -> None:
     errata = [Erratum(place="(2.1)", error="A sign.", choice="Plus.")] * count
-    part = Part(title="Errata", blocks=[Items(entries="recordings.errata", above="Found:")])
+    part = DeclaredSection(
+        title="Errata", blocks=[Items(entries="recordings.errata", above="Found:")]
+    )
     shown = [*_drafts(part, Results(study={}, tables={}, figures=Path(), errata=errata))]
     assert [type(block) for block in shown] == ([Paragraph, Items] if count else [])
 
@@ -161,7 +163,9 @@ def test_arms_that_sense_torque_have_no_currents() -> None:
     """Texts, cells and units say torque and Nm; labels, files and code stay."""
     said = "Joint 2: 1.01 Nm/A, off by 0.3 A"
     cells = [[Cell("RMSE [A]")]]
-    table = Table("Predicted currents [A]", ["current"], cells, "currents", "tables/currents.csv")
+    table = TableBlock(
+        "Predicted currents [A]", ["current"], cells, "currents", "tables/currents.csv"
+    )
     code = Code(text="current: 3 A")
     blocks: list[Block] = [Paragraph([said]), table, code]
     text, changed, kept = in_torques(Document("t", "", [Section("s", blocks)]), {"t"}).blocks()
@@ -169,7 +173,7 @@ def test_arms_that_sense_torque_have_no_currents() -> None:
     assert text.spans == ["Joint 2: 1.01 Nm/Nm, off by 0.3 Nm"]
     torques = [[Cell("RMSE [Nm]")]]
     caption = "Predicted torques [Nm]"
-    assert changed == Table(caption, ["torque"], torques, "currents", "tables/currents.csv")
+    assert changed == TableBlock(caption, ["torque"], torques, "currents", "tables/currents.csv")
     assert kept == code
 
 

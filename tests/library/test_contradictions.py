@@ -30,15 +30,15 @@ from ur5lib.identification.currents import (
 )
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import (
     baseline_current,
-    explained,
+    explained_share,
     least_squares_coefficients,
 )
 from ur5lib.recordings.quality import Contradictions, Quality, contradiction
 from ur5lib.records.friction import Friction
-from ur5lib.report.findings import worded
+from ur5lib.report.page.findings import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import left_out_fits, stop_signs
 from ur5lib.steps.fit_friction import (
@@ -56,12 +56,12 @@ WRONG = "another arm"
 
 
 @pytest.fixture(scope="module")
-def records() -> list[Record]:
+def records() -> list[CurrentSamples]:
     return noisy((1, 2, 3), seconds=12.0)
 
 
 @pytest.fixture(scope="module")
-def fit(records: list[Record]) -> CurrentFit:
+def fit(records: list[CurrentSamples]) -> CurrentFit:
     return fit_currents(records[:2], smooth, prior())
 
 
@@ -78,7 +78,7 @@ def test_known_constants_are_accepted(fit: CurrentFit) -> None:
 
 @pytest.mark.parametrize("factor", [2.2, 0.4])
 def test_constants_of_a_larger_or_smaller_arm_are_a_stop_sign(
-    records: list[Record], fit: CurrentFit, factor: float
+    records: list[CurrentSamples], fit: CurrentFit, factor: float
 ) -> None:
     other = known(factor, 0.1)
     if factor < 1:
@@ -107,7 +107,7 @@ def test_nothing_is_fitted_to_a_run_that_counts_twice() -> None:
     assert sign.value.remark == remark("copied recordings", names=["a", "c"])
 
 
-def shares_of(records: list[Record]) -> Array:
+def shares_of(records: list[CurrentSamples]) -> Array:
     """The share of the currents' variance that fits to other paths explain."""
     fits = fit_without_each_path(records, smooth, prior())
     shares = explained_by_others(records, fits, smooth)
@@ -115,12 +115,14 @@ def shares_of(records: list[Record]) -> Array:
     return shares
 
 
-def test_fits_to_other_paths_explain_the_currents_of_a_free_arm(records: list[Record]) -> None:
+def test_fits_to_other_paths_explain_the_currents_of_a_free_arm(
+    records: list[CurrentSamples],
+) -> None:
     assert shares_of(records).min() > 0.5
     assert explained_by_others(records[:1], [], smooth) is None
 
 
-def test_hand_led_currents_are_explained_by_none(records: list[Record]) -> None:
+def test_hand_led_currents_are_explained_by_none(records: list[CurrentSamples]) -> None:
     """They follow the hand that leads the arm, and not its torque."""
     others = [make_record(seed, seconds=12.0) for seed in (101, 102)]
     pairs = zip(records[:2], others, strict=True)
@@ -147,8 +149,8 @@ def test_a_force_needs_three_joints_or_all(
 def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
     record = make_record(1, seconds=12.0)
     mean = np.broadcast_to(smooth(record.current, record).mean(axis=0), record.current.shape)
-    assert explained([record], [mean], smooth) == pytest.approx(np.zeros(6), abs=1e-9)
-    assert explained([record], [record.current], smooth) == pytest.approx(np.ones(6))
+    assert explained_share([record], [mean], smooth) == pytest.approx(np.zeros(6), abs=1e-9)
+    assert explained_share([record], [record.current], smooth) == pytest.approx(np.ones(6))
 
 
 def results(signs: int, stopped: str | None) -> Results:
@@ -182,7 +184,7 @@ def test_of_many_stop_signs_the_first_are_reported() -> None:
     )
 
 
-def without_torque(record: Record, joints: list[int]) -> Record:
+def without_torque(record: CurrentSamples, joints: list[int]) -> CurrentSamples:
     """The record with currents of friction alone, as an arm has whose inertia they hardly show."""
     still = replace(record, torque=record.torque * ~np.isin(np.arange(6), joints))
     return replace(record, current=with_current(still).current)

@@ -97,6 +97,7 @@ def test_every_package_is_recorded_with_what_is_true(ur5e: ControllerDouble, rat
     assert column(device, values, "robot_mode")[0] == 7
 
 
+@pytest.mark.thorough
 def test_ur_rtde_sees_what_we_record_to_the_bit(ur5e: ControllerDouble, tmp_path: Path) -> None:
     """Its recorder samples by its own clock: some rows twice, some never, each as we have it."""
     own = tmp_path / "ur_rtde.csv"
@@ -126,6 +127,7 @@ robot.stopFileRecording()
     assert np.mean(same) > 0.95  # the others mix two packages: its columns are read one by one
 
 
+@pytest.mark.thorough
 def test_outputs_that_a_controller_lacks_are_left_out(controller_ports: None) -> None:
     with ControllerDouble("ur5", ports=Ports.free()) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
@@ -140,6 +142,7 @@ def test_outputs_that_a_controller_lacks_are_left_out(controller_ports: None) ->
     assert not {f"{name}_0" for name in lacking} & {*device.columns}
 
 
+@pytest.mark.thorough
 def test_lost_packages_are_counted_and_the_newest_outputs_recorded(controller_ports: None) -> None:
     """Of an e-Series arm whose flange is pulled: the wrench from currents, environment on arm."""
     pull = Push(kind="push", link=6, start_s=0.0, seconds=8.0, force=(0.0, 30.0, 0.0))
@@ -224,6 +227,7 @@ def test_the_dashboard_answers(ur5e: ControllerDouble) -> None:
     }
 
 
+@pytest.mark.thorough
 def test_its_control_interface_moves_the_arm(ur5e: ControllerDouble) -> None:
     import rtde_control
 
@@ -245,6 +249,7 @@ def test_its_control_interface_moves_the_arm(ur5e: ControllerDouble) -> None:
     control.disconnect()
 
 
+@pytest.mark.thorough
 def test_plain_urscript_moves_the_arm(ur5e: ControllerDouble) -> None:
     program = f"""\
 def there_and_back():
@@ -282,6 +287,7 @@ def test_the_arm_follows_a_streamed_trajectory(ur5e: ControllerDouble, motion: A
     np.testing.assert_allclose(moved[-1], 0, atol=5e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("streams", [False, True])
 def test_a_motion_is_stopped_from_another_thread(motion: ArmMotion, streams: bool) -> None:
     assert motion.move_through(np.array([POSTURE]), 1.5, 3.0)
@@ -312,6 +318,7 @@ with ArmMotion("{HERE}") as motion:
     assert read_state(HERE).q[0] < 1.2
 
 
+@pytest.mark.thorough
 def test_its_control_interface_knows_freedrive(ur5e: ControllerDouble) -> None:
     import rtde_control
 
@@ -329,6 +336,7 @@ def test_its_control_interface_knows_freedrive(ur5e: ControllerDouble) -> None:
 # Faults
 
 
+@pytest.mark.thorough
 def test_a_protective_stop_is_seen(ur5e: ControllerDouble, motion: ArmMotion) -> None:
     ur5e.ask("stop")
     wait_for(lambda: read_state(HERE).safety_mode == "protective stop")
@@ -345,6 +353,7 @@ def test_a_protective_stop_is_seen(ur5e: ControllerDouble, motion: ArmMotion) ->
     motion.move_through(np.array([POSTURE]), 1.0, 2.0)
 
 
+@pytest.mark.thorough
 def test_a_push_is_in_the_truth(ur5e: ControllerDouble) -> None:
     start = ur5e.ask("time") + 0.2
     ur5e.ask("touch", Push(kind="push", force=(0.0, 20.0, 0.0), start_s=start, seconds=1.0))
@@ -356,6 +365,7 @@ def test_a_push_is_in_the_truth(ur5e: ControllerDouble) -> None:
     assert np.linalg.norm(ur5e.truth.part("imu", middle)[:3]) == pytest.approx(9.81, abs=0.1)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("make", [RtdeArm, RealtimeArm])
 def test_a_controller_that_dies_is_lost_and_may_come_back(
     ur5e: ControllerDouble, make: type[RtdeArm] | type[RealtimeArm]
@@ -374,6 +384,7 @@ def test_a_controller_that_dies_is_lost_and_may_come_back(
     device.close()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("make", [RtdeArm, RealtimeArm])
 def test_a_silent_controller_is_lost(
     ur5e: ControllerDouble, make: type[RtdeArm] | type[RealtimeArm]
@@ -392,6 +403,7 @@ def read_until_lost(device: RtdeArm | RealtimeArm) -> None:
         device.read()
 
 
+@pytest.mark.thorough
 def test_a_motion_ends_when_its_controller_dies(ur5e: ControllerDouble) -> None:
     with ArmMotion(HERE) as motion:
         threading.Timer(0.5, ur5e.ask, ["die"]).start()
@@ -400,6 +412,7 @@ def test_a_motion_ends_when_its_controller_dies(ur5e: ControllerDouble) -> None:
     ur5e.ask("come back")
 
 
+@pytest.mark.thorough
 def test_a_taken_port_is_said(ur5e: ControllerDouble) -> None:
     with (
         pytest.raises(InputError, match=r"port 30004 of 127\.0\.0\.1 is taken"),

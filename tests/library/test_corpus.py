@@ -14,7 +14,7 @@ from hypothesis import given
 from tests.commands import time_limit
 from tests.corpus import Base, Case, bases, other_cases, usual_cases
 from tests.damage import DRAWS, compare, drawn, findings
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from ur5lib.commands.check import print_tables, text_console, unusable
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake
@@ -52,7 +52,7 @@ def answer(case: Case, arm: Robot, whole: Intake) -> Answer:
         entry = case.written(Path(folder))
         try:
             with time_limit(SECONDS):
-                taken = read_and_repair(entry, arm, max_gap=0.1)
+                taken = read_and_check(entry, arm, max_gap=0.1)
         except InputError as error:
             answer = str(error).replace(folder, PLACE)  # its name is random
             return Answer(answer, unusable(error))
@@ -91,7 +91,7 @@ def undamaged(thesis_data: Path, tmp_path_factory: pytest.TempPathFactory) -> li
 
 @pytest.fixture(scope="module")
 def wholes(undamaged: list[Base], ur5: Robot) -> dict[str, Intake]:
-    return {base.name: read_and_repair(base.recording, ur5, 0.1) for base in undamaged}
+    return {base.name: read_and_check(base.recording, ur5, 0.1) for base in undamaged}
 
 
 def test_the_undamaged_ones_are_read_without_complaint(wholes: dict[str, Intake]) -> None:

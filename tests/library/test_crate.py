@@ -11,7 +11,7 @@ from rocrate_validator import models, services
 from rocrate_validator.utils.http import HttpRequester
 
 from tests.conftest import PROJECT
-from ur5lib.report.crate import run_crate
+from ur5lib.report.page.crate import run_crate
 from ur5lib.strict import read_yaml
 from ur5lib.tables import checksum
 

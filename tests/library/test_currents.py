@@ -21,18 +21,18 @@ from tests.library.current_study import (
     with_noise,
 )
 from ur5lib.identification.current_regression import (
-    DOUBTED,
-    LEAST_RESTING,
-    UNSEEN_MOVING,
-    UNSEEN_RESTING,
+    DOUBTFUL_DEVIATIONS,
+    MIN_RESTING_ERROR,
+    UNSEEN_MOVING_ERROR,
+    UNSEEN_RESTING_ERROR,
     expected_fit,
     fit_currents,
     fit_without_each_path,
     unseen_error,
 )
 from ur5lib.identification.currents import (
-    BETWEEN_DAYS,
-    BETWEEN_RUNS,
+    DAY_TO_DAY_STD,
+    RUN_TO_RUN_STD,
     CurrentFit,
     band,
     breakaway_torque,
@@ -42,10 +42,10 @@ from ur5lib.identification.currents import (
     unseen_difference,
 )
 from ur5lib.identification.estimation import (
-    Estimate,
-    beside_fuller,
+    CoefficientEstimate,
     estimate_together,
-    physical,
+    physical_values,
+    with_fuller_errors,
 )
 from ur5lib.identification.joint_regression import left_out_residuals
 from ur5lib.identification.prior import Typical
@@ -60,8 +60,8 @@ from ur5lib.identification.regression import (
     standard_error,
 )
 from ur5lib.identification.samples import (
-    STEP,
-    Record,
+    INDEPENDENT_STEP,
+    CurrentSamples,
     apart_from,
     joint_samples,
     record_paths,
@@ -74,7 +74,7 @@ from ur5lib.identification.validation import (
     score,
 )
 from ur5lib.records.friction import Friction, LeftOut
-from ur5lib.robots.friction import BASE
+from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -85,12 +85,12 @@ STUDY = 10  # recordings
 
 
 @pytest.fixture(scope="module")
-def study() -> list[Record]:
+def study() -> list[CurrentSamples]:
     return noisy(range(STUDY))
 
 
 @pytest.fixture(scope="module")
-def fitted(study: list[Record]) -> CurrentFit:
+def fitted(study: list[CurrentSamples]) -> CurrentFit:
     return fit_currents(study, smooth, prior())
 
 
@@ -161,7 +161,7 @@ def test_intervals_hold_what_they_promise() -> None:
         for joint in range(6):
             truth[joint][0] *= 1 + 0.1 * random.standard_normal()
             truth[joint][4] = 0.1 * random.standard_normal() / CONSTANT[joint]
-        noise = [make_noise(random, 400, STEP) for _ in range(STUDY)]
+        noise = [make_noise(random, 400, INDEPENDENT_STEP) for _ in range(STUDY)]
         drawn = []
         for joint, own in enumerate(samples):
             place = np.concatenate([np.arange(np.sum(own.record == one)) for one in range(STUDY)])
@@ -169,7 +169,9 @@ def test_intervals_hold_what_they_promise() -> None:
             drawn.append(replace(own, current=own.columns @ truth[joint] + residual))
         estimates, units = estimate_together(drawn, known, seed=run)
         pairs = zip(estimates, truth, strict=True)
-        off = [np.abs(physical(own.coefficients) - physical(true)) for own, true in pairs]
+        off = [
+            np.abs(physical_values(own.coefficients) - physical_values(true)) for own, true in pairs
+        ]
         half = [half_width(own.std_error, units, own.prior_share) for own in estimates]
         inside.append(np.concatenate(off) < np.concatenate(half))
         determined.append(np.concatenate([e.prior_share < 0.5 for e in estimates]))
@@ -187,30 +189,32 @@ def test_intervals_hold_what_they_promise() -> None:
 def test_standard_errors_hold_what_a_further_term_changes() -> None:
     """k = 10 Nm/A under both; the offset, -2 Nm, would be -5 Nm with the term."""
     nothing = np.empty(0)
-    own = Estimate(np.array([0.1, 0.2]), nothing, nothing, np.array([1.0, 1.0]))
-    fuller = Estimate(np.array([0.1, 0.5, 0.3]), nothing, nothing, np.array([3.0, 4.0, 9.0]))
-    wider = beside_fuller(own, fuller)
+    own = CoefficientEstimate(np.array([0.1, 0.2]), nothing, nothing, np.array([1.0, 1.0]))
+    fuller = CoefficientEstimate(
+        np.array([0.1, 0.5, 0.3]), nothing, nothing, np.array([3.0, 4.0, 9.0])
+    )
+    wider = with_fuller_errors(own, fuller)
     np.testing.assert_allclose(wider.std_error, [3.0, 5.0])
     np.testing.assert_array_equal(wider.coefficients, own.coefficients)
 
 
 def test_friction_is_no_surer_than_days_and_recordings_differ() -> None:
     """Recordings told half of the 2 Nm of Coulomb friction; four days leave half the difference."""
-    told = Estimate(
+    told = CoefficientEstimate(
         np.array([0.1, 0.2, 0.2]), np.array([[0.0, 0.0, 0.5]]), np.empty(0), np.zeros(3)
     )
-    day = np.hypot(BETWEEN_DAYS, BETWEEN_RUNS)
+    day = np.hypot(DAY_TO_DAY_STD, RUN_TO_RUN_STD)
     np.testing.assert_allclose(unseen_difference(told, 1, 1, 1), [0.0, 0.0, day])
     np.testing.assert_allclose(unseen_difference(told, 4, 4, 4), [0.0, 0.0, day / 2])
     # what paths that are drawn have shown is not counted twice
-    assert BETWEEN_DAYS / 2 < unseen_difference(told, 1, 8, 8)[2] < BETWEEN_DAYS
+    assert DAY_TO_DAY_STD / 2 < unseen_difference(told, 1, 8, 8)[2] < DAY_TO_DAY_STD
     np.testing.assert_array_equal(unseen_difference(told, 8, 8, 8), 0.0)
 
 
 # What hurts
 
 
-def test_a_push_does_not_decide(study: list[Record]) -> None:
+def test_a_push_does_not_decide(study: list[CurrentSamples]) -> None:
     """A twentieth of the samples is off by 3 A: least squares would move offsets by 1.6 Nm."""
     pushed = [replace(record, current=record.current.copy()) for record in study]
     for record in pushed:
@@ -220,11 +224,14 @@ def test_a_push_does_not_decide(study: list[Record]) -> None:
     )
     for before, after in zip(plain, moved, strict=True):
         np.testing.assert_allclose(
-            physical(after.coefficients), physical(before.coefficients), rtol=0.1, atol=0.4
+            physical_values(after.coefficients),
+            physical_values(before.coefficients),
+            rtol=0.1,
+            atol=0.4,
         )
 
 
-def test_nothing_runs_across_a_gap(study: list[Record]) -> None:
+def test_nothing_runs_across_a_gap(study: list[CurrentSamples]) -> None:
     record = replace(study[0], segment=np.where(np.arange(len(study[0].q)) < 600, 0, 1))
     halves = [cut(record, record.segment == half) for half in (0, 1)]
     (split, *_), (whole, *_) = (joint_samples(records, smooth) for records in (halves, [record]))
@@ -232,7 +239,7 @@ def test_nothing_runs_across_a_gap(study: list[Record]) -> None:
     assert len(np.unique(split.block)) == len(np.unique(whole.block))
 
 
-def test_rows_that_were_not_received_are_left_out(study: list[Record]) -> None:
+def test_rows_that_were_not_received_are_left_out(study: list[CurrentSamples]) -> None:
     holed = [replace(record, current=record.current.copy()) for record in study[:5]]
     for record in holed:
         record.current[300:320] = np.nan
@@ -244,7 +251,7 @@ def test_rows_that_were_not_received_are_left_out(study: list[Record]) -> None:
 # What has not seen a path
 
 
-def changed(record: Record) -> Record:
+def changed(record: CurrentSamples) -> CurrentSamples:
     """The recording with a current that no other would make one expect."""
     return replace(record, current=2 * record.current + 1)
 
@@ -259,14 +266,14 @@ def equal(one: CurrentFit, other: CurrentFit) -> bool:
 
 
 @pytest.fixture(scope="module")
-def twice(study: list[Record]) -> list[Record]:
+def twice(study: list[CurrentSamples]) -> list[CurrentSamples]:
     """Four recordings along three paths: the last repeats the first."""
     again = replace(with_noise(make_record(0), 77), name="again")
     return [*study[:3], again]
 
 
 @pytest.fixture(scope="module")
-def folds(twice: list[Record]) -> dict[str, CurrentFit]:
+def folds(twice: list[CurrentSamples]) -> dict[str, CurrentFit]:
     """Of each recording, the fit that has not seen its path."""
     fits = fit_without_each_path(twice, smooth, prior())
     return {name: fit for names, fit in fits for name in names}
@@ -274,7 +281,7 @@ def folds(twice: list[Record]) -> dict[str, CurrentFit]:
 
 @pytest.mark.parametrize("mutated", [1, 3])
 def test_a_fit_has_not_seen_what_it_is_judged_on(
-    twice: list[Record], folds: dict[str, CurrentFit], mutated: int
+    twice: list[CurrentSamples], folds: dict[str, CurrentFit], mutated: int
 ) -> None:
     """Whatever its current were, the fit that predicts it is the same; the others are not.
 
@@ -291,20 +298,20 @@ def test_a_fit_has_not_seen_what_it_is_judged_on(
         assert equal(fit, folds[names[0]]) == (twice[mutated].name in names)
 
 
-def test_one_path_has_no_fit_that_has_not_seen_it(twice: list[Record]) -> None:
+def test_one_path_has_no_fit_that_has_not_seen_it(twice: list[CurrentSamples]) -> None:
     assert fit_without_each_path([twice[0], twice[3]], smooth, prior()) == []
 
 
 def test_of_many_paths_several_are_left_out_together(
-    study: list[Record], monkeypatch: pytest.MonkeyPatch
+    study: list[CurrentSamples], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ur5lib.identification.current_regression.FOLDS", 3)
+    monkeypatch.setattr("ur5lib.identification.current_regression.MAX_FOLDS", 3)
     fits = fit_without_each_path([cut(own, slice(200)) for own in study[:5]], smooth, prior())
     names = [record.name for record in study]
     assert [out for out, _ in fits] == [[names[0], names[3]], [names[1], names[4]], [names[2]]]
 
 
-def dated(records: list[Record], days: str) -> list[Record]:
+def dated(records: list[CurrentSamples], days: str) -> list[CurrentSamples]:
     """Their first 10 s, each with a letter for its day."""
     return [cut(own, slice(1250), day=day) for own, day in zip(records, days, strict=True)]
 
@@ -325,7 +332,7 @@ def test_a_day_is_left_out_where_others_have_enough_paths(days: str, seen: str) 
     assert "".join(np.array([*days])[kept]) == seen
 
 
-def test_a_fit_has_not_seen_the_day_that_it_is_judged_on(study: list[Record]) -> None:
+def test_a_fit_has_not_seen_the_day_that_it_is_judged_on(study: list[CurrentSamples]) -> None:
     """Whatever the currents of that day were, the fit is the same; the others are not."""
     records = dated(study[:6], "aabbbc")
     fits = fit_without_each_path(records, smooth, prior())
@@ -338,7 +345,7 @@ def test_a_fit_has_not_seen_the_day_that_it_is_judged_on(study: list[Record]) ->
 
 @pytest.mark.parametrize("dated_alike", [False, True], ids=["path", "day"])
 def test_a_left_out_residual_has_not_seen_its_path_nor_its_day(
-    study: list[Record], twice: list[Record], dated_alike: bool
+    study: list[CurrentSamples], twice: list[CurrentSamples], dated_alike: bool
 ) -> None:
     """Of joint 2, with another current in a further run: bands are of other paths and days."""
     records, index = (dated(study[:6], "aabbbc"), 1) if dated_alike else (twice, 3)
@@ -353,7 +360,7 @@ def test_a_left_out_residual_has_not_seen_its_path_nor_its_day(
 
 
 def test_the_fit_for_a_recording_is_the_one_that_has_not_seen_it(
-    twice: list[Record], folds: dict[str, CurrentFit], tmp_path: Path
+    twice: list[CurrentSamples], folds: dict[str, CurrentFit], tmp_path: Path
 ) -> None:
     """By way of friction.json; a recording that no fit has seen has the fit of all."""
     whole = fit_currents(twice, smooth, prior())
@@ -380,14 +387,14 @@ def test_breakaway_is_the_friction_that_turns_with_direction(fitted: CurrentFit)
 # Too little
 
 
-def test_one_recording_is_fitted_and_says_what_is_missing(study: list[Record]) -> None:
+def test_one_recording_is_fitted_and_says_what_is_missing(study: list[CurrentSamples]) -> None:
     fit = fit_currents(study[:1], smooth, prior())
     assert all(joint.remarks[0].code == "one path" for joint in fit.joints)
     assert constants_of(fit)[2, "torque_constant"] == pytest.approx(CONSTANT[1], rel=0.06)
     assert all(np.isfinite(row.std_error) and row.std_error > 0 for row in parameters(fit))
 
 
-def test_a_standstill_leaves_the_prior_and_says_so(study: list[Record]) -> None:
+def test_a_standstill_leaves_the_prior_and_says_so(study: list[CurrentSamples]) -> None:
     still = [replace(record, q=0 * record.q, qd=0 * record.qd) for record in study[:3]]
     fit = fit_currents(still, smooth, prior())
     assert all(joint.remarks[0].code == "no motion" for joint in fit.joints)
@@ -398,7 +405,7 @@ def test_a_standstill_leaves_the_prior_and_says_so(study: list[Record]) -> None:
     assert np.isfinite(predict(fit, still[0])).all()
 
 
-def test_a_joint_that_keeps_still_does_not_spoil_the_others(study: list[Record]) -> None:
+def test_a_joint_that_keeps_still_does_not_spoil_the_others(study: list[CurrentSamples]) -> None:
     moves = np.array([1, 1, 1, 0, 1, 1])
     stopped = [replace(own, q=own.q * moves, qd=own.qd * moves) for own in study[:5]]
     fit = fit_currents(stopped, smooth, prior())
@@ -408,11 +415,13 @@ def test_a_joint_that_keeps_still_does_not_spoil_the_others(study: list[Record])
     assert all(row.determined for row in rows if row.joint in (1, 2, 3))
 
 
-def test_a_constant_of_unknown_sign_is_undetermined(study: list[Record]) -> None:
+def test_a_constant_of_unknown_sign_is_undetermined(study: list[CurrentSamples]) -> None:
     """Whatever the share of the prior: 100 ± 120 Nm/A tells nothing."""
     fit = fit_currents(study[:3], smooth, prior())
     third = fit.joints[2]
-    unsure = replace(third.estimate, std_error=0.5 * np.abs(physical(third.estimate.coefficients)))
+    unsure = replace(
+        third.estimate, std_error=0.5 * np.abs(physical_values(third.estimate.coefficients))
+    )
     joints = (*fit.joints[:2], replace(third, estimate=unsure), *fit.joints[3:])
     rows = [row for row in parameters(replace(fit, joints=joints)) if row.joint == 3]
     assert [row.determined for row in rows if row.name == "torque_constant"] == [False]
@@ -421,7 +430,7 @@ def test_a_constant_of_unknown_sign_is_undetermined(study: list[Record]) -> None
 
 @pytest.mark.parametrize(("ratio", "doubted"), [(1.4, False), (1.6, True), (0.6, True)])
 def test_a_constant_unlike_what_was_known_is_remarked(
-    study: list[Record], ratio: float, doubted: bool
+    study: list[CurrentSamples], ratio: float, doubted: bool
 ) -> None:
     """Beyond what gears lose in right recordings."""
     wrong = prior()
@@ -430,13 +439,13 @@ def test_a_constant_unlike_what_was_known_is_remarked(
     remarks = {one.code: one for one in fit.joints[1].remarks}
     assert ("unlikely constant" in remarks) == doubted
     if doubted:
-        assert remarks["unlikely constant"].values["deviations"] > DOUBTED
+        assert remarks["unlikely constant"].values["deviations"] > DOUBTFUL_DEVIATIONS
 
 
 # Judging
 
 
-def test_the_baseline_is_equations_6_4_and_6_6(study: list[Record]) -> None:
+def test_the_baseline_is_equations_6_4_and_6_6(study: list[CurrentSamples]) -> None:
     """And its constants are found by least squares; joint 6 carries nothing that shows its own."""
     coulomb, viscous = np.random.default_rng(0).uniform(1, 9, (2, 6))
     constants = coefficients_of_constants(CONSTANT, OFFSET, coulomb, viscous)
@@ -450,7 +459,7 @@ def test_the_baseline_is_equations_6_4_and_6_6(study: list[Record]) -> None:
     np.testing.assert_allclose(found[5, 1:], constants[5, 1:], atol=1e-12)
 
 
-def halved(values: Array, _: Record) -> Array:
+def halved(values: Array, _: CurrentSamples) -> Array:
     """Stands for a low-pass: of errors it leaves a half."""
     return values / 2
 
@@ -523,7 +532,9 @@ def test_the_baseline_is_fitted_to_the_samples_that_are_whole() -> None:
     )
 
 
-def test_a_band_covers_a_recording_left_out(study: list[Record], fitted: CurrentFit) -> None:
+def test_a_band_covers_a_recording_left_out(
+    study: list[CurrentSamples], fitted: CurrentFit
+) -> None:
     other = with_noise(make_record(99), 99)
     half = band(fitted, other, smooth)
     scores = score(other, predict(fitted, other), smooth, half)
@@ -571,14 +582,14 @@ def test_a_band_of_short_recordings_is_of_all_together() -> None:
 
 
 def test_bands_are_of_paths_left_out_and_usual_where_there_are_none(
-    study: list[Record], fitted: CurrentFit
+    study: list[CurrentSamples], fitted: CurrentFit
 ) -> None:
     one = fit_currents(study[:1], smooth, prior())
     for alone, joint, true in zip(one.joints, fitted.joints, FRICTION, strict=True):
         coulomb = alone.estimate.coefficients[2]
-        assert 1 <= alone.band_moving / (NORMAL95 * UNSEEN_MOVING * coulomb) < 1.5
-        assert alone.band_rest >= NORMAL95 * UNSEEN_RESTING * coulomb
-        least = NORMAL95 * LEAST_RESTING * joint.estimate.coefficients[2]
+        assert 1 <= alone.band_moving / (NORMAL95 * UNSEEN_MOVING_ERROR * coulomb) < 1.5
+        assert alone.band_rest >= NORMAL95 * UNSEEN_RESTING_ERROR * coulomb
+        least = NORMAL95 * MIN_RESTING_ERROR * joint.estimate.coefficients[2]
         assert joint.band_rest >= 0.999 * least
         assert 0.01 < joint.band_moving * CONSTANT[0] < 2 * true[0]
         assert alone.doubt is not None
@@ -596,7 +607,7 @@ def test_a_band_of_one_path_holds_the_noise_of_another() -> None:
     assert held.min() > 0.9
 
 
-def wander(record: Record, seed: int) -> Array:
+def wander(record: CurrentSamples, seed: int) -> Array:
     """Return noise (N, 6) [A] below the low-pass, with each joint's Coulomb friction as its RMS."""
     noise = smooth(np.random.default_rng(seed).standard_normal(record.current.shape), record)
     coulomb = np.array([own[0] for own in FRICTION]) / np.array(CONSTANT)
@@ -611,11 +622,11 @@ def test_a_mean_square_over_few_paths_counts_with_a_usual_error() -> None:
     assert unseen_error(residual[:5], np.arange(5), 0.8) == 0.8
 
 
-def test_without_a_recording_no_band_is_narrower_than_with_one(study: list[Record]) -> None:
+def test_without_a_recording_no_band_is_narrower_than_with_one(study: list[CurrentSamples]) -> None:
     friction = np.array(FRICTION).T
     typical = {
         name: Typical(value, 0.25 * value + 0.01)
-        for name, value in zip(BASE, friction, strict=True)
+        for name, value in zip(BASE_TERMS, friction, strict=True)
     }
     known = replace(prior(), typical=typical | {"offset": Typical(OFFSET, 0 * OFFSET + 0.5)})
     other = with_noise(make_record(99), 99)

@@ -14,8 +14,8 @@ from ur5lib.identification.currents import (
     parameters,
     predict,
 )
-from ur5lib.identification.payload import Load, estimate_payload, judge
-from ur5lib.identification.samples import Record, Smooth, smoothed_moving
+from ur5lib.identification.payload import LoadEstimate, estimate_payload, judge
+from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
 from ur5lib.identification.validation import Scores, baseline_current, score
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
@@ -32,11 +32,11 @@ UR10E_SHOWN = [*UR10E_FITTED, "ur-20_01_17-p3", "ur-20_01_17-p4"]
 WEIGHED = 2.805  # kg; what the authors of these logs state in estimate_drive_gains.m
 
 
-def scores(fit: CurrentFit, record: Record, smooth: Smooth) -> Scores:
+def scores(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Scores:
     return score(record, predict(fit, record), smooth, band(fit, record, smooth))
 
 
-def by_least_squares(fitted: Fitted, record: Record, smooth: Smooth) -> Array:
+def by_least_squares(fitted: Fitted, record: CurrentSamples, smooth: Smooth) -> Array:
     """RMSE (6,) [A] of plain least squares on the recordings of a fit."""
     plain = baseline_current(record, fitted.friction.least_squares)
     return score(record, plain, smooth, np.zeros_like(plain)).rmse_lowpassed
@@ -159,7 +159,7 @@ def test_one_recording_suffices_for_the_currents_of_the_ur10e(
         assert ours <= 1.4 * its
 
 
-def load_of(one: RealRecording, fit: CurrentFit, smooth: Smooth) -> Load:
+def load_of(one: RealRecording, fit: CurrentFit, smooth: Smooth) -> LoadEstimate:
     """What a recording's flange carries; the runs to fit on differ by next to nothing."""
     states = one.motion.q, one.motion.qd, one.motion.qdd
     columns = load_regressor(one.robot, one.robot.fullest_model(), *states)
@@ -167,28 +167,28 @@ def load_of(one: RealRecording, fit: CurrentFit, smooth: Smooth) -> Load:
 
 
 @pytest.fixture(scope="module")
-def ur10e_loads(real_ur10e: RealStudy, ur10e_fitted: Fitted) -> dict[str, Load]:
+def ur10e_loads(real_ur10e: RealStudy, ur10e_fitted: Fitted) -> dict[str, LoadEstimate]:
     return {
         name: load_of(real_ur10e.recording(name), ur10e_fitted.whole, real_ur10e.smooth)
         for name in (UR10E_LEFT_OUT, *UR10E_LOADED)
     }
 
 
-def test_the_load_of_the_ur10e_is_what_it_weighs(ur10e_loads: dict[str, Load]) -> None:
+def test_the_load_of_the_ur10e_is_what_it_weighs(ur10e_loads: dict[str, LoadEstimate]) -> None:
     load = ur10e_loads["ur-20_02_19_14harm50secLoad"]
     assert load.certain
     assert load.interval[0] < WEIGHED < load.interval[1]
     assert load.std_error < 0.1
 
 
-def test_an_unloaded_ur10e_carries_nothing(ur10e_loads: dict[str, Load]) -> None:
+def test_an_unloaded_ur10e_carries_nothing(ur10e_loads: dict[str, LoadEstimate]) -> None:
     load = ur10e_loads[UR10E_LEFT_OUT]
     assert not load.certain
     assert load.interval[0] < 0 < load.interval[1]
     assert load.std_error < 0.05
 
 
-def test_runs_of_one_load_agree_on_its_mass(ur10e_loads: dict[str, Load]) -> None:
+def test_runs_of_one_load_agree_on_its_mass(ur10e_loads: dict[str, LoadEstimate]) -> None:
     """Within what two intervals may differ by; the load is the same in all three."""
     loads = [ur10e_loads[name] for name in UR10E_LOADED]
     assert all(load.certain for load in loads)

@@ -12,7 +12,7 @@ from torch import Tensor
 from torch.func import jvp
 
 from ur5lib.dynamics import euler_lagrange
-from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.kinematics import jacobian, velocity_product_acceleration
 from ur5lib.dynamics.rigid_body import (
     coriolis_matrix,
@@ -68,7 +68,7 @@ class Case:
     text: URDF, without the payload that Pinocchio is given by itself; loaded_text: with it.
     """
 
-    arm: Arm
+    arm: ArmTensors
     text: str
     loaded_text: str
     rotors: np.ndarray
@@ -99,7 +99,7 @@ def case(request: pytest.FixtureRequest) -> Case:
 
 
 @pytest.fixture(scope="module")
-def arm(case: Case) -> Arm:
+def arm(case: Case) -> ArmTensors:
     return case.arm
 
 
@@ -206,20 +206,20 @@ def test_exported_urdf_gives_the_same_in_mujoco(case: Case) -> None:
 # Identities
 
 
-def test_inertia_matrix_is_symmetric_and_positive_definite(arm: Arm) -> None:
+def test_inertia_matrix_is_symmetric_and_positive_definite(arm: ArmTensors) -> None:
     matrix = inertia_matrix(arm, states()[0])
     assert torch.equal(matrix, matrix.mT)
     assert torch.linalg.eigvalsh(matrix).min() > 0
 
 
-def test_change_of_inertia_less_twice_coriolis_is_skew_symmetric(arm: Arm) -> None:
+def test_change_of_inertia_less_twice_coriolis_is_skew_symmetric(arm: ArmTensors) -> None:
     q, qd, _ = states()
     _, change = jvp(lambda q: inertia_matrix(arm, q), (q,), (qd,))
     difference = change - 2 * coriolis_matrix(arm, q, qd)
     assert (difference + difference.mT).abs().max() < 1e-12 * change.abs().max()
 
 
-def test_both_derivations_agree(arm: Arm) -> None:
+def test_both_derivations_agree(arm: ArmTensors) -> None:
     """Euler and Lagrange: D q̈ + C q̇ + g from energies; Newton and Euler: the recursion."""
     q, qd, qdd = states(1000)
     D, g = euler_lagrange.inertia_matrix(arm, q), euler_lagrange.gravity_torque(arm, q)
@@ -231,14 +231,14 @@ def test_both_derivations_agree(arm: Arm) -> None:
     torch.testing.assert_close(inverse_dynamics(arm, q, qd, qdd), torque, rtol=0, atol=1e-10)
 
 
-def test_forward_dynamics_undoes_inverse_dynamics(arm: Arm) -> None:
+def test_forward_dynamics_undoes_inverse_dynamics(arm: ArmTensors) -> None:
     q, qd, qdd = states()
     wrench = wrenches()
     back = forward_dynamics(arm, q, qd, inverse_dynamics(arm, q, qd, qdd, wrench), wrench)
     assert (back - qdd).abs().max() < 1e-9 * qdd.abs().max()
 
 
-def test_power_is_the_change_of_energy(arm: Arm) -> None:
+def test_power_is_the_change_of_energy(arm: ArmTensors) -> None:
     """dE/dt = q̇ᵀ τ along a trajectory: q changes with q̇, q̇ with q̈, and both derivatives exact."""
     q, qd, qdd = states()
 
@@ -250,6 +250,6 @@ def test_power_is_the_change_of_energy(arm: Arm) -> None:
     assert (change - power).abs().max() < 1e-12 * power.abs().max()
 
 
-def test_regressor_times_parameters_is_the_torque(arm: Arm) -> None:
+def test_regressor_times_parameters_is_the_torque(arm: ArmTensors) -> None:
     torque = regressor(arm, *states()) @ arm.parameters
     assert (torque - inverse_dynamics(arm, *states())).abs().max() < 1e-11

@@ -14,7 +14,7 @@ from tests.conftest import PROJECT
 from tests.library.test_dynamics import states
 from tests.library.test_from_urdf import made_up, saved
 from ur5lib.dynamics import arm as batches
-from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.kinematics import acceleration
 from ur5lib.dynamics.rigid_body import (
     coriolis_matrix,
@@ -31,11 +31,11 @@ from ur5lib.robots.from_urdf import robot_from_urdf
 
 
 @pytest.fixture(scope="module")
-def arm(ur5: Robot) -> Arm:
+def arm(ur5: Robot) -> ArmTensors:
     return build_arm(ur5, "C+rotors")
 
 
-def terms(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> dict[str, Tensor]:
+def terms(arm: ArmTensors, q: Tensor, qd: Tensor, qdd: Tensor) -> dict[str, Tensor]:
     return {
         "torque": inverse_dynamics(arm, q, qd, qdd),
         "pushed": inverse_dynamics(arm, q, qd, qdd, qdd),
@@ -51,17 +51,19 @@ def terms(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> dict[str, Tensor]:
 
 
 @pytest.mark.parametrize("count", [0, 1, 7, 64, 65])
-def test_batches_change_nothing(arm: Arm, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_batches_change_nothing(
+    arm: ArmTensors, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     q, qd, qdd = states(count)
     whole = terms(arm, q, qd, qdd)
-    monkeypatch.setattr(batches, "CPU", 8)
+    monkeypatch.setattr(batches, "CPU_BATCH", 8)
     for name, part in terms(arm, q, qd, qdd).items():
         assert part.shape == whole[name].shape
         assert part.is_contiguous() or name in ("pushed", "acceleration")
         torch.testing.assert_close(part, whole[name], rtol=0, atol=1e-10)
 
 
-def test_wrong_states_are_refused(arm: Arm) -> None:
+def test_wrong_states_are_refused(arm: ArmTensors) -> None:
     q, qd, qdd = states(3)
     with pytest.raises(ValueError, match=r"must be \(N, 6\).*\(2, 6\)"):
         inverse_dynamics(arm, q, qd[:2], qdd)
@@ -98,7 +100,7 @@ print(peak(1_000_000) - peak(100_000))
     assert float(printed(program, OMP_NUM_THREADS="1")) < 20  # MiB
 
 
-def test_gradients_reach_states_and_parameters(arm: Arm) -> None:
+def test_gradients_reach_states_and_parameters(arm: ArmTensors) -> None:
     given = [state.requires_grad_() for state in states(3)]
     parameters = arm.parameters.clone().requires_grad_()
     assert torch.autograd.gradcheck(
@@ -109,7 +111,7 @@ def test_gradients_reach_states_and_parameters(arm: Arm) -> None:
     )
 
 
-def test_slope_in_the_parameters_is_the_regressor(arm: Arm) -> None:
+def test_slope_in_the_parameters_is_the_regressor(arm: ArmTensors) -> None:
     given = states(5)
     slope = torch.func.jacrev(lambda pi: inverse_dynamics(replace(arm, parameters=pi), *given))
     torch.testing.assert_close(slope(arm.parameters), regressor(arm, *given))
@@ -174,7 +176,7 @@ assert all(torch.equal(torque, gravity_torque(build_arm(robot, "maker"), q)) for
 
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no GPU is at hand")
-def test_a_gpu_gives_the_same(ur5: Robot, arm: Arm) -> None:
+def test_a_gpu_gives_the_same(ur5: Robot, arm: ArmTensors) -> None:
     there = [state.cuda() for state in states()]
     on_gpu = terms(build_arm(ur5, "C+rotors", device="cuda"), *there)
     for name, expected in terms(arm, *states()).items():

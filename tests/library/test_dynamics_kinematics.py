@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from torch import Tensor
 
 from tests.library.test_dynamics import STATES, states, times
-from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.kinematics import (
     acceleration,
     analytical_jacobian,
@@ -32,7 +32,7 @@ def robot(request: pytest.FixtureRequest) -> Robot:
 
 
 @pytest.fixture(scope="module")
-def arm(robot: Robot) -> Arm:
+def arm(robot: Robot) -> ArmTensors:
     return build_arm(robot, robot.chosen_model)
 
 
@@ -48,7 +48,7 @@ def angular_velocity(rotation: Callable[[float], Tensor]) -> Tensor:
     return torch.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], dim=1)
 
 
-def test_frames_are_the_denavit_hartenberg_ones(robot: Robot, arm: Arm) -> None:
+def test_frames_are_the_denavit_hartenberg_ones(robot: Robot, arm: ArmTensors) -> None:
     """Products of Equation 2.19, written out."""
     q, _, _ = states(100)
     pose = np.tile(np.eye(4), (100, 1, 1))
@@ -68,7 +68,7 @@ def test_frames_are_the_denavit_hartenberg_ones(robot: Robot, arm: Arm) -> None:
 
 
 @pytest.mark.parametrize("link", range(1, 7))
-def test_jacobian_is_the_derivative_of_the_pose(arm: Arm, link: int) -> None:
+def test_jacobian_is_the_derivative_of_the_pose(arm: ArmTensors, link: int) -> None:
     q, qd, _ = states(1000)
 
     def place(time: float) -> Tensor:
@@ -84,7 +84,7 @@ def test_jacobian_is_the_derivative_of_the_pose(arm: Arm, link: int) -> None:
 
 @pytest.mark.parametrize(("link", "count"), [*((k, 1000) for k in range(1, 6)), (6, STATES)])
 def test_velocity_product_acceleration_is_the_change_of_the_jacobian(
-    arm: Arm, link: int, count: int
+    arm: ArmTensors, link: int, count: int
 ) -> None:
     q, qd, qdd = states(count)
     change = slope(lambda time: jacobian(arm, q + qd * time, link, POINT), 1e-3)
@@ -139,7 +139,7 @@ def test_rates_of_zyz_angles_are_put_right() -> None:
     torch.testing.assert_close(ours, expected, rtol=0, atol=1e-9)
 
 
-def test_analytical_jacobian_is_the_derivative_of_the_angles(arm: Arm) -> None:
+def test_analytical_jacobian_is_the_derivative_of_the_angles(arm: ArmTensors) -> None:
     """Away from sin ϑ = 0, where angles change without bound."""
     q, qd, _ = states(2000)
     away = zyz_angles(link_frames(arm, q)[0][:, 6])[:, 1].sin() > 0.3
@@ -156,7 +156,7 @@ def test_analytical_jacobian_is_the_derivative_of_the_angles(arm: Arm) -> None:
     assert (rates[:, 3:] - change).abs().max() < 1e-8 * change.abs().max()
 
 
-def test_analytical_jacobian_is_no_error_at_the_singularity(arm: Arm) -> None:
+def test_analytical_jacobian_is_no_error_at_the_singularity(arm: ArmTensors) -> None:
     """With q = 0 and joint 5 at rest, frame 6 points along the base's axes."""
     q = torch.zeros(2, 6, dtype=torch.float64)
     q[1] = torch.tensor([0.3, -1.2, 0.8, -0.5, 0.7, 0.2])

@@ -15,8 +15,8 @@ from tests.library.synthetic_run import COUNT, PERIOD, STIFFNESS, synthetic_run
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import regularised_wrench
-from ur5lib.force.external_torque import STATES
-from ur5lib.force.gate import Noise, diagonal
+from ur5lib.force.external_torque import FITTED_STATE_COUNT
+from ur5lib.force.gate import TorqueVariances, diagonal
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard import tuning
 from ur5lib.leaderboard.estimator import Learned
@@ -26,7 +26,12 @@ from ur5lib.leaderboard.estimators.adaptive_kalman_filter import AdaptiveKalman
 from ur5lib.leaderboard.estimators.disturbance_kalman_filter import DisturbanceKalman
 from ur5lib.leaderboard.estimators.extended_state_observer import ExtendedState
 from ur5lib.leaderboard.estimators.least_squares import LowPassed
-from ur5lib.leaderboard.estimators.long_short_term_memory import PAST, STEP, motion, train
+from ur5lib.leaderboard.estimators.long_short_term_memory import (
+    SEQUENCE_LENGTH,
+    SEQUENCE_STEP,
+    motion,
+    train,
+)
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
@@ -69,7 +74,7 @@ def free_runs() -> list[Run]:
 def few_rounds() -> Iterator[None]:
     """A network that has learnt little is as causal as one that has learnt much."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(long_short_term_memory, "ROUNDS", 10)
+        patch.setattr(long_short_term_memory, "MAX_STEPS", 10)
         yield
 
 
@@ -166,9 +171,11 @@ def test_the_gains_of_a_position_loop_are_found() -> None:
 
 def test_the_last_states_are_read_in_the_order_of_time_and_not_across_a_gap() -> None:
     run = replace(synthetic_run(), segment=(np.arange(COUNT) >= LATER).astype(int))
-    seen = motion(run, with_error=False).inputs.reshape(COUNT, PAST, 12)
-    back = round(STEP / PERIOD)
-    assert np.array_equal(seen[LATER - 1, :, 0], run.q[LATER - 1 - back * np.arange(PAST)[::-1], 0])
+    seen = motion(run, with_error=False).inputs.reshape(COUNT, SEQUENCE_LENGTH, 12)
+    back = round(SEQUENCE_STEP / PERIOD)
+    assert np.array_equal(
+        seen[LATER - 1, :, 0], run.q[LATER - 1 - back * np.arange(SEQUENCE_LENGTH)[::-1], 0]
+    )
     assert np.array_equal(seen[LATER + back, -2:, 6:], run.qd[[LATER, LATER + back]])
     assert (seen[LATER + back, :-1, 6:] == run.qd[LATER]).all()
 
@@ -177,7 +184,7 @@ def test_a_network_learns_the_torque_of_an_arm_that_it_knows_nothing_of(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Trained on a path, it is tried on the same one."""
-    monkeypatch.setattr(long_short_term_memory, "ROUNDS", 200)
+    monkeypatch.setattr(long_short_term_memory, "MAX_STEPS", 200)
     run = synthetic_run(noise=0.3)
     known = samples([run], 0.04, partial(motion, with_error=False))
     error = standardised(train, known, known)(known.inputs) - known.torque
@@ -212,7 +219,7 @@ def test_the_least_false_force_is_chosen_among_the_prompt() -> None:
 def test_latencies_are_at_most_50_ms(learned: dict[str, Learned]) -> None:
     known = [own.latency for own in learned.values() if own.latency is not None]
     assert len(known) >= 8
-    assert max(known) <= tuning.MOST + 1e-9
+    assert max(known) <= tuning.MAX_LATENCY + 1e-9
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -266,9 +273,9 @@ def test_our_causal_force_is_in_its_band(learned: dict[str, Learned]) -> None:
 
 def test_our_causal_force_shows_large_pushes_better_than_a_usual_prior() -> None:
     run, push = synthetic_run(3), np.array([0.0, 0.0, 90.0, 0, 0, 0])
-    noise = Noise.of(run.states, unsure(5.0), ContactPrior(), np.zeros((COUNT, 6)))
+    noise = TorqueVariances.of(run.states, unsure(5.0), ContactPrior(), np.zeros((COUNT, 6)))
     torque = (run.jacobian.mT @ push)[:1]
-    few = Noise(*(getattr(noise, own.name)[:1] for own in fields(noise)))
+    few = TorqueVariances(*(getattr(noise, own.name)[:1] for own in fields(noise)))
     spread = diagonal(few.spread)
     usual = regularised_wrench(torque, run.jacobian[:1], spread, ContactPrior().usual()).mean
     assert usual[0, 2] < mixed_wrench(torque, run.jacobian[:1], few).mean[0, 2] < push[2] / 0.9
@@ -276,8 +283,8 @@ def test_our_causal_force_shows_large_pushes_better_than_a_usual_prior() -> None
 
 def unsure(spread: float) -> ResidualModel:
     """Return a residual model with one standard deviation [Nm] for all joints and states."""
-    deviation = np.full((STATES, 6), spread)
-    return ResidualModel(deviation, deviation, np.ones(STATES), 0.1, np.zeros(6))
+    deviation = np.full((FITTED_STATE_COUNT, 6), spread)
+    return ResidualModel(deviation, deviation, np.ones(FITTED_STATE_COUNT), 0.1, np.zeros(6))
 
 
 def test_the_same_data_give_the_same_numbers(learned: dict[str, Learned]) -> None:
@@ -330,10 +337,6 @@ PAGE = """# Page
 
 {simulated}
 
-## Currents along paths that no fit has seen
-
-{currents}
-
 ## Add
 
 end
@@ -342,15 +345,13 @@ end
 
 def test_what_was_not_measured_again_stays_on_the_page() -> None:
     """And of the estimators, the section names those that did not run on the seeds."""
-    old = PAGE.format(simulated="| old | 1 |\n| ours | 2 |", currents="old currents")
-    new = PAGE.format(simulated="Not measured yet.", currents="new currents")
-    kept = page.with_kept(new, old, {"simulated": None, "currents": {}}, ["ours", "rival"])
+    old = PAGE.format(simulated="| old | 1 |\n| ours | 2 |")
+    new = PAGE.format(simulated="Not measured yet.")
+    kept = page.with_kept(new, old, False, ["ours", "rival"])
     shown = f"| old | 1 |\n| ours | 2 |\n\n{page.ABSENT} rival."
-    assert kept == PAGE.format(simulated=shown, currents="new currents")
-    again = page.with_kept(new, kept, {"simulated": None, "currents": {}}, ["ours", "rival"])
-    assert again == kept
-    measured = page.with_kept(old, new, {"simulated": {}, "currents": {}}, ["ours"])
-    assert measured == old
+    assert kept == PAGE.format(simulated=shown)
+    assert page.with_kept(new, kept, False, ["ours", "rival"]) == kept
+    assert page.with_kept(old, new, True, ["ours"]) == old
 
 
 def test_the_committed_page_states_the_rule_of_the_code() -> None:

@@ -22,7 +22,7 @@ from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.simulate import simulate
 from ur5lib.lab.stand.trajectories import INITIAL_REST
 from ur5lib.recordings.entries import RtdeFiles
-from ur5lib.recordings.formats import read_rtde_csv
+from ur5lib.recordings.robot_files import read_rtde_csv
 from ur5lib.robots.description import Robot
 from ur5lib.study.reading import read_study
 from ur5lib.tables import channel, read_json

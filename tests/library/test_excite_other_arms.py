@@ -7,7 +7,6 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.serial_arms import with_motors
-from benchmarks.serial_excitation import figures, random_motion
 from tests.library.test_excitation_design import check_gradient
 from tests.library.test_from_urdf import made_up, planar, saved
 from ur5lib.cli import app
@@ -89,20 +88,6 @@ def test_the_files_are_for_the_arm_and_its_range(
     (recording,) = read_study(Path("out/stand.yaml")).recordings
     assert isinstance(recording.simulate, SimulatedRecording)
     simulate(load_robot("robots/mine.yaml"), recording.simulate, "rtde-csv", tmp_path, tmp_path)
-
-
-def test_a_designed_motion_tells_more_on_the_stand_than_a_random_one(tmp_path: Path) -> None:
-    """As predicted, and as found against the truth."""
-    own = task(robot := arm(2, tmp_path))
-    designed = design(own, 0, Effort(1, 0, ((1e3, 40),))).path
-    paths = {"designed": designed, "random": random_motion(own, 0)}
-    rows = [row for name, path in paths.items() for row in figures(own, robot, name, path, 0)]
-    ours, theirs = ({row["what"]: row for row in rows if row["motion"] == name} for name in paths)
-    for what in ("links", "friction"):
-        assert ours[what]["predicted"] < theirs[what]["predicted"]
-        assert ours[what]["found"] < 3 * ours[what]["predicted"]
-    unseen = "torque of unseen motion [Nm]"
-    assert ours[unseen]["found"] < theirs[unseen]["found"]
 
 
 def test_a_planar_arm_has_no_more_twists_than_its_plane_allows(tmp_path: Path) -> None:

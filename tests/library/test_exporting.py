@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 from scipy.io import loadmat
 
-from ur5lib.commands.convert import TABLES, channels, write_recordings
+from ur5lib.commands.convert import EXPORTED_TABLES, channels, write_recordings
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.tables import columns, write_json, write_table
@@ -103,7 +103,7 @@ def results(tmp_path: Path) -> Path:
     forces = head | dict(zip(WRENCH, wrench.T, strict=True))
     folder = tmp_path / "results" / "mine"
     for name, own in (("pushed", {"signals": signals, "forces": forces}), ("free", {})):
-        for table in TABLES:
+        for table in EXPORTED_TABLES:
             path = folder / "recordings" / name / f"{table}.parquet"
             write_table(pd.DataFrame(own.get(table, head)), path, UNITS)
     write_table(pd.DataFrame(signals), folder / "recordings" / "free" / "signals.parquet")

@@ -16,9 +16,9 @@ from PIL import Image
 from ur5lib.dynamics.flange import link_frames
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.signals import Signals
-from ur5lib.report import house_style
-from ur5lib.report.arm_figures import (
-    UPRIGHT,
+from ur5lib.report.figures import house_style
+from ur5lib.report.figures.arm_figures import (
+    UPRIGHT_POSTURE,
     MassModel,
     cylinder_outline,
     ellipsoid_outline,
@@ -26,16 +26,20 @@ from ur5lib.report.arm_figures import (
     mass_panels,
     placed,
 )
-from ur5lib.report.friction_figures import MovingSamples, friction_figures
-from ur5lib.report.house_style import EMBEDDED, JOINTS, Drawing, save
-from ur5lib.report.recording_figures import older_torque_figure, packet_figure, tracking_figure
-from ur5lib.report.traces import TORQUE, WRENCH, Traces, decimate, draw_traces
+from ur5lib.report.figures.friction_figures import MovingSamples, friction_figures
+from ur5lib.report.figures.house_style import EMBEDDED_IMAGE, JOINT_COLOURS, Drawing, save
+from ur5lib.report.figures.recording_figures import (
+    older_torque_figure,
+    packet_figure,
+    tracking_figure,
+)
+from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
 
 LONG = 20_000
 
 
-def drawing(count: int = 50, panels: list = WRENCH, **more: object) -> Drawing:
+def drawing(count: int = 50, panels: list = WRENCH_PANELS, **more: object) -> Drawing:
     time = np.linspace(0, 1, count)
     measured = np.outer(np.cos(40 * time), np.arange(1.0, 7.0))
     series = {"sensor": (measured, "measured"), "estimate": (0.9 * measured, "joint")}
@@ -51,7 +55,7 @@ def test_the_same_figure_is_the_same_file(tmp_path: Path) -> None:
 
 def images(svg: bytes) -> list[np.ndarray]:
     """The images of an SVG over white, (H, W, 4)."""
-    found = [Image.open(BytesIO(b64decode(data))) for data in EMBEDDED.findall(svg)]
+    found = [Image.open(BytesIO(b64decode(data))) for data in EMBEDDED_IMAGE.findall(svg)]
     return [
         np.asarray(Image.alpha_composite(Image.new("RGBA", one.size, "white"), one.convert("RGBA")))
         for one in found
@@ -72,7 +76,7 @@ def test_an_image_with_a_palette_looks_the_same_and_is_half_as_large(
     error = np.abs(found - expected)  # of 255
     assert error.mean() < 1
     assert np.quantile(error, 0.999) < 32
-    sizes = [sum(map(len, EMBEDDED.findall(svg))) for svg in (palette, full)]
+    sizes = [sum(map(len, EMBEDDED_IMAGE.findall(svg))) for svg in (palette, full)]
     assert 0 < sizes[0] < sizes[1] / 2
 
 
@@ -85,7 +89,7 @@ def test_what_is_drawn_lies_beside_the_figure(tmp_path: Path) -> None:
 
 
 def test_nothing_recorded_is_told_and_has_no_numbers(tmp_path: Path) -> None:
-    save(draw_traces(Traces(np.arange(3.0), {}), TORQUE), tmp_path / "empty.svg")
+    save(draw_traces(Traces(np.arange(3.0), {}), TORQUE_PANELS), tmp_path / "empty.svg")
     assert "not recorded" in (tmp_path / "empty.svg").read_text()
     assert (tmp_path / "empty.csv").read_text().strip() == ""
 
@@ -100,8 +104,8 @@ def test_forces_stand_left_and_moments_right() -> None:
 
 
 def test_joints_have_the_same_colours_everywhere() -> None:
-    axes = drawing(panels=TORQUE).figure.axes
-    assert [axis.lines[1].get_color() for axis in axes] == [*JOINTS[:6]]
+    axes = drawing(panels=TORQUE_PANELS).figure.axes
+    assert [axis.lines[1].get_color() for axis in axes] == [*JOINT_COLOURS[:6]]
 
 
 def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
@@ -129,7 +133,7 @@ def test_errors_stand_under_values() -> None:
     time = np.arange(50.0)
     wrong = {"estimate": (np.full((50, 6), 0.5), "joint")}
     series = {"measured": (np.ones((50, 6)), "measured")}
-    axes = draw_traces(Traces(time, series, wrong), TORQUE).figure.axes
+    axes = draw_traces(Traces(time, series, wrong), TORQUE_PANELS).figure.axes
     assert len(axes) == 12
     places = {axis.get_ylabel(): axis.get_position() for axis in axes}
     errors = [axis.get_position() for axis in axes if "Delta" in axis.get_ylabel()]
@@ -142,7 +146,7 @@ def test_gaps_and_singular_stretches_are_shaded() -> None:
     time = np.array([0.0, 1.0, 2.0, np.nan, 5.0, 6.0, 7.0])
     series = {"a": (np.ones((7, 6)), "measured")}
     hidden = np.array([0, 1, 1, 1, 0, 0, 1]) == 1
-    figure = draw_traces(Traces(time, series, hidden=hidden), WRENCH).figure
+    figure = draw_traces(Traces(time, series, hidden=hidden), WRENCH_PANELS).figure
     spans = sorted((span.get_x(), span.get_width()) for span in figure.axes[0].patches)
     assert spans == [(1, 1), (2, 3), (7, 0)]
     assert {"gap", "near a singularity"} <= {t.get_text() for t in figure.legends[0].get_texts()}
@@ -235,7 +239,7 @@ HEIGHT = 1.04  # m, of the UR5 in position 2 of Figure 4.1
 
 @pytest.fixture(scope="module")
 def models(ur5: Robot) -> dict[str, MassModel]:
-    rotation, origin = (part[0] for part in link_frames(ur5, np.array([UPRIGHT])))
+    rotation, origin = (part[0] for part in link_frames(ur5, np.array([UPRIGHT_POSTURE])))
     return {name: placed(ur5, name, rotation, origin) for name in ("A", "B", "C")}
 
 
@@ -262,7 +266,7 @@ def test_the_cylinders_are_as_high_as_the_arm(models: dict[str, MassModel], name
 
 
 def test_every_cylinder_lies_inside_the_frame(ur5: Robot, models: dict[str, MassModel]) -> None:
-    origin = link_frames(ur5, np.array([UPRIGHT]))[1][0]
+    origin = link_frames(ur5, np.array([UPRIGHT_POSTURE]))[1][0]
     counts = {name: sum(map(len, model.outlines)) for name, model in models.items()}
     assert counts == {"A": 6, "B": 6, "C": 17}
     for axis, model in zip(mass_panels(origin, models).figure.axes, models.values(), strict=True):
@@ -283,7 +287,7 @@ def test_an_undetermined_link_does_not_shrink_the_arm(models: dict[str, MassMode
 
 
 def test_the_frames_are_those_of_the_arm(ur5: Robot) -> None:
-    rotation, origin = (part[0] for part in link_frames(ur5, np.array([UPRIGHT])))
+    rotation, origin = (part[0] for part in link_frames(ur5, np.array([UPRIGHT_POSTURE])))
     data = frame_panels(rotation, origin, ur5.denavit_hartenberg).data
     assert data[["x [m]", "y [m]", "z [m]"]].to_numpy() == pytest.approx(origin)
     assert data.filter(like="z axis").to_numpy() == pytest.approx(rotation[:, :, 2])

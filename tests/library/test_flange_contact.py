@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from ur5lib.dynamics.flange import flange_kinematics, link_frames
-from ur5lib.force.flange_contact import SURE, flange_probability, lever, places
+from ur5lib.force.flange_contact import (
+    MIN_PROBABILITY_ELSEWHERE,
+    flange_probability,
+    place_jacobian,
+    places,
+)
 from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -20,7 +25,7 @@ def frames_at(robot: Robot, posture: Array) -> Frames:
 
 def levers_of(frames: Frames) -> Levers:
     along = places(*frames)
-    return {link: [lever(*frames, link, own) for own in along[link]] for link in along}
+    return {link: [place_jacobian(*frames, link, own) for own in along[link]] for link in along}
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +43,7 @@ def found(torque: Array, levers: Levers, spread: float, scale: float = 1.0) -> f
 def test_the_lever_of_the_flange_is_its_jacobian(ur5: Robot) -> None:
     frames = frames_at(ur5, POSTURE)
     jacobian = flange_kinematics(ur5, np.tile(POSTURE, (COUNT, 1)))[2]
-    assert lever(*frames, 6, frames[1][:, 6]) == pytest.approx(jacobian, abs=1e-9)
+    assert place_jacobian(*frames, 6, frames[1][:, 6]) == pytest.approx(jacobian, abs=1e-9)
 
 
 @pytest.mark.parametrize("link", range(1, 7))
@@ -76,15 +81,15 @@ def test_the_stated_odds_of_the_flange_hold(ur5: Robot) -> None:
     trials = [trial(ur5, random) for _ in range(150)]
     at_flange = np.array([link == 6 for link, _ in trials])
     stated = np.array([probability for _, probability in trials])
-    excluded = stated <= 1 - SURE
+    excluded = stated <= 1 - MIN_PROBABILITY_ELSEWHERE
     assert stated.mean() == pytest.approx(at_flange.mean(), abs=0.06)
-    assert excluded[at_flange].mean() <= 1 - SURE
+    assert excluded[at_flange].mean() <= 1 - MIN_PROBABILITY_ELSEWHERE
     assert excluded[~at_flange].mean() >= 0.5
 
 
 def test_noise_excludes_nothing_that_it_hides(levers: Levers) -> None:
     torque = levers[3][0].mT @ np.array([5.0, 5, 5, 0, 0, 0])
-    assert found(torque, levers, 30.0) > 1 - SURE
+    assert found(torque, levers, 30.0) > 1 - MIN_PROBABILITY_ELSEWHERE
 
 
 def test_links_with_the_same_lever_are_not_told_apart(levers: Levers) -> None:

@@ -6,21 +6,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur5lib.force.detection import (
-    STEP,
-    TOUCH,
+    THRESHOLD_STEP,
+    TOUCH_FORCE,
     alarm_threshold,
     alarms,
     compare,
     force_alarms,
     force_threshold,
+    live_alarms,
     match,
     overlap,
-    pushes,
     pushes_above,
-    raised_live,
     receiver_curve,
     smallest_force,
     spans,
+    trial_pushes,
 )
 
 RANDOM = np.random.default_rng(0)
@@ -45,8 +45,8 @@ def test_each_recording_counts_for_as_long_as_it_lasts() -> None:
 def test_a_live_alarm_starts_where_the_threshold_is_reached() -> None:
     odds = np.array([-5, -1, 1, 3, -1, -5.0])
     assert alarms(odds, 0.0) == [(1, 5)]
-    assert raised_live(odds, 0.0) == [(2, 5)]
-    assert raised_live(odds, 2.0) == [(3, 4)]
+    assert live_alarms(odds, 0.0) == [(2, 5)]
+    assert live_alarms(odds, 2.0) == [(3, 4)]
 
 
 def test_contacts_found_missed_and_made_up() -> None:
@@ -128,7 +128,7 @@ def test_as_many_alarms_as_are_allowed_need_no_threshold() -> None:
 
 
 def test_a_push_lasts_a_second_after_a_pause_of_two() -> None:
-    profile, places = pushes(900, 0.01)
+    profile, places = trial_pushes(900, 0.01)
     assert places == [(200, 300), (500, 600)]
     np.testing.assert_allclose(profile[200:300], np.sin(np.pi * np.arange(100) / 100) ** 2)
     assert profile.sum() == pytest.approx(100)
@@ -187,8 +187,8 @@ def test_the_threshold_allows_as_many_alarms_as_asked() -> None:
     runs = [bumps([5.0, 20.0, 30.0]), bumps([40.0, 8.0])]
     threshold = force_threshold(runs, [PERIOD] * 2, per_minute=1)
     assert sum(len(force_alarms(run, threshold)) for run in runs) == 2
-    assert sum(len(force_alarms(run, threshold - STEP)) for run in runs) == 3
-    assert 20 < threshold <= 20 + STEP
+    assert sum(len(force_alarms(run, threshold - THRESHOLD_STEP)) for run in runs) == 3
+    assert 20 < threshold <= 20 + THRESHOLD_STEP
 
 
 def test_an_alarm_without_end_is_no_reason_for_a_low_threshold() -> None:
@@ -199,7 +199,9 @@ def test_an_alarm_without_end_is_no_reason_for_a_low_threshold() -> None:
 
 
 def test_without_any_force_the_threshold_is_that_of_the_sensor() -> None:
-    assert force_threshold([bumps([])], [PERIOD], per_minute=1) == pytest.approx(TOUCH, abs=STEP)
+    assert force_threshold([bumps([])], [PERIOD], per_minute=1) == pytest.approx(
+        TOUCH_FORCE, abs=THRESHOLD_STEP
+    )
 
 
 def test_a_push_is_found_whichever_way_it_points_and_an_unknown_one_is_not() -> None:

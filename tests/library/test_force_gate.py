@@ -19,13 +19,13 @@ from tests.library.made_up_torques import (
 )
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import spans
-from ur5lib.force.external_torque import MOVING, STILL
-from ur5lib.force.force_input import Gears
-from ur5lib.force.gate import Noise, Observations, find_contacts
-from ur5lib.force.missed_contacts import MISSED_TO, missed_contacts, probability_while_shut
+from ur5lib.force.external_torque import JointState
+from ur5lib.force.force_input import Gears, mean_stiction_torque
+from ur5lib.force.gate import Observations, TorqueVariances, find_contacts
+from ur5lib.force.missed_contacts import MISSED_DEVIATIONS, missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
-    STEP,
+    THINNED_STEP,
     StretchEstimate,
     WrenchEstimate,
     contact_spans,
@@ -79,7 +79,7 @@ def test_a_push_of_30_n_is_found(ur5: Robot, axis: int) -> None:
 def test_a_push_at_rest_is_found_and_so_is_the_next(ur5: Robot) -> None:
     """Between the two nothing is, though the joints wander by a third of their friction."""
     run = free_run(ur5, seed=20, moving=False)
-    assert (run.states == STILL).all()
+    assert (run.states == JointState.STILL).all()
     wrench = push(run, 2, 40.0, 8.0, 10.0) + push(run, 2, -40.0, 15.0, 17.0)
     wander = 0.3 * MODEL.breakaway * between(run.time, 10.0, 15.0)[:, None]
     touched = run.pushed(wrench)
@@ -95,7 +95,7 @@ def test_a_push_at_rest_is_found_and_so_is_the_next(ur5: Robot) -> None:
 @pytest.fixture
 def repeats() -> ResidualModel:
     """An arm that repeats at rest far better than its friction."""
-    still = (np.arange(5) == STILL)[:, None]
+    still = (np.arange(5) == JointState.STILL)[:, None]
     return replace(
         MODEL,
         spread=np.where(still, 0.1 * MODEL.breakaway, MODEL.spread),
@@ -117,6 +117,27 @@ def test_the_band_holds_what_stiction_takes_of_a_push(
     during = (run.time > 8.2) & (run.time < 10.8)
     held = coverage(estimate.wrench[during], estimate.std[during], wrench[during])
     assert held[:3].min() > 0.9
+
+
+def test_what_stiction_may_take_varies_about_its_mean(ur5: Robot) -> None:
+    """Of a share of the breakaway torque as second moment, the mean's square is no variance."""
+    run = free_run(ur5, seed=90, seconds=16, moving=False)
+    run = run.pushed(push(run, 2, 60.0, 8.0, 11.0))
+    estimate, observations = (
+        run.estimate(),
+        Observations.of(run.input(), run.jacobian, MODEL, PRIOR),
+    )
+    _, background = find_contacts(observations)
+    largest = mean_stiction_torque(np.full(6, np.inf), MODEL.breakaway, PRIOR.stiction)
+    taken = (PRIOR.stiction * MODEL.breakaway) ** 2 - largest**2
+    during = (run.time > 8.2) & (run.time < 10.8)
+    slow = np.linalg.diagonal(background.covariance)[during]
+    variance = observations.noise.quick[during] + slow + taken
+    J_v = run.jacobian[during, :3]
+    # cov F = (J_v S⁻¹ J_vᵀ)⁻¹, of least squares
+    covariance = np.linalg.inv((J_v / variance[:, None]) @ J_v.mT)
+    std = np.sqrt(np.linalg.diagonal(covariance))
+    np.testing.assert_allclose(estimate.least_squares_std[during, :3], std, rtol=1e-6)
 
 
 @pytest.mark.parametrize("seed", [20, 21])
@@ -149,12 +170,12 @@ def test_a_release_makes_no_contact_of_its_own(ur5: Robot, share: float) -> None
 
 def test_noise_is_the_sum_of_what_makes_it() -> None:
     """Of the model, of what dry friction holds at rest, and of what a load was misjudged by."""
-    states = np.array([[MOVING] * 6, [STILL] * 6])
+    states = np.array([[JointState.MOVING] * 6, [JointState.STILL] * 6])
     doubt = np.arange(12.0).reshape(2, 6)
-    noise = Noise.of(states, MODEL, PRIOR, doubt)
+    noise = TorqueVariances.of(states, MODEL, PRIOR, doubt)
     still = np.array([[0.0], [1.0]])
     quick, spread, hidden = noise.quick, noise.spread, noise.hidden
-    rows = [MOVING, STILL]
+    rows = [JointState.MOVING, JointState.STILL]
     np.testing.assert_allclose(quick, MODEL.change[rows] ** 2 + 0.3 * doubt**2)
     held = still * (0.3 * MODEL.breakaway) ** 2
     np.testing.assert_allclose(spread, MODEL.spread[rows] ** 2 + held + doubt**2)
@@ -345,7 +366,7 @@ def test_where_the_pose_is_unknown_nothing_is_told(ur5: Robot) -> None:
 
 
 def test_between_the_samples_used_a_pose_is_unknown_beside_an_unknown_one(ur5: Robot) -> None:
-    run = free_run(ur5, seed=72, seconds=4, period=STEP / 4)
+    run = free_run(ur5, seed=72, seconds=4, period=THINNED_STEP / 4)
     J = run.jacobian.copy()
     J[99:102] = np.nan  # the sample used is 100
     wrench = replace(run, jacobian=J).estimate().wrench
@@ -383,8 +404,8 @@ def test_the_band_of_a_shut_gate_is_that_of_a_mixture(ur5: Robot) -> None:
     for found in (0, 60):
         estimate = run.pushed(push(run, 2, 60.0, 1.0, 1.0 + found * PERIOD)).estimate()
         shut = (estimate.wrench == 0).all(axis=1)
-        hiding = Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape)).hiding()
-        share, variance = missed_contacts(run.jacobian, MISSED_TO**2 * hiding, PRIOR)
+        hiding = TorqueVariances.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape)).hiding()
+        share, variance = missed_contacts(run.jacobian, MISSED_DEVIATIONS**2 * hiding, PRIOR)
         chance = probability_while_shut(share, ~shut, PERIOD, PRIOR)
         drawn = random.uniform(size=(400, *chance.shape)) < chance
         std = np.where(drawn, np.sqrt(variance), np.sqrt(np.diag(PRIOR.when_free())))

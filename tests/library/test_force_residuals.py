@@ -9,21 +9,17 @@ from scipy import signal, stats
 
 from ur5lib.errors import RefusalError, remark
 from ur5lib.force.external_torque import (
-    MOVING,
-    RESTING,
-    REVERSING,
-    SETTLING,
-    STILL,
+    JointState,
     external_torque,
     is_still,
     joint_states,
     without_edges,
 )
 from ur5lib.force.residual_model import (
-    LEAST,
+    MIN_TORQUE_STD,
     ResidualModel,
     Residuals,
-    Stretch,
+    TorqueStretch,
     few_paths,
     fit_residual_model,
 )
@@ -57,11 +53,11 @@ def test_gaps_divide_and_edges_are_unknown() -> None:
     np.testing.assert_array_equal(np.flatnonzero(np.isfinite(left)), [2, 3, 4, 5, 6, 7, 12])
 
 
-def moving_stretch(torque: np.ndarray, period: float = PERIOD) -> Stretch:
-    return Stretch(torque, np.full(torque.shape, MOVING), period)
+def moving_stretch(torque: np.ndarray, period: float = PERIOD) -> TorqueStretch:
+    return TorqueStretch(torque, np.full(torque.shape, JointState.MOVING), period)
 
 
-def fitted(*stretches: Stretch) -> ResidualModel:
+def fitted(*stretches: TorqueStretch) -> ResidualModel:
     return fit_residual_model(stretches, 2.0, BREAKAWAY)
 
 
@@ -77,12 +73,15 @@ def test_an_arm_is_still_once_all_joints_rest() -> None:
     qd = np.zeros((len(time), 6))
     qd[time < 2, 0] = 1.0
     states = states_of(qd)
-    assert (states[time < 2.95, 1:] == RESTING).all()
-    assert (states[time > 3.05] == STILL).all()
-    np.testing.assert_array_equal(is_still(states), (states == STILL).all(axis=1))
+    assert (states[time < 2.95, 1:] == JointState.RESTING).all()
+    assert (states[time > 3.05] == JointState.STILL).all()
+    np.testing.assert_array_equal(is_still(states), (states == JointState.STILL).all(axis=1))
 
 
-@pytest.mark.parametrize(("speed", "state"), [(0.029, STILL), (0.03, MOVING), (0.031, MOVING)])
+@pytest.mark.parametrize(
+    ("speed", "state"),
+    [(0.029, JointState.STILL), (0.03, JointState.MOVING), (0.031, JointState.MOVING)],
+)
 def test_a_joint_is_slow_below_0_03_rad_per_s(speed: float, state: int) -> None:
     """Either way."""
     for qd in (speed, -speed):
@@ -97,11 +96,13 @@ def test_a_joint_that_is_slow_for_0_4_s_has_stopped(rate: int, seconds: float, s
     qd = np.ones((6 * rate, 6))
     qd[2 * rate : 2 * rate + samples, 2] = 0.0
     states = states_of(qd, 1 / rate)
-    expected = np.full(6 * rate, MOVING)
+    expected = np.full(6 * rate, JointState.MOVING)
     around = round(rate / 4 - 0.01)
-    expected[2 * rate - around : 2 * rate + samples + around] = SETTLING if stops else REVERSING
+    expected[2 * rate - around : 2 * rate + samples + around] = (
+        JointState.SETTLING if stops else JointState.REVERSING
+    )
     np.testing.assert_array_equal(states[:, 2], expected)
-    assert (states[:, [0, 1, 3, 4, 5]] == MOVING).all()
+    assert (states[:, [0, 1, 3, 4, 5]] == JointState.MOVING).all()
 
 
 @pytest.mark.parametrize("rate", [20, 100, 500])
@@ -113,7 +114,9 @@ def test_friction_relaxes_for_a_second_at_both_ends_of_a_rest(rate: int) -> None
     around = round(rate / 4 - 0.01)
     inside = (time >= 2 * rate - around) & (time < 8 * rate + around)
     resting = (time >= 3 * rate) & (time < 7 * rate)
-    expected = np.where(resting, RESTING, np.where(inside, SETTLING, MOVING))
+    expected = np.where(
+        resting, JointState.RESTING, np.where(inside, JointState.SETTLING, JointState.MOVING)
+    )
     np.testing.assert_array_equal(states_of(qd, 1 / rate)[:, 2], expected)
 
 
@@ -121,8 +124,8 @@ def test_a_gap_wakes_no_joint() -> None:
     qd = np.zeros((100, 6))
     qd[:50] = 1.0
     states = joint_states(qd, np.repeat([0, 1], 50), PERIOD)
-    assert (states[:50] == MOVING).all()
-    assert (states[50:] == STILL).all()
+    assert (states[:50] == JointState.MOVING).all()
+    assert (states[50:] == JointState.STILL).all()
 
 
 # The model of what is left without contact
@@ -132,10 +135,10 @@ def test_spread_change_and_rate_of_a_known_process() -> None:
     """An Ornstein-Uhlenbeck process grows by 1 - exp(-h / time constant) over a lag h."""
     std, time_constant = np.array([3.0, 4, 2, 1, 0.5, 0.7]), 4.0
     model = fitted(moving_stretch(drift(60000, std, time_constant, seed=3)))
-    np.testing.assert_allclose(model.spread[MOVING], std, rtol=0.15)
+    np.testing.assert_allclose(model.spread[JointState.MOVING], std, rtol=0.15)
     change = std * np.sqrt(1 - np.exp(-0.5 / time_constant))
-    np.testing.assert_allclose(model.change[MOVING], change, rtol=0.15)
-    assert 0.1 < model.rate[MOVING] < 0.35
+    np.testing.assert_allclose(model.change[JointState.MOVING], change, rtol=0.15)
+    assert 0.1 < model.rate[JointState.MOVING] < 0.35
     assert model.independent == 0.25
     np.testing.assert_array_equal(model.breakaway, BREAKAWAY)
 
@@ -143,11 +146,13 @@ def test_spread_change_and_rate_of_a_known_process() -> None:
 def test_a_joint_that_stops_draws_its_friction_anew() -> None:
     """Within a second, though the torque drifts slowly otherwise and stops are rare."""
     torque = drift(6000, np.ones(6), 20.0, seed=5)
-    states = np.full(torque.shape, MOVING)
-    states[3000:3300], states[3300:3500], states[3500:4500] = SETTLING, RESTING, STILL
-    rate = fitted(Stretch(torque, states, PERIOD)).rate
-    assert (rate[[SETTLING, RESTING]] >= 1.0).all()
-    assert (rate[[MOVING, STILL]] < 0.3).all()
+    states = np.full(torque.shape, JointState.MOVING)
+    states[3000:3300] = JointState.SETTLING
+    states[3300:3500] = JointState.RESTING
+    states[3500:4500] = JointState.STILL
+    rate = fitted(TorqueStretch(torque, states, PERIOD)).rate
+    assert (rate[[JointState.SETTLING, JointState.RESTING]] >= 1.0).all()
+    assert (rate[[JointState.MOVING, JointState.STILL]] < 0.3).all()
 
 
 def test_what_stays_renews_itself_in_half_a_minute() -> None:
@@ -164,7 +169,9 @@ def test_recordings_of_several_rates_tell_the_same() -> None:
     alone, mixed = fitted(seldom), fitted(seldom, moving_stretch(often, 0.002))
     for name in ("spread", "change", "rate"):
         np.testing.assert_allclose(
-            getattr(mixed, name)[MOVING], getattr(alone, name)[MOVING], rtol=0.02
+            getattr(mixed, name)[JointState.MOVING],
+            getattr(alone, name)[JointState.MOVING],
+            rtol=0.02,
         )
 
 
@@ -173,31 +180,35 @@ def test_each_second_counts_once_whatever_the_rate() -> None:
     quiet = drift(40000, np.full(6, 1.0), 0.1, seed=4, period=0.002)
     wild = drift(4000, np.full(6, 3.0), 0.1, seed=5)
     model = fitted(moving_stretch(quiet, 0.002), moving_stretch(wild))
-    np.testing.assert_allclose(model.spread[MOVING] ** 2, (1 + 9) / 2, rtol=0.2)
+    np.testing.assert_allclose(model.spread[JointState.MOVING] ** 2, (1 + 9) / 2, rtol=0.2)
 
 
 def test_each_state_has_its_own() -> None:
     count = 20000
     torque = drift(count, np.ones(6), 0.1, seed=4)
-    states = np.repeat([MOVING, RESTING], count // 2)[:, None] * np.ones(6, int)
+    states = np.repeat([JointState.MOVING, JointState.RESTING], count // 2)[:, None] * np.ones(
+        6, int
+    )
     torque[count // 2 :] *= 5
-    model = fitted(Stretch(torque, states, PERIOD))
-    np.testing.assert_allclose(model.spread[RESTING] / model.spread[MOVING], 5, rtol=0.1)
+    model = fitted(TorqueStretch(torque, states, PERIOD))
+    np.testing.assert_allclose(
+        model.spread[JointState.RESTING] / model.spread[JointState.MOVING], 5, rtol=0.1
+    )
     variance = model.variance(model.spread, states[[0, -1]])
     np.testing.assert_allclose(np.sqrt(variance[1] / variance[0]), 5, rtol=0.1)
 
 
 def test_a_state_never_seen_is_the_least_certain() -> None:
     model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=5)))
-    for state in (REVERSING, SETTLING, RESTING, STILL):
-        np.testing.assert_array_equal(model.spread[state], model.spread[MOVING])
+    for state in (JointState.REVERSING, JointState.SETTLING, JointState.RESTING, JointState.STILL):
+        np.testing.assert_array_equal(model.spread[state], model.spread[JointState.MOVING])
 
 
 def test_no_joint_repeats_without_any_error() -> None:
     """A recording without noise leaves a numerical floor, and no zero to divide by."""
     model = fitted(moving_stretch(1e-9 * drift(2000, np.ones(6), 1.0, seed=5)))
-    assert (model.spread >= LEAST).all()
-    assert (model.change >= LEAST).all()
+    assert (model.spread >= MIN_TORQUE_STD).all()
+    assert (model.change >= MIN_TORQUE_STD).all()
     assert np.isfinite(model.rate).all()
 
 
@@ -205,7 +216,7 @@ def test_no_difference_is_taken_across_a_gap() -> None:
     """Two quiet stretches far apart are quiet, not a jump."""
     quiet = drift(500, np.full(6, 0.1), 1.0, seed=6)
     model = fitted(moving_stretch(quiet), moving_stretch(quiet + 50))
-    assert (model.change[MOVING] < 0.2).all()
+    assert (model.change[JointState.MOVING] < 0.2).all()
 
 
 def test_unknown_torques_tell_nothing() -> None:
@@ -213,8 +224,8 @@ def test_unknown_torques_tell_nothing() -> None:
     holes = torque.copy()
     holes[1000:1200] = np.nan
     np.testing.assert_allclose(
-        fitted(moving_stretch(holes)).spread[MOVING],
-        fitted(moving_stretch(torque)).spread[MOVING],
+        fitted(moving_stretch(holes)).spread[JointState.MOVING],
+        fitted(moving_stretch(torque)).spread[JointState.MOVING],
         rtol=0.1,
     )
 
@@ -223,7 +234,7 @@ def test_samples_a_second_apart_are_the_shorter_lag() -> None:
     """Of half a second."""
     torque = drift(400, np.ones(6), 1.0, seed=8, period=1.0)
     model = fitted(moving_stretch(torque, 1.0))
-    np.testing.assert_allclose(model.change[MOVING], 1.0, atol=0.3)
+    np.testing.assert_allclose(model.change[JointState.MOVING], 1.0, atol=0.3)
 
 
 def test_too_short_recordings_are_refused() -> None:
@@ -235,16 +246,16 @@ def test_too_short_recordings_are_refused() -> None:
 def test_a_joint_that_never_moves_is_refused() -> None:
     """What its motor needs in motion is unknown, and an arm that rests all along shows none."""
     torque = drift(2000, np.ones(6), 1.0, seed=9)
-    states = np.full(torque.shape, MOVING)
-    states[:, [2, 4]] = RESTING
+    states = np.full(torque.shape, JointState.MOVING)
+    states[:, [2, 4]] = JointState.RESTING
     with pytest.raises(RefusalError) as refusal:
-        fitted(Stretch(torque, states, PERIOD))
+        fitted(TorqueStretch(torque, states, PERIOD))
     assert refusal.value.remark == remark("still joints", joints=[3, 5])
     other = states.copy()
-    other[:, [2, 4]] = MOVING
-    fitted(Stretch(torque, states, PERIOD), Stretch(torque, other, PERIOD))
+    other[:, [2, 4]] = JointState.MOVING
+    fitted(TorqueStretch(torque, states, PERIOD), TorqueStretch(torque, other, PERIOD))
     with pytest.raises(RefusalError) as refusal:
-        fitted(Stretch(torque, np.full(torque.shape, STILL), PERIOD))
+        fitted(TorqueStretch(torque, np.full(torque.shape, JointState.STILL), PERIOD))
     assert refusal.value.remark == remark("still joints", joints=[1, 2, 3, 4, 5, 6])
 
 

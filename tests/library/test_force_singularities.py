@@ -8,7 +8,7 @@ from ur5lib.cli import app
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.force.singularities import (
-    KINDS,
+    SINGULARITY_KINDS,
     manipulability,
     sample_joints,
     singular_distances,
@@ -19,7 +19,6 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 
 RANGES = [(-3.1, 3.1)] * 6
 POSE = np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
-STRETCHED = POSE * [1, 1, 0, 1, 1, 1]
 
 
 @pytest.mark.parametrize("name", ["ur5", "ur10e"])
@@ -58,7 +57,7 @@ def test_each_kind_is_named_where_it_is_alone(ur5: Robot) -> None:
         assert share == pytest.approx(singular.mean(), abs=0.01)
     q = sample_joints([(value - 0.1, value + 0.1) for value in POSE], 500)
     singular = smallest_singular_value(flange_kinematics(ur5, q)[2]) < 0.01
-    assert singular_shares(ur5, q, singular) == dict.fromkeys(KINDS, 0.0)
+    assert singular_shares(ur5, q, singular) == dict.fromkeys(SINGULARITY_KINDS, 0.0)
 
 
 def test_the_command_maps_joint_ranges() -> None:

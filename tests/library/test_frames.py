@@ -183,10 +183,6 @@ def test_steps_that_fit_no_cycle_are_interpolated_in_time() -> None:
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        (lambda t: t.assign(**{f"actual_q_{j}": 57.3 + t.time for j in range(6)}),
-         "run.csv: actual_q_. exceeds 12.57 rad .*median there 57.*; .*correct the file, or"),
-        (lambda t: t.assign(time=t.time * 1000), "run.csv: the median step .* is 8 s; check"),
-        (lambda t: t.assign(time=1.0), "run.csv: the median step .* is 0 s; check"),
         (lambda t: t.drop(columns="actual_q_5"), "run.csv: has no actual_q_0 .*; record the"),
         (lambda t: t[:1], "run.csv: contains only 1 complete frames; record at least a second"),
     ],

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from ur5lib.robots.friction import (
-    BASE,
+    BASE_TERMS,
     TERMS,
     JointMotion,
     friction_columns,
     friction_direction,
-    resting,
+    rest_factor,
 )
 
 RANDOM = np.random.default_rng(0)
@@ -18,7 +18,7 @@ MOTION = JointMotion(Q, QD, TORQUE, np.sign(QD))
 BACK = JointMotion(Q, -QD, TORQUE, -np.sign(QD))
 
 
-@pytest.mark.parametrize("term", BASE)
+@pytest.mark.parametrize("term", BASE_TERMS)
 def test_friction_turns_with_the_velocity(term: str) -> None:
     np.testing.assert_allclose(friction_columns(BACK, [term]), -friction_columns(MOTION, [term]))
     assert (friction_columns(MOTION, [term])[:, 0] * MOTION.qd >= 0).all()
@@ -59,12 +59,12 @@ def test_load_friction_is_expected_whatever_the_motor() -> None:
 def test_terms_have_their_values() -> None:
     """At q = 0.5 rad, q̇ = -0.4 rad/s, 20 Nm and a direction of -0.9."""
     motion = JointMotion(*(np.array([value]) for value in (0.5, -0.4, 20.0, -0.9)))
-    np.testing.assert_allclose(friction_columns(motion, BASE), [[-0.9, -0.4, -18.0]])
+    np.testing.assert_allclose(friction_columns(motion, BASE_TERMS), [[-0.9, -0.4, -18.0]])
 
 
 def test_the_dead_zone_is_a_fiftieth_of_a_radian_per_second() -> None:
     """At its edge friction is stiction for a quarter: 1 - tanh(1)."""
-    np.testing.assert_allclose(resting(np.array([0.02, -0.02])), 1 - np.tanh(1))
+    np.testing.assert_allclose(rest_factor(np.array([0.02, -0.02])), 1 - np.tanh(1))
 
 
 def test_motion_without_a_distance_changes_nothing() -> None:

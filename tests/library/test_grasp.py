@@ -5,12 +5,12 @@ import pytest
 
 from tests.library.made_up_torques import MODEL, REGULAR, jacobians, torque_of
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.force.external_torque import MOVING
+from ur5lib.force.external_torque import JointState
 from ur5lib.force.grasp import grasped_load
 from ur5lib.robots.description import Payload, Robot
 
 PERIOD = 0.016
-DEVIATION = MODEL.spread[MOVING]
+DEVIATION = MODEL.spread[JointState.MOVING]
 LINK_6 = slice(50, 54)
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
 

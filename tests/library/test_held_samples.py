@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import said
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from ur5lib.force.sensor import fit_offset
 from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.intake import Intake
@@ -99,7 +99,7 @@ def check(intake: Intake) -> None:
 def test_held_samples_are_left_out_wherever_they_are(
     tmp_path: Path, ur5: Robot, place: str
 ) -> None:
-    intake = read_and_repair(recording(tmp_path, place), ur5, 0.1)
+    intake = read_and_check(recording(tmp_path, place), ur5, 0.1)
     check(intake)
     assert abs(intake.quality.starts["force"].seconds) < 1 / ROWS
 

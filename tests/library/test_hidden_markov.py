@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.gate import chain, log_density, log_odds, posterior
+from ur5lib.force.gate import log_density, log_odds, posterior, state_chain
 
 SAMPLES, STATES = 6, 3
 CERTAIN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # states in turn
@@ -71,7 +71,7 @@ def test_log_odds_are_those_of_the_probability() -> None:
 def test_the_gates_chain_goes_from_free_to_contact_to_hunting_to_free() -> None:
     """Each at its rate; shared evenly by the kinds of contacts and of hunting."""
     prior = ContactPrior(pause=20.0, duration=2.0, settling=5.0, unprovoked=1e-3)
-    transitions, start = chain(4, 6, 0.01, prior)
+    transitions, start = state_chain(4, 6, 0.01, prior)
     np.testing.assert_allclose(transitions.sum(axis=1), 1)
     rates = transitions / 0.01
     np.testing.assert_allclose(rates[:4, 4:], 1 / 20 / 6)

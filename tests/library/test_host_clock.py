@@ -16,7 +16,7 @@ from tests.entries import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors
-from ur5lib.signals.clock import BY_HOST, OwnClock, clock_from_stamps, settle_clocks
+from ur5lib.signals.clock import HOST_METHOD, OwnClock, clock_from_stamps, settle_clocks
 from ur5lib.signals.device_clock import device_clock
 
 BOOT, UPTIME = 1.7e9, 5000.0  # s, of the host and of the controller when the recording begins
@@ -89,7 +89,7 @@ def test_the_clock_needs_no_motion(entry: dict[str, Any]) -> None:
     nothing = np.zeros((0, 3))
     stamps = clock_from_stamps(start.seconds, start.std, start.drift_std or 0.0)
     clock, warning = device_clock(np.zeros(0), nothing, stamps, (nothing,) * 3, (nothing,) * 2)
-    assert (clock.method, clock.drift, warning) == (BY_HOST, 0.0, None)
+    assert (clock.method, clock.drift, warning) == (HOST_METHOD, 0.0, None)
     settled = settle_clocks(
         {"force": OwnClock(**vars(clock), warning=None, stamps=0.0)}, {}, SECONDS
     )

@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 from tests.stored_files import JOINTS
-from ur5lib.importing.blocks import Block
-from ur5lib.importing.clocks import Clocks
-from ur5lib.importing.contents import Contents, Header, Stated
+from ur5lib.checks.readings import usual_orders
+from ur5lib.importing.blocks import ColumnBlock
+from ur5lib.importing.clocks import FileClocks
+from ur5lib.importing.contents import (
+    FileContents,
+    TableHeader,
+    UserStatement,
+)
 from ur5lib.importing.proposal import Proposal, propose
-from ur5lib.recordings.readings import usual_orders
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array
@@ -28,7 +32,7 @@ class Log:
     (N, 6), base frame, the arm on its surroundings, None without a contact.
     """
 
-    file: Contents
+    file: FileContents
     arm: str
     q: Array
     qd: Array
@@ -56,9 +60,9 @@ def made_up(seed: int, rate: float, seconds: float) -> Log:
     usual = usual_orders(6)
     order = np.array(usual[0] if named else usual[int(random.integers(3))])
     parts = [*joint_blocks(blocks, order, named), *wrench_blocks(wrench, random)]
-    stated = Stated(arm.name if random.random() < 0.9 else "")
-    clocks = Clocks({"time": time}, {})
-    file = Contents(Path("log.csv"), "table-csv", Header(), parts, [], clocks, [], stated)
+    stated = UserStatement(arm.name if random.random() < 0.9 else "")
+    clocks = FileClocks({"time": time}, {})
+    file = FileContents(Path("log.csv"), "table-csv", TableHeader(), parts, [], clocks, [], stated)
     return Log(file, arm.name, q, qd, efforts, wrench)
 
 
@@ -102,18 +106,18 @@ def driven(
     return dict(zip(EFFORTS, (torque / constants, torque, free), strict=True))
 
 
-def joint_blocks(blocks: dict[str, Array], order: Array, named: bool) -> Iterator[Block]:
+def joint_blocks(blocks: dict[str, Array], order: Array, named: bool) -> Iterator[ColumnBlock]:
     for name, rows in blocks.items():
         names = tuple(f"{joint}_{name}" for joint in JOINTS) if named else (name,)
-        yield Block(names, rows[:, order], "time")
+        yield ColumnBlock(names, rows[:, order], "time")
 
 
-def wrench_blocks(wrench: Array | None, random: np.random.Generator) -> Iterator[Block]:
+def wrench_blocks(wrench: Array | None, random: np.random.Generator) -> Iterator[ColumnBlock]:
     """Force and moment, sometimes with axes exchanged."""
     if wrench is not None:
         axes = random.permutation(3) if random.random() < 0.4 else np.arange(3)
         for name, part in (("force", wrench[:, :3]), ("torque", wrench[:, 3:])):
-            yield Block((name,), part[:, axes], "time")
+            yield ColumnBlock((name,), part[:, axes], "time")
 
 
 def silently_wrong(log: Log, proposal: Proposal) -> list[str]:
@@ -159,6 +163,7 @@ def test_nothing_is_silently_wrong(seed: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_nothing_is_silently_wrong_in_a_hundred_cases() -> None:
     outcomes = [outcome(seed, 50.0, 10.0) for seed in range(100)]
     assert outcomes.count("proven") > 20

@@ -11,7 +11,7 @@ import scipy.io
 from tests.entries import read_recording
 from tests.stored_files import JOINTS, Channels, Made, frame, made_up_channels, write_hdf5
 from ur5lib.errors import InputError
-from ur5lib.importing.contents import Stated
+from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.tables import channel
 
@@ -26,7 +26,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 def imported(path: Path) -> tuple[dict[str, Any], str]:
     """The entry of a file of a UR5, and the comments on it."""
-    (one,) = import_files([path], Stated("ur5"))
+    (one,) = import_files([path], UserStatement("ur5"))
     return one.entry, "\n".join(one.comments)
 
 
@@ -167,18 +167,18 @@ def test_dates_are_stamps_and_text_is_left_out(tmp_path: Path, made: Made, form:
 def test_a_channel_that_holds_text_is_no_number(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made).assign(actual_q_2="0.1 rad"), tmp_path / "run.csv")
     with pytest.raises(InputError, match=r"line 2: expected 19 numbers \('0.1 rad' is not a"):
-        import_files([path], Stated("ur5"))
+        import_files([path], UserStatement("ur5"))
 
 
 def test_lists_in_cells_are_named(tmp_path: Path, made: Made) -> None:
     table = pd.DataFrame({"time": made[0]} | {n: made[1][n].tolist() for n in MOVED})
     with pytest.raises(InputError, match="give each number of a list its own column"):
-        import_files([saved(table, tmp_path / "run.csv")], Stated("ur5"))
+        import_files([saved(table, tmp_path / "run.csv")], UserStatement("ur5"))
 
 
 def test_an_arm_that_the_pose_excludes_is_told(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made, *MOVED, "actual_TCP_pose"), tmp_path / "run.csv")
-    (one,) = import_files([path], Stated("ur10e"))
+    (one,) = import_files([path], UserStatement("ur10e"))
     assert one.entry["robot"] == "ur10e"
     assert "robot ur10e: the recorded pose is the flange of ur5" in "\n".join(one.comments)
 
@@ -186,7 +186,7 @@ def test_an_arm_that_the_pose_excludes_is_told(tmp_path: Path, made: Made) -> No
 def test_an_arm_that_gravity_contradicts_is_told(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made), tmp_path / "run.csv")
     comments = [
-        "\n".join(import_files([path], Stated(arm))[0].comments) for arm in ("ur5", "ur10e")
+        "\n".join(import_files([path], UserStatement(arm))[0].comments) for arm in ("ur5", "ur10e")
     ]
     told = ["explains the efforts far better" in text for text in comments]
     assert told == [False, True]
@@ -244,23 +244,6 @@ def test_what_a_file_lacks_is_said(tmp_path: Path, made: Made) -> None:
         import_files([saved(lone, tmp_path / "lone.csv")])
 
 
-def test_of_two_clocks_the_one_of_the_velocities_counts(tmp_path: Path, made: Made) -> None:
-    """A program polls the controller, stamps by its own clock, and repeats rows."""
-    random, count = np.random.default_rng(1), len(made[0])
-    rows = np.sort(random.choice(count, 2 * count))
-    renamed = {f"actual_{n}_{k}": f"Act_{s}{k}" for n, s in SHORT.items() for k in range(6)}
-    table = rtde(made).rename(columns=renamed | {"timestamp": "Time"}).iloc[rows]
-    received = EPOCH + np.cumsum(random.exponential(0.004, len(table)))
-    table.insert(0, "epoch_time", received)
-    entry, comments = imported(saved(table, tmp_path / "run.csv"))
-    assert entry["columns"] == ["-", "time", *MOVED]
-    assert "Time in s is the clock: under it, velocities are derivatives" in comments
-    assert "check: " not in comments
-
-
-SHORT = {"q": "q", "qd": "qd", "current": "I"}
-
-
 @pytest.mark.parametrize("named", [True, False])
 def test_a_log_without_a_clock_has_the_rate_of_its_velocities(
     tmp_path: Path, made: Made, named: bool
@@ -271,7 +254,7 @@ def test_a_log_without_a_clock_has_the_rate_of_its_velocities(
     assert entry["columns"] == [*MOVED]
     assert entry["rate"] == pytest.approx(31.25, rel=0.01)
     assert "time" not in entry
-    (one,) = import_files([tmp_path / "run.txt"], Stated("ur5", rate=31.25))
+    (one,) = import_files([tmp_path / "run.txt"], UserStatement("ur5", rate=31.25))
     assert one.entry["rate"] == 31.25
 
 
@@ -284,12 +267,12 @@ def test_a_rate_that_nothing_tells_is_asked_for(tmp_path: Path, made: Made) -> N
 def test_the_user_names_columns_and_units(tmp_path: Path, made: Made) -> None:
     table = rtde(made).assign(note=1.0)
     table.to_csv(tmp_path / "run.csv", header=False, index=False)
-    stated = Stated("ur5", ("time", *MOVED, "-"), units={"actual_current": "A"})
+    stated = UserStatement("ur5", ("time", *MOVED, "-"), units={"actual_current": "A"})
     (one,) = import_files([tmp_path / "run.csv"], stated)
     assert one.entry["columns"] == ["time", *MOVED, "-"]
     assert one.entry["units"] == {"actual_current": "A"} or "units" not in one.entry
     write_hdf5(tmp_path / "run.h5", made[0], {"a": made[1]["actual_q"], "b": made[1]["actual_qd"]})
-    stated = Stated("ur5", ("actual_q=run/a", "actual_qd=run/b"))
+    stated = UserStatement("ur5", ("actual_q=run/a", "actual_qd=run/b"))
     (one,) = import_files([tmp_path / "run.h5"], stated)
     assert one.entry["channels"] == {
         "time": "run/time", "actual_q": "run/a", "actual_qd": "run/b"

@@ -13,7 +13,7 @@ from tests.library.test_from_urdf import made_up, saved
 from tests.stored_files import write_bag
 from ur5lib.commands.described import describe_urdf
 from ur5lib.errors import InputError
-from ur5lib.importing.contents import Stated, contents
+from ur5lib.importing.contents import UserStatement, contents
 from ur5lib.importing.files import import_files
 from ur5lib.lab.stand.controller_channels import frames
 from ur5lib.lab.stand.plan import SimulatedRecording
@@ -122,18 +122,6 @@ def test_an_arm_that_is_not_described_is_asked_for(log: dict[str, Array]) -> Non
     assert any("`ur5 describe arm.urdf`" in line for line in found.comments)
 
 
-SIDES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")
-
-
-def test_joints_named_by_sides(log: dict[str, Array]) -> None:
-    names = {"ang": "q", "vel": "dq", "torq": "tau_J"}
-    table = {f"{n}_left_{s}": log[c][:, k] for n, c in names.items() for k, s in enumerate(SIDES)}
-    pd.DataFrame({"time": log["t"]} | table).to_csv("run.csv", index=False)
-    (found,) = import_files([Path("run.csv")], Stated("mine"))
-    channels = ("actual_q", "actual_qd", "actual_torque")
-    assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
-
-
 def test_a_force_beside_seven_joints_stays_out_unless_torques_prove_it(
     log: dict[str, Array],
 ) -> None:
@@ -142,7 +130,7 @@ def test_a_force_beside_seven_joints_stays_out_unless_torques_prove_it(
     columns = {f"{n}_{k}": log[n][:, k] for n in ("q", "dq", "tau_J") for k in range(7)}
     columns |= {f"F{axis}": force[:, k] for k, axis in enumerate("xyz")}
     pd.DataFrame({"time": log["t"]} | columns).to_csv("run.csv", index=False)
-    (found,) = import_files([Path("run.csv")], Stated("mine"))
+    (found,) = import_files([Path("run.csv")], UserStatement("mine"))
     assert any(line.startswith("# left out: Fx") for line in found.comments)
     assert not {"ft_fx", "actual_TCP_force"} & {*found.entry["columns"]}
 

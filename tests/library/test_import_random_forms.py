@@ -10,8 +10,8 @@ import pytest
 from tests.entries import read_recording
 from tests.library.test_import_cases import driven, motion
 from ur5lib.errors import InputError
-from ur5lib.importing.contents import Stated
-from ur5lib.importing.files import Imported, import_files
+from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.files import ImportedRecording, import_files
 from ur5lib.robots.description import load_robot, robot_names, robot_path
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
@@ -34,7 +34,7 @@ CLOCKS = {"s": 1.0, "ms": 1e3, "us": 1e6, "epoch": 1.0, "none": 0.0}
 SEPARATORS = {",": ".csv", ";": ".csv", "\t": ".tsv", " ": ".txt"}
 
 
-def written(seed: int, folder: Path) -> tuple[Path, str, dict[str, Array], Stated]:
+def written(seed: int, folder: Path) -> tuple[Path, str, dict[str, Array], UserStatement]:
     """A log of a random arm and form, its form in words, its channels, what the user says."""
     random = np.random.default_rng(seed)
     arm = load_robot(robot_path(str(random.choice(robot_names()))))
@@ -56,12 +56,12 @@ def written(seed: int, folder: Path) -> tuple[Path, str, dict[str, Array], State
     path = folder / f"run{seed}{SEPARATORS[mark]}"
     text = pd.DataFrame(columns).round(9)
     text.to_csv(path, sep=mark, index=False, header=names != "none")
-    told = Stated(arm.name, rate=rate if clock == "none" and random.random() < 0.5 else None)
+    told = UserStatement(arm.name, rate=rate if clock == "none" and random.random() < 0.5 else None)
     form = f"{arm.name} {names} {mark!r} {clock} {rate:g} Hz {angle} {ampere} rate {told.rate}"
     return path, form, dict(zip(MOVED, (q, qd, current), strict=True)), told
 
 
-def wrong(found: Imported, truth: dict[str, Array]) -> list[str]:
+def wrong(found: ImportedRecording, truth: dict[str, Array]) -> list[str]:
     """The channels of an entry that are not as they were, or missing."""
     table = read_recording(found.entry).robot.table
     there = {name: channel(table, name) for name in MOVED if f"{name}_0" in table}
@@ -88,6 +88,7 @@ def test_no_form_is_silently_wrong(seed: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_none_of_two_hundred_forms_is_silently_wrong(tmp_path: Path) -> None:
     made = [outcome(seed, tmp_path) for seed in range(200)]
     assert [one for one in made if one["wrong"] and not one["marked"]] == []

@@ -1,7 +1,5 @@
 """`ur5 import`: the entry of a recording is found and proven, or refused; never wrong."""
 
-import random
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -9,31 +7,26 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.conftest import shared_folder
-from tests.damage import DRAWS, damaged_file, drawn
-from tests.entries import read_and_repair, read_recording
+from tests.entries import read_and_check, read_recording
 from tests.stored_files import (
     JOINTS,
     Made,
     made_up_channels,
     thesis_channels,
-    write,
     write_bag,
     write_hdf5,
     write_mat,
-    write_parquet,
 )
 from ur5lib import cli
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.readings import IMPOSSIBLE_MOTION_PENALTY, in_order, readings
 from ur5lib.errors import InputError
-from ur5lib.importing.blocks import Block, grouped
-from ur5lib.importing.contents import NIST, Stated
+from ur5lib.importing.blocks import ColumnBlock, grouped
+from ur5lib.importing.contents import NIST_COLUMNS, UserStatement
 from ur5lib.importing.files import import_files
-from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.entries import expand
-from ur5lib.recordings.readings import IMPOSSIBLE_MOTION_PENALTY, in_order, readings
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.study.reading import parse_study
@@ -60,7 +53,7 @@ def ur5e_data() -> Path:
 
 def entry_and_comments(*paths: Path, robot: str = "") -> tuple[dict[str, Any], str]:
     """The entry of the first file, and the comments on it."""
-    (one, *_) = import_files(paths, Stated(robot))
+    (one, *_) = import_files(paths, UserStatement(robot))
     return one.entry, "\n".join(one.comments)
 
 
@@ -92,15 +85,6 @@ def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: 
     assert "elbow, shoulder lift, shoulder pan, wrist 1" in comments
     table = read_recording(entry).robot.table
     np.testing.assert_allclose(table["actual_q_0"], made[1]["actual_q"][:, 0])
-
-
-def test_degrees_are_reported(tmp_path: Path, made: Made) -> None:
-    time, channels = made
-    turned = {n: np.degrees(channels[n]) for n in ("actual_q", "actual_qd")}
-    write_parquet(tmp_path / "run.parquet", time, channels | turned)
-    entry, comments = entry_and_comments(tmp_path / "run.parquet", robot="ur5")
-    assert entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
-    assert "in degrees" in comments
 
 
 def bare(made: Made, **more: Array) -> Made:
@@ -159,7 +143,7 @@ def test_gravity_is_added_to_torques_without_it(tmp_path: Path, made: Made, ur5:
     entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["channels"]["actual_torque_less_gravity"] == "run/effort"
     assert "check: run/effort in Nm, less gravity" in comments
-    taken = read_and_repair(entry, ur5, 0.1)
+    taken = read_and_check(entry, ur5, 0.1)
     torque = free + gravity_torque(ur5, ur5.chosen_model, made[1]["actual_q"])
     current = torque / np.array(ur5.maker_torque_constants())
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), current, atol=1e-6)
@@ -218,7 +202,7 @@ def test_a_bad_file_stops_no_other(
     ],
 )
 def test_columns_of_a_force_are_known_by_many_names(names: list[str]) -> None:
-    blocks = [Block(own, np.zeros((9, len(own))), "time") for own in grouped(names)]
+    blocks = [ColumnBlock(own, np.zeros((9, len(own))), "time") for own in grouped(names)]
     assert [block.meaning() for block in blocks] in (["force", "torque"], ["wrench"])
     assert [name for block in blocks for name in block.names] == names
 
@@ -374,9 +358,10 @@ def test_an_arm_that_cannot_turn_so_far_is_unlikely(farthest: float, lead: float
 def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
     time, channels = made
     targets = {name.replace("actual", "target"): values for name, values in channels.items()}
-    columns = {name: (targets | channels).get(name) for name in NIST}
+    columns = {name: (targets | channels).get(name) for name in NIST_COLUMNS}
     blocks = [time[:, None]] + [
-        np.zeros((len(time), 6)) if columns[name] is None else columns[name] for name in NIST[1:]
+        np.zeros((len(time), 6)) if columns[name] is None else columns[name]
+        for name in NIST_COLUMNS[1:]
     ]
     np.savetxt(tmp_path / "run.csv", np.hstack(blocks), delimiter=",", fmt="%.6f")
     entry, comments = entry_and_comments(tmp_path / "run.csv", robot="ur5")
@@ -384,7 +369,9 @@ def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
     assert "NIST" in comments
     rows = zip(*(block.tolist() for block in blocks), strict=True)
     lines = [", ".join([str(stamp), *map(str, groups)]) for (stamp,), *groups in rows]
-    (tmp_path / "run.csv").write_text("\n".join(lines) + "\n")  # as NIST's own files group them
+    (tmp_path / "run.csv").write_text(
+        "\n".join(lines) + "\n"
+    )  # as NIST_COLUMNS's own files group them
     assert entry_and_comments(tmp_path / "run.csv", robot="ur5")[0] == entry
 
 
@@ -405,29 +392,6 @@ def test_three_commands_are_named(
         cli.main()
     assert "next: ur5 check" in capsys.readouterr().out
     assert parse_study(yaml.safe_load(study.read_text()), "written").study == "mine"
-
-
-ARRAYS = ["hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap", "rosbag 1"]
-
-
-@pytest.fixture(scope="module")
-def written(made: Made, tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
-    folder = tmp_path_factory.mktemp("written")
-    return {kind: write(kind, folder, *made) for kind in ARRAYS}
-
-
-@drawn(20)
-@given(kind=st.sampled_from(ARRAYS), draw=DRAWS)
-def test_damaged_files_are_imported_right_or_refused(
-    tmp_path: Path, written: dict[str, dict[str, Any]], kind: str, draw: random.Random
-) -> None:
-    whole = written[kind]
-    path = tmp_path / whole["file"]
-    path.write_bytes(damaged_file(Path(whole["folder"], path.name).read_bytes(), draw).data)
-    with suppress(InputError):
-        entry, _ = entry_and_comments(path, robot="ur5")
-        assert entry["channels"].items() <= whole["channels"].items()
-        assert "joints" not in entry
 
 
 # Real recordings
@@ -515,7 +479,7 @@ def test_runs_of_one_joint(ur10e_data: Path, joint: int, robot: str) -> None:
 
 def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> None:
     paths = [ur10e_data / f"ur-20_01_22-joint_{joint}.csv" for joint in (1, 2)]
-    one, other = import_files(paths, Stated("ur10e"))
+    one, other = import_files(paths, UserStatement("ur10e"))
     assert one.entry["columns"] == other.entry["columns"]
     assert other.entry["columns"][3:] == WHOLE
     assert one.entry["file"] != other.entry["file"]

@@ -12,7 +12,7 @@ from tests.library.test_end_effector import sampled, swings
 from tests.library.test_force_sensor import MOUNTINGS
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import (
-    AS_DRAWN,
+    NOMINAL_CALIBRATION,
     ImuRecord,
     accelerometer_bias,
     calibrate,
@@ -129,7 +129,7 @@ def test_a_calibrated_reading_is_the_predicted_force() -> None:
     bias = accelerometer_bias(unseen, found)
     felt = (unseen.accelerometer - bias) @ found.axes().T
     error = np.abs(felt - specific_force(unseen, found)).mean()
-    uncalibrated = unseen.accelerometer - accelerometer_bias(unseen, AS_DRAWN)
+    uncalibrated = unseen.accelerometer - accelerometer_bias(unseen, NOMINAL_CALIBRATION)
     assert error < 0.015
     assert np.abs(uncalibrated - unseen.specific_force).mean() > 2 * error
 
@@ -153,8 +153,8 @@ def test_the_base_s_axes_change_nothing(angles: list[float]) -> None:
 
 def test_an_imu_as_drawn_changes_nothing() -> None:
     unseen = record(1)
-    assert np.array_equal(AS_DRAWN.axes(), np.eye(3))
-    assert np.array_equal(specific_force(unseen, AS_DRAWN), unseen.specific_force)
+    assert np.array_equal(NOMINAL_CALIBRATION.axes(), np.eye(3))
+    assert np.array_equal(specific_force(unseen, NOMINAL_CALIBRATION), unseen.specific_force)
 
 
 def equations(records: list[ImuRecord]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -236,9 +236,9 @@ def test_a_calibration_is_weighted_least_squares_with_a_jackknife() -> None:
 def test_the_base_leans_by_its_tilt() -> None:
     """Up has the length of gravity; without tilt it is against it. Downwards, x and y are level."""
     assert np.array_equal(level_axes(GRAVITY), np.eye(3)[:, :2])
-    found = replace(AS_DRAWN, tilt=np.array([0.3, -0.4]))
+    found = replace(NOMINAL_CALIBRATION, tilt=np.array([0.3, -0.4]))
     np.testing.assert_allclose(found.up(GRAVITY), 9.81 * np.array([0.3, -0.4, np.sqrt(0.75)]))
-    np.testing.assert_allclose(AS_DRAWN.up(GRAVITY), -GRAVITY)
+    np.testing.assert_allclose(NOMINAL_CALIBRATION.up(GRAVITY), -GRAVITY)
     for gravity in ([9.81, 0, 0], [0, -9.81, 0], [3, 4, 5], [-1, 2, 0.5]):
         across = level_axes(np.array(gravity))
         np.testing.assert_allclose(across.T @ across, np.eye(2), atol=1e-12)
@@ -254,6 +254,6 @@ def test_a_recording_is_calibrated_by_others() -> None:
     assert calibration_for("a", known).from_ == ("b",)
     assert calibration_for("other", known).from_ == ("a", "b")
     alone = calibrate_without_each({"a": records["a"]})
-    assert calibration_for("a", alone) is calibration_for("a", {}) is AS_DRAWN
+    assert calibration_for("a", alone) is calibration_for("a", {}) is NOMINAL_CALIBRATION
     of_b = calibration_for("a", known)
     np.testing.assert_array_equal(of_b.mounting, calibrate([records["b"]]).mounting)

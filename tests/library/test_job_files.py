@@ -15,7 +15,7 @@ from tests.made_records import same, stretch
 from ur5lib.errors import InputError
 from ur5lib.jobs.files import arguments, write
 from ur5lib.records.table import SegmentedTable
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Payload, Robot, robot_path
 from ur5lib.tables import (
     read_csv,

@@ -14,22 +14,22 @@ from tests.library.current_study import (
     smooth,
 )
 from ur5lib.identification.joint_regression import (
-    HELD,
+    HELD_FRICTION_SHARE,
     held_current,
     left_out_residuals,
     regress_samples,
 )
 from ur5lib.identification.prior import Prior, Typical
 from ur5lib.identification.samples import (
-    Record,
-    Samples,
+    CurrentSamples,
+    JointSamples,
     blocks,
     columns_of,
     joint_samples,
     record_paths,
     smoothed_moving,
 )
-from ur5lib.robots.friction import BASE
+from ur5lib.robots.friction import BASE_TERMS
 
 LOADED = (6.0, 4.0, 0.05)  # Coulomb, viscous and load friction
 
@@ -38,12 +38,12 @@ def known(joint: int) -> Prior:
     return prior().of_joint(joint)
 
 
-def made(joint: int, friction: tuple[float, ...], records: int = 6) -> Samples:
+def made(joint: int, friction: tuple[float, ...], records: int = 6) -> JointSamples:
     """Samples of a joint with a friction [Nm, ...], without noise, at some 1 rad/s."""
     study = []
     for seed in range(records):
         record = make_record(seed)
-        columns, _ = columns_of(record.joint(joint), BASE)
+        columns, _ = columns_of(record.joint(joint), BASE_TERMS)
         current = record.current.copy()
         current[:, joint] = columns @ [1.0, -0.4, *friction] / CONSTANT[joint]
         study.append(replace(record, current=current))
@@ -67,7 +67,7 @@ def test_friction_at_rest_beyond_that_in_motion_comes_back_from_many_stops() -> 
         stopped = replace(samples, current=current)
         assert held_current(stopped, coefficients) == pytest.approx(held, abs=0.05)
     never = samples.where(samples.moving)
-    assert held_current(never, coefficients) == pytest.approx(HELD * coefficients[2])
+    assert held_current(never, coefficients) == pytest.approx(HELD_FRICTION_SHARE * coefficients[2])
 
 
 def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> None:
@@ -79,7 +79,7 @@ def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> No
     for drawn in (-2.0, 0.0):  # times Coulomb friction, beyond that in motion
         current = one.columns @ coefficients + drawn * coefficients[2]
         found = held_current(replace(one, current=current), coefficients)
-        assert found / coefficients[2] == pytest.approx((HELD + drawn) / 2)
+        assert found / coefficients[2] == pytest.approx((HELD_FRICTION_SHARE + drawn) / 2)
 
 
 def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
@@ -98,11 +98,11 @@ def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
     assert (np.abs(moved[2:]) < 0.5 * std[2:]).all()
 
 
-def steady() -> Record:
+def steady() -> CurrentSamples:
     """All joints turn at 0.5 rad/s, forwards, for 6 s, without torque or current."""
     count = round(6.0 / PERIOD)
     q = 0.5 * PERIOD * np.arange(count)[:, None] + np.arange(6.0)
-    return Record("steady", PERIOD, np.zeros(count, int), q, 0 * q + 0.5, 0 * q, 0 * q)
+    return CurrentSamples("steady", PERIOD, np.zeros(count, int), q, 0 * q + 0.5, 0 * q, 0 * q)
 
 
 @pytest.mark.parametrize(("period", "size"), [(0.02, 100), (0.3, 7), (1.5, 1), (5.0, 1)])

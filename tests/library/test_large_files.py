@@ -26,7 +26,7 @@ from tests.stored_files import Channels, frame, made_up_channels, write_npz
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
 from ur5lib.recordings.delimited import read_numbers
-from ur5lib.recordings.limits import VARIABLE, expect_room
+from ur5lib.recordings.limits import LIMIT_VARIABLE, expect_room
 from ur5lib.recordings.quality import Log
 
 COUNT = 50_000_000  # numbers, 0.4 GB
@@ -106,7 +106,7 @@ TOLD = re.compile(r"(\S+) holds more than .*; if it should, allow more by `expor
 
 @pytest.fixture
 def limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(VARIABLE, f"{MOST_GB}")
+    monkeypatch.setenv(LIMIT_VARIABLE, f"{MOST_GB}")
 
 
 def test_files_that_would_fill_the_memory_are_refused_before_they_do(
@@ -130,9 +130,9 @@ def test_the_limit_may_be_raised(
     write_npz(tmp_path / "run.npz", *made)
     arguments = ("import", tmp_path / "run.npz", "--robot", "ur5")
     for most, status in (("0.00001", 1), ("0.1", 0)):
-        monkeypatch.setenv(VARIABLE, most)
+        monkeypatch.setenv(LIMIT_VARIABLE, most)
         assert run_ur5(*arguments).status == status
-    monkeypatch.setenv(VARIABLE, "much")
+    monkeypatch.setenv(LIMIT_VARIABLE, "much")
     assert "UR5_MOST_GB is 'much'; give a number of gigabytes" in run_ur5(*arguments).line
 
 

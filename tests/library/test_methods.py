@@ -54,52 +54,54 @@ def listed(values: Array | tuple[float, ...]) -> str:
 def statements() -> Iterator[str]:
     """What the page says, with the program's numbers."""
     # clocks
-    yield f"low-passed at {device_clock.BAND:g} Hz"
-    yield f"explain less than {percent(device_clock.EXPLAINED)} of the gyroscope's variance"
-    yield f"jackknife over {COUNTED[device_clock.BLOCKS]} blocks of time"
-    yield f"widened by {1e3 * device_clock.LATENCY:g} ms for latencies"
-    yield f"by {1e3 * clock.WANDER:g} ms of wander over the recording"
-    yield f"counts as 0 ± {1e6 * clock.UNKNOWN_DRIFT:g} ppm"
+    yield f"low-passed at {device_clock.BAND_LIMIT:g} Hz"
+    explained = percent(device_clock.MIN_EXPLAINED_SHARE)
+    yield f"explain less than {explained} of the gyroscope's variance"
+    yield f"jackknife over {COUNTED[device_clock.JACKKNIFE_BLOCKS]} blocks of time"
+    yield f"widened by {1e3 * device_clock.LATENCY_STD:g} ms for latencies"
+    yield f"by {1e3 * clock.CLOCK_WANDER:g} ms of wander over the recording"
+    yield f"counts as 0 ± {1e6 * clock.UNKNOWN_DRIFT_STD:g} ppm"
     # motion and the IMU
-    yield f"in windows of {noise.WINDOW:g} s"
-    yield f"jackknife over blocks of {segments.BLOCK:g} s. Without β"
+    yield f"in windows of {noise.NOISE_WINDOW:g} s"
+    yield f"jackknife over blocks of {segments.BLOCK_DURATION:g} s. Without β"
     # identification
-    yield f"within the {percent(gains.LEVEL)} point of F(2, n − 2)"
-    yield f"narrower than a factor of {gains.KNOWN:g}."
-    yield f"if less than {percent(base_parameters.LARGEST_SHARE)} of its variance"
-    yield f"over {friction.PRESLIDING:.0e} rad".replace("e-0", "e-")
+    yield f"within the {percent(gains.CONFIDENCE_LEVEL)} point of F(2, n − 2)"
+    yield f"narrower than a factor of {gains.MAX_RANGE_FACTOR:g}."
+    yield f"if less than {percent(base_parameters.MAX_PRIOR_VARIANCE_SHARE)} of its variance"
+    yield f"over {friction.PRESLIDING_DISTANCE:.0e} rad".replace("e-0", "e-")
     yield f"load-dependent friction {friction.TERMS['load'].expected(1.0):g} Nm/Nm"
-    for share, std in (prior.COULOMB, prior.VISCOUS):
+    for share, std in (prior.COULOMB_PRIOR, prior.VISCOUS_PRIOR):
         yield f"({100 * share:g} ± {100 * std:g}) % T"
-    yield f"(0 ± {100 * prior.BIAS:g}) % T"
-    yield "{:g} ± {:g}".format(*prior.LOAD)
+    yield f"(0 ± {100 * prior.OFFSET_STD_SHARE:g}) % T"
+    yield "{:g} ± {:g}".format(*prior.LOAD_PRIOR)
     share = friction.TERMS["periodic"].expected(1.0)
     yield f"once per turn, {percent(share)} of the motor's largest torque"
-    yield f"with fewer than {COUNTED[samples.FEW]} paths"
-    yield f"over stretches of {samples.STRETCH * segments.BLOCK:g} s"
-    yield f"over blocks of {segments.BLOCK:g} s alone"
-    yield f"s₀ = −{-joint_regression.HELD:g} c"
-    yield f"σ₀ = {percent(prior.NOISE)} of the largest torque"
-    yield f"counts as n₀ = {regression.USUAL:g} blocks"
-    yield f"{percent(currents.OTHER_DAYS)} of the predicted friction"
-    yield f"less than {joint_regression.FEWEST * samples.STEP:g} s"
+    yield f"with fewer than {COUNTED[samples.MIN_UNITS]} paths"
+    yield f"over stretches of {samples.BLOCKS_PER_STRETCH * segments.BLOCK_DURATION:g} s"
+    yield f"over blocks of {segments.BLOCK_DURATION:g} s alone"
+    yield f"s₀ = −{-joint_regression.HELD_FRICTION_SHARE:g} c"
+    yield f"σ₀ = {percent(prior.CURRENT_NOISE_SHARE)} of the largest torque"
+    yield f"counts as n₀ = {regression.USUAL_NOISE_BLOCKS:g} blocks"
+    yield f"{percent(currents.SEASONAL_STD)} of the predicted friction"
+    yield f"less than {joint_regression.MIN_SAMPLES * samples.INDEPENDENT_STEP:g} s"
     yield (
-        f"u = {current_regression.UNSEEN_MOVING:g} c in motion and "
-        f"{current_regression.UNSEEN_RESTING:g} c at rest"
+        f"u = {current_regression.UNSEEN_MOVING_ERROR:g} c in motion and "
+        f"{current_regression.UNSEEN_RESTING_ERROR:g} c at rest"
     )
-    yield f"with more than {COUNTED[current_regression.FOLDS]} paths"
-    yield f"{percent(payload.GEARS)} of the mass for the gears"
-    yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"
-    yield f"prior width {percent(payload.JOINTS)})"
+    yield f"with more than {COUNTED[current_regression.MAX_FOLDS]} paths"
+    yield f"{percent(payload.GEAR_EFFICIENCY_STD)} of the mass for the gears"
+    yield f"each {'third' if payload.RUN_PARTS == 3 else payload.RUN_PARTS} of the run"
+    yield f"prior width {percent(payload.UNSCALED_TORQUE_ERROR)})"
     yield (
-        f"loads (gears {percent(payload.GEARS)}, joints {percent(payload.JOINTS)}, uncertainty "
-        f"{percent(payload.LEFT)})"
+        f"loads (gears {percent(payload.GEAR_EFFICIENCY_STD)}, "
+        f"joints {percent(payload.UNSCALED_TORQUE_ERROR)}, "
+        f"uncertainty {percent(payload.SCALED_TORQUE_ERROR)})"
     )
     # residuals
     five, three, one = (f"{residual_model.few_paths(paths):.2g}" for paths in (5, 3, 1))
     yield f"the number of paths: {five} for five, {three} for three."
     yield f"multiply its bands by {one},"
-    yield f"**One or two paths** count as {COUNTED[samples.LEAST_PATHS]};"
+    yield f"**One or two paths** count as {COUNTED[samples.MIN_PATHS]};"
     # contacts
     yield f"| typical contact | {PRIOR.force:g} N |"
     yield f"| its lever | {100 * PRIOR.lever:g} cm |"
@@ -112,45 +114,46 @@ def statements() -> Iterator[str]:
     yield f"| in motion | {PRIOR.rubbing:g} |"
     yield f"| hunting (shares) | {listed(PRIOR.hunting)} |"
     yield f"| settling | {PRIOR.settling:g} s |"
-    yield f"| mean of what stiction takes | 1/{1 / force_input.MEAN:g} |"
-    yield f"| least deviation at rest | {gate.HELD:g} |"
-    yield f"| weight of the typical lever | {contact_wrench.LEVERS:g} samples |"
-    yield f"| weight of the typical contact | {contact_wrench.WEIGHT:g} |"
-    yield f"| gate closes (opens at {wrench_estimate.OPENS:g}) | {wrench_estimate.CLOSES:g} |"
-    yield f"| margin | {wrench_estimate.MARGIN:g} s |"
-    yield f"| κ | {missed_contacts.MISSED_TO:g} |"
-    yield f"| blur | {contact_wrench.BLUR:g} s |"
+    yield f"| mean of what stiction takes | 1/{1 / force_input.MEAN_STICTION:g} |"
+    yield f"| least deviation at rest | {gate.MIN_REST_STD:g} |"
+    yield f"| weight of the typical lever | {contact_wrench.TYPICAL_LEVER_WEIGHT:g} samples |"
+    yield f"| weight of the typical contact | {contact_wrench.TYPICAL_SIZE_WEIGHT:g} |"
+    opening, closing = wrench_estimate.OPENING_PROBABILITY, wrench_estimate.CLOSING_PROBABILITY
+    yield f"| gate closes (opens at {opening:g}) | {closing:g} |"
+    yield f"| margin | {wrench_estimate.CONTACT_MARGIN:g} s |"
+    yield f"| κ | {missed_contacts.MISSED_DEVIATIONS:g} |"
+    yield f"| blur | {contact_wrench.LOWPASS_BLUR:g} s |"
     yield f"the factor {residual_fit.PAST_ALONE:g} on errors of the past alone"
-    yield f"κ is {missed_contacts.MISSED_TO:g}."
+    yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
     yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"
     yield (
-        f"(a stop counts after {external_torque.STOP:g} s and relaxes for "
-        f"{external_torque.RELAXING:g} s, friction of a stopped joint renews within "
-        f"{external_torque.RELAXING:g} s)"
+        f"(a stop counts after {external_torque.MIN_STOP_DURATION:g} s and relaxes for "
+        f"{external_torque.RELAXATION_TIME:g} s, friction of a stopped joint renews within "
+        f"{external_torque.RELAXATION_TIME:g} s)"
     )
-    yield f"contain a lever of {100 * contact_wrench.UNTOLD:g} cm"
-    yield f"counts as {contact_wrench.LEVERS:g} independent samples"
+    yield f"contain a lever of {100 * contact_wrench.UNRESOLVED_LEVER:g} cm"
+    yield f"counts as {contact_wrench.TYPICAL_LEVER_WEIGHT:g} independent samples"
     yield f"the prior standard deviation is {percent(PRIOR.friction_std)}"
     yield (
         "changes within half a second"
-        if residual_model.SHORT == 0.5
-        else f"changes within {residual_model.SHORT:g} s"
+        if residual_model.SHORT_LAG == 0.5
+        else f"changes within {residual_model.SHORT_LAG:g} s"
     )
     # loads, sensor, detection, figures
-    yield f"A contact of at least {grasp.SHORTEST:g} s counts as a load"
-    yield f"a weight explains {percent(grasp.EXPLAINED)} of its squared torque"
-    yield f"within {COUNTED[int(sensor.OUTSIDE)]} standard deviations"
-    yield f"below −{-sensor.OPPOSITE:g} along an axis"
-    yield f"carries {percent(sensor.SHARE)} of the squared force"
-    yield f"where they fall by {detection.HYSTERESIS:g} more"
-    yield f"a contact reaches {detection.TOUCH:g}, {detection.CONTACT:g}, 10 or 15 N"
-    yield f"while the reading exceeds {detection.RELEASE:g} N"
-    yield f"above {detection.CONTACT:g} N at the compensated sensor"
+    yield f"A contact of at least {grasp.MIN_GRASP_DURATION:g} s counts as a load"
+    yield f"a weight explains {percent(grasp.MIN_SHARE_EXPLAINED_BY_LOAD)} of its squared torque"
+    yield f"within {COUNTED[int(sensor.CONTACT_DEVIATIONS)]} standard deviations"
+    yield f"below −{-sensor.OPPOSITE_CORRELATION:g} along an axis"
+    yield f"carries {percent(sensor.MIN_AXIS_POWER_SHARE)} of the squared force"
+    yield f"where they fall by {detection.ALARM_HYSTERESIS:g} more"
+    yield f"a contact reaches {detection.TOUCH_FORCE:g}, {detection.CONTACT_FORCE:g}, 10 or 15 N"
+    yield f"while the reading exceeds {detection.RELEASE_FORCE:g} N"
+    yield f"above {detection.CONTACT_FORCE:g} N at the compensated sensor"
     yield (
-        f"below {detection.FREE:g} N and {detection.CLEAR:g} s away from any sample "
-        f"of {detection.TOUCH:g} N"
+        f"below {detection.FREE_FORCE:g} N and {detection.CONTACT_CLEARANCE:g} s away from any "
+        f"sample of {detection.TOUCH_FORCE:g} N"
     )
-    yield f"from {contact_figures.DRAWS} resamples of whole contacts"
+    yield f"from {contact_figures.CONTACT_RESAMPLES} resamples of whole contacts"
     yield f"{1e3 * thesis.PUBLISHED_JACOBIAN_LAG:g} ms earlier, as in the published script"
 
 

@@ -8,13 +8,24 @@ import pytest
 
 from tests.library.made_up_torques import MODEL
 from tests.made_tables import gathered
-from ur5lib.force.detection import PAUSE, PUSH, smallest_force
-from ur5lib.force.external_torque import MOVING, STILL
+from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
+from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
-from ur5lib.force.trial_contacts import LEAST, MOST, Trials, felt_push, try_each_place
-from ur5lib.identification.validation import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
+from ur5lib.force.trial_contacts import (
+    MAX_TRIAL_FORCE,
+    MIN_TRIAL_FORCE,
+    Trials,
+    felt_push,
+    try_each_place,
+)
+from ur5lib.identification.validation import (
+    MIN_SAMPLES,
+    SPEED_BINS,
+    ShareBySpeed,
+    share_by_speed,
+)
 from ur5lib.records.arm_state import Observed
-from ur5lib.report.arm_state_figures import observability_figure
+from ur5lib.report.figures.arm_state_figures import observability_figure
 from ur5lib.steps.measure_observability import Judged, observability
 from ur5lib.timeseries.arrays import Array
 
@@ -39,8 +50,8 @@ def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
     trials = detected_above(np.where(np.arange(COUNT) < COUNT / 2, 40.0, 10.0))
     assert (len(trials.force), trials.force.min(), trials.force.max()) == (
         89,
-        pytest.approx(LEAST),
-        pytest.approx(MOST),
+        pytest.approx(MIN_TRIAL_FORCE),
+        pytest.approx(MAX_TRIAL_FORCE),
     )
     for low, high, limit in ((0.0, 0.1, 40.0), (0.5, 1.0, 10.0)):
         part = trials.within(low, high)
@@ -49,15 +60,15 @@ def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
         assert smallest_force(part.force, part.found)[0] == pytest.approx(limit, rel=0.4)
 
 
-@pytest.mark.parametrize("state", [MOVING, STILL])
+@pytest.mark.parametrize("state", [JointState.MOVING, JointState.STILL])
 def test_dry_friction_and_gears_bear_their_part_of_a_push(state: int) -> None:
     """In motion what load friction takes, at rest at most the share of the breakaway torque."""
     torque = np.tile([0.5, -2.0, 8.0, -30.0, 1.0, 0.0], (2000, 1))
     gears = Gears(*(np.full_like(torque, value) for value in (50.0, 0.2, 0.0)))
-    time, most = np.arange(2000) * (PUSH + PAUSE), 0.45 * MODEL.breakaway
+    time, most = np.arange(2000) * (PUSH_DURATION + PAUSE_DURATION), 0.45 * MODEL.breakaway
     known = np.full(torque.shape, state, np.int8), gears, most, np.random.default_rng(0)
     felt = felt_push(torque, time, *known)
-    if state == MOVING:
+    if state == JointState.MOVING:
         np.testing.assert_allclose(gears.contact_torque(felt)[0], torque)
     else:
         bears = np.sign(torque) * (torque - felt)
@@ -80,7 +91,7 @@ def test_shares_of_each_range_of_speeds() -> None:
     found = share_by_speed(speed, inside)
     assert found.samples.sum() == 200
     np.testing.assert_allclose(found.share[np.isfinite(found.share)], [0.75, 0.75])
-    few = share_by_speed(np.full(FEWEST - 1, 0.3), np.ones(FEWEST - 1, bool))
+    few = share_by_speed(np.full(MIN_SAMPLES - 1, 0.3), np.ones(MIN_SAMPLES - 1, bool))
     assert np.isnan(few.suffices()).all()
 
 
@@ -103,7 +114,7 @@ def test_the_range_that_suffices(share: list[float], expected: tuple[float, floa
 def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     """Joint 3 is predicted from 0.2 rad/s on, the others at every speed."""
     trials = detected_above(np.full(COUNT, 10.0))
-    speed = np.tile(np.repeat(SPEEDS[:-1] + 1e-4, 50)[:, None], 6)
+    speed = np.tile(np.repeat(SPEED_BINS[:-1] + 1e-4, 50)[:, None], 6)
     inside = np.ones_like(speed)
     inside[speed[:, 2] < 0.2, 2] = 0.0
     found = observability([trials], [Judged(speed, inside)])
@@ -121,13 +132,13 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     assert along["value"].to_numpy() == pytest.approx(10.0, rel=0.5)
     assert (along["std_error"] > 0).all()
     assert along["samples"].sum() == len(trials.force)
-    assert len(observability_figure(table, 0.9, MOST).data) == 2 + 6 * 9
+    assert len(observability_figure(table, 0.9, MAX_TRIAL_FORCE).data) == 2 + 6 * 9
     shares = table[table["quantity"] == "friction_in_band"]
     for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
-        drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MOST)
+        drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MAX_TRIAL_FORCE)
         assert len(drawing.data) == len(pushed) + 6 * 9
 
 
 def test_nothing_is_drawn_of_recordings_that_tell_nothing(tmp_path: Path) -> None:
     table = gathered(Observed, [*observability([], [])], tmp_path)
-    assert observability_figure(table, 0.9, MOST).data.empty
+    assert observability_figure(table, 0.9, MAX_TRIAL_FORCE).data.empty

@@ -9,10 +9,10 @@ import pytest
 from tests.artefacts.documents import stated
 from tests.made_tables import empty
 from ur5lib.errors import InputError
-from ur5lib.report.compose import compose
-from ur5lib.report.document import MOST_ROWS, Contents, Document, Picture, Table, contents
+from ur5lib.report.page.compose import compose
+from ur5lib.report.page.document import MOST_ROWS, Contents, Document, Picture, TableBlock, contents
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
 from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality
 from ur5lib.report.views.recordings import judge_files
@@ -92,12 +92,12 @@ def document() -> Document:
 
 
 def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Document) -> None:
-    tables = {block.label: block for block in document.blocks() if isinstance(block, Table)}
+    tables = {block.label: block for block in document.blocks() if isinstance(block, TableBlock)}
     assert "a" not in tables
     cells = [cell for row in tables["overview.quality-arm_1"].rows for cell in row]
     assert {cell.link for cell in cells} == {"", f"runs/{LOST}.html"}
     few = compose(Contents.model_validate(SHOWN), made(MOST_ROWS))
-    assert [block.label for block in few.blocks() if isinstance(block, Table)] == ["a"]
+    assert [block.label for block in few.blocks() if isinstance(block, TableBlock)] == ["a"]
 
 
 def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
@@ -130,5 +130,5 @@ def test_a_page_shows_one_recording_alone() -> None:
     assert {name for table in own.tables.values() for name in table.get("recording", ())} == {LOST}
     page = compose(contents().of_run(), own)
     assert page.title == f"{LOST}, t"
-    shown = [block for block in page.blocks() if isinstance(block, Table | Picture)]
+    shown = [block for block in page.blocks() if isinstance(block, TableBlock | Picture)]
     assert {"recordings.files", "recordings.findings"} <= {block.label for block in shown}

@@ -7,9 +7,9 @@ import pypdfium2
 import pytest
 from pypdf import PdfReader
 
-from ur5lib.report.charts import calibration_panels, residual_panels, scatter_panels
-from ur5lib.report.house_style import Drawing, save
-from ur5lib.report.traces import CURRENT, WRENCH, Traces, draw_traces
+from ur5lib.report.figures.charts import calibration_panels, residual_panels, scatter_panels
+from ur5lib.report.figures.house_style import Drawing, save
+from ur5lib.report.figures.traces import CURRENT_PANELS, WRENCH_PANELS, Traces, draw_traces
 
 COLUMN = 88.0  # mm
 SMALLEST = 6.0  # points
@@ -25,14 +25,14 @@ def drawing(name: str) -> Drawing:
     shares = {"in contact": np.full((3, 3), 80.0), "free": np.full((3, 3), 90.0)}
     match name:
         case "forces":
-            return draw_traces(Traces(time, series, errors, (waves - 1, waves + 1)), WRENCH)
+            return draw_traces(Traces(time, series, errors, (waves - 1, waves + 1)), WRENCH_PANELS)
         case "residuals":
             return residual_panels(thin, {"q̇ [rad/s]": thin, "τ [Nm]": thin}, "A")
         case "friction":
             return scatter_panels(thin, thin, ("velocity of joint {} [rad/s]", "τ of {} [Nm]"))
         case "calibration":
             return calibration_panels([50, 80, 95], {"F̂ᵐᵃᵖ": shares}, ["Fx", "Fy", "Fz"])
-    return draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT)
+    return draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT_PANELS)
 
 
 @pytest.mark.parametrize("name", ["forces", "currents", "residuals", "friction", "calibration"])

@@ -10,14 +10,14 @@ from tests.library.current_study import cut, make_record, noisy, prior, smooth, 
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import CurrentFit, predict
 from ur5lib.identification.payload import (
-    Load,
+    LoadEstimate,
     PayloadEstimate,
     estimate_payload,
     joint_gains,
     judge,
     run_to_run,
 )
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import CurrentSamples
 
 CARRIED = np.array([2.8, 0.1, -0.3])
 
@@ -27,7 +27,7 @@ def fitted() -> CurrentFit:
     return fit_currents(noisy(range(6)), smooth, prior())
 
 
-def regressor(record: Record) -> np.ndarray:
+def regressor(record: CurrentSamples) -> np.ndarray:
     """Torque per mass and moments, as gravity would cause it on a made-up arm."""
     lever = np.array([0.0, 6.0, 5.0, 2.0, 1.0, 0.0])
     angles = np.stack([record.q, 2 * record.q + 1, record.q - np.roll(record.q, 1, axis=1)], axis=2)
@@ -60,7 +60,7 @@ def test_what_motion_does_not_tell_stays_unknown_however_precise_the_torque(
         assert (payload.std_error[1:] > 10.0).all()
 
 
-def loaded(fitted: CurrentFit, seed: int, when: np.ndarray | float = 1.0) -> Record:
+def loaded(fitted: CurrentFit, seed: int, when: np.ndarray | float = 1.0) -> CurrentSamples:
     """A recording that carries a load, all along or in part (N,)."""
     record = make_record(seed)
     torque = regressor(record) @ CARRIED * np.reshape(when, (-1, 1))
@@ -68,7 +68,7 @@ def loaded(fitted: CurrentFit, seed: int, when: np.ndarray | float = 1.0) -> Rec
     return with_noise(replace(record, current=predict(fitted, heavy)), seed)
 
 
-def load_of(fitted: CurrentFit, record: Record, spread: float = 0.0) -> Load:
+def load_of(fitted: CurrentFit, record: CurrentSamples, spread: float = 0.0) -> LoadEstimate:
     return judge(estimate_payload(fitted, record, regressor(record), smooth), spread)
 
 

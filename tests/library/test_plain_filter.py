@@ -44,7 +44,7 @@ def test_the_noise_is_that_of_the_measurements() -> None:
 def test_it_takes_the_most_likely_jerk(jerk: float, monkeypatch: pytest.MonkeyPatch) -> None:
     q, qd, _ = driven(jerk, 600)
     found = filter_encoders(one_segment(600), q, qd, PERIOD).qdd
-    monkeypatch.setattr(plain_filter, "JERKS", (jerk,))
+    monkeypatch.setattr(plain_filter, "CANDIDATE_JERKS", (jerk,))
     np.testing.assert_array_equal(found, filter_encoders(one_segment(600), q, qd, PERIOD).qdd)
 
 

@@ -12,22 +12,26 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.recordings.quality import StartOffset
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
-from ur5lib.report.compose import shown_table
-from ur5lib.report.recording_figures import euler_figure
+from ur5lib.report.figures.recording_figures import euler_figure
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.views.comparison import rebuilt as rebuilt_numbers
 from ur5lib.report.views.comparison import sources, unexplained
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.thesis.closed_loop import published_gains, simulated, tracking_of
 from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
-from ur5lib.thesis.printed_numbers import COLUMNS, Explained, compared
+from ur5lib.thesis.printed_numbers import (
+    PRINTED_COLUMNS,
+    ExplainedRow,
+    compared,
+)
 from ur5lib.thesis.reference import (
     AccelerationError,
     Erratum,
     Lookup,
     LoopError,
     PrintedTable,
-    Reference,
+    PublishedValues,
     read_reference,
 )
 from ur5lib.timeseries.metrics import mean_absolute_error
@@ -46,7 +50,7 @@ def rebuilt(values: list[float], largest: float = 3.0) -> dict[str, pd.DataFrame
     return {"torque_mae": pd.DataFrame(rows)}
 
 
-def reference(**more: object) -> Reference:
+def reference(**more: object) -> PublishedValues:
     place = Lookup(table="torque_mae", value="mae", row="model")
     known = {
         "source": "Table 1",
@@ -56,11 +60,11 @@ def reference(**more: object) -> Reference:
     }
     table = PrintedTable.model_validate(known | more)
     erratum = Erratum(place="Table 1", error="2 % less", choice="none")
-    return Reference(printed={"torque_mae": table}, errata=(erratum,))
+    return PublishedValues(printed={"torque_mae": table}, errata=(erratum,))
 
 
 def statuses(own: list[float], said: list[float] | None = None, **more: object) -> list[str]:
-    ways = [Explained(1, "torque_mae", "A", np.array(said))] if said else []
+    ways = [ExplainedRow(1, "torque_mae", "A", np.array(said))] if said else []
     rows = pd.DataFrame(compared(reference(**more), rebuilt(own), ways))
     return rows["status"].tolist()
 
@@ -94,7 +98,7 @@ def test_one_number_is_the_largest_of_six() -> None:
     rows = compared(
         reference(values={"A": (7.5,)}, rebuilt=place, right=right),
         rebuilt([1.0, 2.5, 0.5, 0.1, 0.2, 0.3]),
-        [Explained(1, "torque_mae", "A", np.array([7.0, 6.0, 1, 1, 1, 1]))],
+        [ExplainedRow(1, "torque_mae", "A", np.array([7.0, 6.0, 1, 1, 1, 1]))],
     )
     (row,) = rows
     assert (row["number"], row["right"]) == ("largest", 2.5)
@@ -102,7 +106,7 @@ def test_one_number_is_the_largest_of_six() -> None:
 
 
 def test_the_nearest_of_several_errata_counts() -> None:
-    ways = [Explained(k, "torque_mae", "A", np.full(6, x)) for k, x in ((3, 2.2), (4, 2.01))]
+    ways = [ExplainedRow(k, "torque_mae", "A", np.full(6, x)) for k, x in ((3, 2.2), (4, 2.01))]
     told, *_ = compared(reference(), rebuilt([4.0] * 6), ways)
     assert (told["erratum"], told["as_erratum_says"], told["status"]) == (4, 2.01, "erratum 4")
 
@@ -139,7 +143,7 @@ def test_a_row_has_six_numbers_or_one() -> None:
 
 
 def results(rows: list[dict]) -> Results:
-    table = pd.DataFrame(rows, columns=COLUMNS)
+    table = pd.DataFrame(rows, columns=PRINTED_COLUMNS)
     table = table.astype({"as_erratum_says": float, "erratum": float, "right": float})
     return Results({}, {"printed": table}, Path())
 
@@ -160,7 +164,7 @@ def test_unexplained_numbers_are_findings() -> None:
 
 
 def test_the_nearest_explanation_tells_the_per_cent() -> None:
-    known = [Explained(1, "torque_mae", "A", np.full(6, 1.8))]
+    known = [ExplainedRow(1, "torque_mae", "A", np.full(6, 1.8))]
     rows = [*compared(reference(), rebuilt([np.nan] * 6), known)]
     assert all("erratum 1" in said and "10 % less" in said for said in unexplained(results(rows)))
 

@@ -122,6 +122,7 @@ def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> N
     assert "- name: swing" in said(screen)
 
 
+@pytest.mark.thorough
 @on_the_double_of_an_arm
 def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     """By a hand that pulls again and again, from before freedrive until after it."""
@@ -165,6 +166,7 @@ def test_nothing_moves_without_a_yes_or_a_plan(
             assert not Path("raw").exists()
 
 
+@pytest.mark.thorough
 @on_the_double_of_an_arm
 def test_the_page_is_followed_word_for_word(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -214,6 +216,7 @@ def expect_moves(moved: pd.DataFrame) -> None:
     assert np.linalg.norm(beside, axis=1).max() < 0.002
 
 
+@pytest.mark.thorough
 @on_the_double_of_an_arm
 def test_the_arm_stops_when_a_device_dies(study: Path) -> None:
     """One that this program moves; the others are recorded on."""

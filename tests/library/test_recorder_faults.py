@@ -20,10 +20,10 @@ from ur5lib.lab.recorder.capture import SampleFile, capture
 from ur5lib.lab.recorder.realtime_arm import MESSAGE_HEAD, RealtimeArm
 from ur5lib.lab.recorder.rtde_arm import RECORDED_OUTPUTS, RtdeArm
 from ur5lib.robots import rtde_variables as rtde
-from ur5lib.robots.realtime_message import SOFTWARE
+from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE
 
 HERE, CYCLE = "127.0.0.1", 0.008
-BYTES = max(SOFTWARE)  # of a message
+BYTES = max(SOFTWARE_BY_SIZE)  # of a message
 LOST = 3  # cycles
 DAMAGED = [math.nan, math.inf, -math.inf, 1e300]
 
@@ -54,19 +54,23 @@ def stamps(damaged: float) -> list[float]:
 def rtde_controller(client: socket.socket, kinds: Iterable[str], sent: Iterable[float]) -> None:
     """Answer the set-up, as often as it is asked for outputs; send packages of one `timestamp`."""
     outputs = iter(kinds)
-    while head := client.recv(rtde.HEADER.size, socket.MSG_WAITALL):
-        size, kind = rtde.HEADER.unpack(head)
-        client.recv(size - rtde.HEADER.size, socket.MSG_WAITALL)
+    while head := client.recv(rtde.PACKAGE_HEADER.size, socket.MSG_WAITALL):
+        size, kind = rtde.PACKAGE_HEADER.unpack(head)
+        client.recv(size - rtde.PACKAGE_HEADER.size, socket.MSG_WAITALL)
         answer = b"\1"
-        if kind == rtde.SOFTWARE:
+        if kind == rtde.SOFTWARE_PACKAGE:
             answer = struct.pack(">4I", 3, 15, 8, 0)
-        if kind == rtde.SETUP_OUTPUTS:
+        if kind == rtde.OUTPUTS_PACKAGE:
             answer += next(outputs).encode()
-        client.sendall(rtde.HEADER.pack(rtde.HEADER.size + len(answer), kind) + answer)
-        if kind == rtde.START:
+        client.sendall(
+            rtde.PACKAGE_HEADER.pack(rtde.PACKAGE_HEADER.size + len(answer), kind) + answer
+        )
+        if kind == rtde.START_PACKAGE:
             break
     for stamp in sent:
-        client.sendall(rtde.HEADER.pack(12, rtde.DATA) + b"\1" + struct.pack(">d", stamp))
+        client.sendall(
+            rtde.PACKAGE_HEADER.pack(12, rtde.DATA_PACKAGE) + b"\1" + struct.pack(">d", stamp)
+        )
 
 
 @pytest.mark.parametrize("damaged", DAMAGED)

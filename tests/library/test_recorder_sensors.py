@@ -97,7 +97,7 @@ def test_force_and_torque_arrive_with_their_counters() -> None:
     assert np.ptp(values[:, 0]) / np.ptp(received) == pytest.approx(1000, rel=0.05)
 
 
-@pytest.mark.parametrize("is_legacy", [False, True])
+@pytest.mark.parametrize("is_legacy", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_samples_of_a_tracker_arrive_with_their_counters(is_legacy: bool) -> None:
     with xsens(is_legacy=is_legacy) as (_, imu):
         received, values, lost = record(imu, 2.0)
@@ -114,6 +114,7 @@ def test_samples_of_a_tracker_arrive_with_their_counters(is_legacy: bool) -> Non
     assert np.isnan(values[:, 1]).all() == is_legacy
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("opened", "column", "per_sample", "faults"),
     [
@@ -138,6 +139,7 @@ def test_lost_samples_are_counted_as_the_device_lost_them(
     assert {k for k in gone if k < arrived} == {k for k in hit if numbers[0] < k < arrived}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("opened", "clock", "ticks", "error"),
     [
@@ -157,6 +159,7 @@ def test_a_device_s_clock_drifts(
     assert -error < (received - taken).min() < 0.01
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("opened", [net_ft, xsens])
 def test_a_device_that_dies_is_lost_and_comes_back(opened: Callable[..., Opened]) -> None:
     with opened(faults=TransmissionFaults(dies_at=0.3, back_at=1.8)) as (double, device):
@@ -244,6 +247,7 @@ def test_a_page_of_something_else(page: bytes, words: str) -> None:
 # The tracker
 
 
+@pytest.mark.thorough
 def test_the_counter_wraps_around() -> None:
     """It starts half a second before the end of its 16 bits."""
     with xsens(clock=DeviceClock(offset_s=2**16 / 256 - 0.5)) as (_, imu):
@@ -252,6 +256,7 @@ def test_the_counter_wraps_around() -> None:
     assert values[0, 0] < 2**16 < values[-1, 0]
 
 
+@pytest.mark.thorough
 def test_a_program_that_is_kept_busy_for_two_seconds_misses_nothing() -> None:
     with xsens() as (_, imu):
         record(imu, 0.1)

@@ -143,6 +143,7 @@ def test_nothing_is_lost_and_the_manifest_says_what_recorded(
     assert np.abs(np.diff(stamps) - 0.008).max() < 1e-9
 
 
+@pytest.mark.thorough
 def test_a_device_that_dies_leaves_the_others(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -162,6 +163,7 @@ def test_a_device_that_dies_leaves_the_others(
     assert set(place_sensors(raw, findings)) == {"force", "imu"}, (raw.findings, findings)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("hangs_in", "expected"), [("close", None), ("read", "did not end")])
 def test_a_device_that_does_not_close_loses_no_sample(
     hangs_in: str, expected: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -179,6 +181,7 @@ def test_a_device_that_does_not_close_loses_no_sample(
         assert status.samples == rows.count("\n") - 1
 
 
+@pytest.mark.thorough
 def test_a_recording_goes_on_though_nobody_asks_for_its_progress(tmp_path: Path) -> None:
     plan: Any = MadeUp(width=500)  # so that reports soon fill a pipe
     with Session({"imu": plan}, tmp_path / "run") as session:
@@ -222,6 +225,7 @@ if __name__ == "__main__":  # not in the processes that it starts
 """
 
 
+@pytest.mark.thorough
 def test_a_killed_recorder_leaves_whole_files(tmp_path: Path) -> None:
     """By SIGKILL: its processes notice, and end."""
     script, folder = tmp_path / "record.py", tmp_path / "run"

@@ -10,10 +10,10 @@ import pytest
 from pydantic import TypeAdapter
 
 from tests.conftest import said
-from tests.entries import read_and_repair, read_recording
+from tests.entries import read_and_check, read_recording
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
-from ur5lib.channels import SIX, SUFFIXES
+from ur5lib.channels import SIX_SUFFIXES, SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.lab.stand.device_files import MESSAGE_BYTES, messages
 from ur5lib.lab.stand.faults import FIRST_PART_BYTES
@@ -30,7 +30,7 @@ from ur5lib.robots.realtime_message import fields
 from ur5lib.study.model import Recording
 from ur5lib.tables import channel, named
 
-LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX]
+LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX_SUFFIXES]
 
 
 @pytest.fixture
@@ -95,15 +95,15 @@ def test_a_long_recording_is_in_memory_about_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ur5: Robot
 ) -> None:
     """Not as text, and not once more for each step of the repair; pyarrow's memory is not seen."""
-    monkeypatch.setattr(text_blocks, "SIZE", 1 << 17)
-    monkeypatch.setattr(text_blocks, "SHORT", 1 << 12)
+    monkeypatch.setattr(text_blocks, "BLOCK_BYTES", 1 << 17)
+    monkeypatch.setattr(text_blocks, "MIN_BLOCK_BYTES", 1 << 12)
     time = 0.008 * np.arange(10_000)
     columns = {f"{name}_{k}": 0.1 * np.sin(time + k) for name in LONG_CHANNELS for k in range(6)}
     pd.DataFrame({"timestamp": time, **columns}).to_csv(tmp_path / "long.csv", index=False)
     entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "long.csv"}
     tracemalloc.start()
     try:
-        robot = read_and_repair(entry, ur5, 0.1).robot
+        robot = read_and_check(entry, ur5, 0.1).robot
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -199,7 +199,7 @@ def test_rtde_names_in_other_units(tmp_path: Path, ur5: Robot) -> None:
     entry: dict[str, Any] = {"format": "rtde-csv", "folder": str(tmp_path), "file": "log.csv"}
     for units, likely in (({}, "degrees"), ({"actual_q": "deg"}, "mA")):
         with pytest.raises(InputError, match=f"is it in {likely}"):
-            read_and_repair(entry | {"units": units}, ur5, 0.1)
+            read_and_check(entry | {"units": units}, ur5, 0.1)
     units = {"actual_q": "deg", "actual_current": "mA"}
     robot = read_recording(entry | {"units": units}).robot.table
     assert robot["actual_current_5"].eq(1.5).all()
@@ -241,7 +241,7 @@ def test_a_log_without_a_clock_has_the_rate_that_the_study_states(
     lines[100] = lines[200] = "torn"
     (tmp_path / "log.txt").write_text("\n".join(lines) + "\n")
     entry = TABLE | {"folder": str(tmp_path), "file": "log.txt", "columns": ["actual_q"]}
-    taken = read_and_repair(entry | {"rate": rate}, ur5, 0.1)
+    taken = read_and_check(entry | {"rate": rate}, ur5, 0.1)
     np.testing.assert_allclose(taken.robot["time"], np.arange(400) / rate, atol=1e-9)
     assert np.flatnonzero(taken.robot["interpolated"]).tolist() == [100, 200]
     np.testing.assert_allclose(channel(taken.robot, "actual_q"), q, atol=1e-5)
@@ -338,12 +338,20 @@ def test_what_a_spreadsheet_program_made_is_named(tmp_path: Path, cell: str) -> 
 
 @pytest.mark.parametrize("row", ["{t};{q}\t", "{t};{q}; ", "x;{q}", " ;{q};", "{t};{q};\t"])
 def test_whatever_ends_a_line_its_fault_is_reported(tmp_path: Path, row: str) -> None:
+    """Three lines are read, as where only a blank follows their numbers, or reported."""
     entry = write_rtde(tmp_path, rows=20)
     text = (tmp_path / "robot.csv").read_text()
     for mark in (";", "\t", " ", ","):
         lines = [row.format(t=9.5, q=";".join(["0.1"] * 6)).replace(";", mark)] * 3
         (tmp_path / "robot.csv").write_text(text.replace(";", mark) + "\n".join(lines) + "\n")
-        read_recording(entry)
+        raw = read_recording(entry)
+        if row == "{t};{q}\t" and mark != "\t":
+            assert not raw.findings
+            assert raw.robot.table["time"].tolist()[20:] == pytest.approx([0.5] * 3)
+        else:
+            (damaged,) = raw.findings
+            assert (damaged.finding, damaged.count) == ("damaged lines", 3)
+            assert len(raw.robot.table) == 20
 
 
 # The realtime port
@@ -394,7 +402,7 @@ CUT = {"torn last line", "channels of unequal length"}
 
 
 def intake(entry: dict, arm: Robot) -> Intake:
-    return read_and_repair(entry, arm, max_gap=0.1)
+    return read_and_check(entry, arm, max_gap=0.1)
 
 
 def test_every_defect_of_the_thesis_is_found_and_no_other(thesis_data: Path, ur5: Robot) -> None:

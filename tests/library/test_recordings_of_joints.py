@@ -12,20 +12,25 @@ import yaml
 from tests.conftest import PROJECT
 from tests.library.test_from_urdf import made_up, saved
 from tests.library.test_seven_joints import arm
+from ur5lib.checks.channels import check_robot
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.commands.described import describe_urdf
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.identification.current_samples import prior_of
-from ur5lib.recordings.checked import Checked
-from ur5lib.recordings.checks import check_robot
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
-from ur5lib.report.charts import residual_panels, scatter_panels
-from ur5lib.report.traces import TORQUE, Series, Traces, draw_traces
+from ur5lib.report.figures.charts import residual_panels, scatter_panels
+from ur5lib.report.figures.traces import (
+    TORQUE_PANELS,
+    StyledLines,
+    Traces,
+    draw_traces,
+)
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders
@@ -100,9 +105,9 @@ def test_a_sensor_is_known_to_measure_torque() -> None:
 @pytest.mark.parametrize("count", [2, 8])
 def test_figures_have_a_panel_for_each_joint(count: int) -> None:
     time, values = np.arange(20.0), np.random.default_rng(0).normal(size=(20, count))
-    series: Series = {"measured": (values, "joint")}
-    assert draw_traces(Traces(time, series, series), TORQUE).data.shape[1] == 1 + 2 * count
-    assert draw_traces(Traces(time, series), TORQUE).data.shape[1] == 1 + count
+    series: StyledLines = {"measured": (values, "joint")}
+    assert draw_traces(Traces(time, series, series), TORQUE_PANELS).data.shape[1] == 1 + 2 * count
+    assert draw_traces(Traces(time, series), TORQUE_PANELS).data.shape[1] == 1 + count
     assert scatter_panels(values, values, ("{}", "of {}")).data.shape[1] == 2 * count
     assert residual_panels(values, {"x": values}, "Nm").data.shape[1] == 2 * count
 

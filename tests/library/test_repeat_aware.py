@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.library.synthetic_run import synthetic_run
-from ur5lib.force.external_torque import RESTING, is_still
+from ur5lib.force.external_torque import JointState, is_still
 from ur5lib.leaderboard.estimators.repeat_aware import learn, noise_of_repeats, repeated
 from ur5lib.leaderboard.force import learned_noise
 from ur5lib.leaderboard.run import Run
@@ -38,7 +38,9 @@ def test_repeats_are_known_far_better_than_friction_in_motion() -> None:
     usual = learned_noise(lambda own: own.smoothed, [one, two])
     noise = noise_of_repeats(usual, runs)
     assert (noise.spread[0] < 0.5 * usual.spread[0]).all()
-    np.testing.assert_array_equal(noise.spread[RESTING:], usual.spread[RESTING:])
+    np.testing.assert_array_equal(
+        noise.spread[JointState.RESTING :], usual.spread[JointState.RESTING :]
+    )
 
 
 def test_one_run_does_not_tell_how_well_it_repeats() -> None:

@@ -18,8 +18,10 @@ from ur5lib.errors import InputError, remark
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
-from ur5lib.report.compose import shown_table
-from ur5lib.report.document import (
+from ur5lib.report.figures.house_style import save
+from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
+from ur5lib.report.page.compose import shown_table
+from ur5lib.report.page.document import (
     MOST_ROWS,
     Cell,
     Code,
@@ -27,18 +29,16 @@ from ur5lib.report.document import (
     Equation,
     Heading,
     Items,
+    Mention,
     Paragraph,
     Picture,
-    Reference,
     Section,
-    Table,
+    TableBlock,
 )
-from ur5lib.report.house_style import save
-from ur5lib.report.render import html_page, pdf_document
+from ur5lib.report.page.render import html_page, pdf_document
+from ur5lib.report.page.sentences import cell
+from ur5lib.report.page.tabulated import extremes
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import cell
-from ur5lib.report.tabulated import extremes
-from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.arm_state import velocities
 from ur5lib.report.views.contacts import (
     counted,
@@ -49,7 +49,7 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import loaded, remarks
 from ur5lib.report.views.first_screen import _each, left_out_fits
-from ur5lib.report.views.forces import PUSHES, pushes_found
+from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
 from ur5lib.tables import write_bytes, write_text
@@ -64,7 +64,7 @@ def picture(tmp_path: Path) -> Path:
     time = np.linspace(0, 1, 50)
     values = np.outer(np.sin(time), np.ones(6))
     series = {"a": (values, "measured"), "b": (2 * values, "joint")}
-    save(draw_traces(Traces(time, series), TORQUE), tmp_path / "figure.svg")
+    save(draw_traces(Traces(time, series), TORQUE_PANELS), tmp_path / "figure.svg")
     return tmp_path / "figure.svg"
 
 
@@ -72,12 +72,12 @@ def picture(tmp_path: Path) -> Path:
 def document(picture: Path) -> Document:
     rows = [[Cell(HOSTILE), Cell("0.5", "lowest")]]
     blocks = [
-        Paragraph([HOSTILE, Reference("later")]),
+        Paragraph([HOSTILE, Mention("later")]),
         Heading(HOSTILE),
         Items([HOSTILE], numbered=True),
-        Table(HOSTILE, ["joint", "mae"], rows, "first"),
+        TableBlock(HOSTILE, ["joint", "mae"], rows, "first"),
         Picture(HOSTILE, picture, HOSTILE, "picture", "figures/a.csv", "draw_figures"),
-        Table(HOSTILE, ["joint", "mae"], rows, "later", "tables/a.csv"),
+        TableBlock(HOSTILE, ["joint", "mae"], rows, "later", "tables/a.csv"),
         Equation("a / b", "a over b"),
         Code(HOSTILE),
     ]
@@ -87,12 +87,16 @@ def document(picture: Path) -> Document:
 def test_tables_and_figures_are_counted_and_mentioned_by_their_number(document: Document) -> None:
     first, *blocks = document.blocks()
     assert isinstance(first, Paragraph)
-    assert first.spans[1] == Reference("later", "Table 2")
-    assert [block.number for block in blocks if isinstance(block, Table | Picture)] == [1, 1, 2]
+    assert first.spans[1] == Mention("later", "Table 2")
+    assert [block.number for block in blocks if isinstance(block, TableBlock | Picture)] == [
+        1,
+        1,
+        2,
+    ]
 
 
 def test_a_mention_of_nothing_is_an_error() -> None:
-    lost = Document("", "", [Section("", [Paragraph([Reference("lost")])])])
+    lost = Document("", "", [Section("", [Paragraph([Mention("lost")])])])
     with pytest.raises(KeyError, match="lost"):
         lost.numbered()
 
@@ -150,7 +154,7 @@ def test_cells_show_sign_absence_and_no_exponent(template: str, value: Any, text
 
 def test_columns_of_numbers_stand_right() -> None:
     rows = [[Cell("Fx [N]"), Cell("−1.5"), Cell("–")], [Cell("Fy [N]"), Cell("2"), Cell("3 %")]]
-    assert Table("", ["", "", ""], rows).alignment() == ["left", "right", "right"]
+    assert TableBlock("", ["", "", ""], rows).alignment() == ["left", "right", "right"]
 
 
 # Tables of results
@@ -437,7 +441,7 @@ def test_what_a_run_carries_stands_in_a_table() -> None:
 
 
 def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
-    pushes = dict.fromkeys(PUSHES, 5.0) | {"estimate": "Fmap"}
+    pushes = dict.fromkeys(SMALLEST_PUSHES, 5.0) | {"estimate": "Fmap"}
     detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
     results = Results({}, {"detection": detection, "payload": payloads()}, Path())
     assert [*pushes_found(results)["recording"]] == ["free"]

@@ -8,13 +8,13 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.errors import remark
-from ur5lib.report import sentences
-from ur5lib.report.findings import in_words, templates
-from ur5lib.report.sentences import say
+from ur5lib.report.page import sentences
+from ur5lib.report.page.findings import in_words, templates
+from ur5lib.report.page.sentences import say
 from ur5lib.strict import read_yaml
 
 REPORT = PROJECT / "ur5lib" / "report"
-TOPICS = read_yaml(REPORT / "sentences.yaml")
+TOPICS = read_yaml(REPORT / "page" / "sentences.yaml")
 NAMES = TOPICS.pop("names")
 DEFINED = {f"{topic}.{name}" for topic, texts in TOPICS.items() for name in texts}
 CODE = "".join(path.read_text() for path in REPORT.rglob("*.py"))
@@ -38,7 +38,9 @@ def test_every_sentence_exists_and_is_said() -> None:
 
 
 def test_every_topic_of_names_is_used() -> None:
-    used = "".join((REPORT / f"{name}.yaml").read_text() for name in ("contents", "sentences"))
+    used = "".join(
+        (REPORT / "page" / f"{name}.yaml").read_text() for name in ("contents", "sentences")
+    )
     assert {topic for topic in NAMES if f"name('{topic}')" not in used} == set()
 
 

@@ -12,7 +12,7 @@ from tests.library.current_study import noisy, prior, smooth
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import MOVING, STATES
+from ur5lib.force.external_torque import FITTED_STATE_COUNT, JointState
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
@@ -23,7 +23,7 @@ from ur5lib.identification.base_parameters import (
     prior_width,
     stack,
 )
-from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.consistency import consistent_parameters, smallest_eigenvalues
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import predict
 from ur5lib.identification.payload import estimate_payload
@@ -144,7 +144,7 @@ def test_links_are_identified() -> None:
     inside = error < 1.96 * estimate.standard_errors(base.groups)
     assert known.mean() > 0.9
     assert inside[known].mean() > 0.85
-    parameters = consistent(estimate)
+    parameters = consistent_parameters(estimate)
     assert len(smallest_eigenvalues(parameters)) == JOINTS
     assert smallest_eigenvalues(parameters).min() > 0
     identified = robot.with_model("identified", identified_model(robot, parameters, ""))
@@ -163,15 +163,15 @@ def test_a_wrench_is_estimated() -> None:
     torque = (jacobian.mT @ wrench[..., None])[..., 0] + slow
     torque = zero_phase_lowpass(torque, 1 / PERIOD, 2, 2.0)
     model = ResidualModel(
-        spread=np.full((STATES, JOINTS), 0.3),
-        change=np.full((STATES, JOINTS), 0.1),
-        rate=np.full(STATES, 0.1),
+        spread=np.full((FITTED_STATE_COUNT, JOINTS), 0.3),
+        change=np.full((FITTED_STATE_COUNT, JOINTS), 0.1),
+        rate=np.full(FITTED_STATE_COUNT, 0.1),
         independent=0.25,
         breakaway=np.ones(JOINTS),
     )
     segment = np.zeros(len(q), np.int64)
     used = jacobian[used_rows(segment, PERIOD)]
-    states = np.full(q.shape, MOVING, np.int8)
+    states = np.full(q.shape, JointState.MOVING, np.int8)
     run = ForceInput(q, 0 * q, torque, states, segment, PERIOD)
     found = estimate_wrench(run, used, model, ContactPrior())
     inner = slice(pushed.start + 50, pushed.stop - 50)

@@ -24,7 +24,7 @@ from ur5lib.smoothing.encoders import (
     smooth_encoders,
 )
 from ur5lib.smoothing.imu_fusion import (
-    ALL,
+    ALL_STATES,
     LinearImu,
     add_imu,
     imu_noise,
@@ -524,11 +524,11 @@ def broken_system(ur5: Robot, measured: tuple[np.ndarray, np.ndarray]) -> System
 
 
 def test_chunks_make_no_difference(broken_system: System, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kalman, "LANE", 600)  # one lane: a plain filter
+    monkeypatch.setattr(kalman, "LANE_SAMPLES", 600)  # one lane: a plain filter
     mean, std = with_deviations(*smoothed(broken_system, 600))
     for size, lane in ((7, 7), (100, 25), (599, 256)):
-        monkeypatch.setattr(kalman, "CHUNK", size * ALL**2)
-        monkeypatch.setattr(kalman, "LANE", lane)
+        monkeypatch.setattr(kalman, "CHUNK_NUMBERS", size * ALL_STATES**2)
+        monkeypatch.setattr(kalman, "LANE_SAMPLES", lane)
         part, deviations = with_deviations(*smoothed(broken_system, 600))
         np.testing.assert_allclose(part / std, mean / std, rtol=0, atol=1e-7)
         np.testing.assert_allclose(deviations, std, rtol=1e-10)
@@ -541,8 +541,8 @@ def with_deviations(mean: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarra
 def test_memory_of_the_smoother_does_not_grow(
     broken_system: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kalman, "CHUNK", 100 * ALL**2)
-    monkeypatch.setattr(kalman, "LANE", 50)
+    monkeypatch.setattr(kalman, "CHUNK_NUMBERS", 100 * ALL_STATES**2)
+    monkeypatch.setattr(kalman, "LANE_SAMPLES", 50)
     peaks = [peak_memory(partial(deque, smooth(broken_system, n), 0)) for n in (300, 1200)]
     assert peaks[1] < 1.1 * peaks[0]
 
@@ -657,7 +657,7 @@ def test_what_is_constant_comes_from_where_a_joint_moves_most(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Only motion shows how late velocities are; here, a joint rests before and after it."""
-    monkeypatch.setattr("ur5lib.smoothing.noise.LONGEST", 3.0)
+    monkeypatch.setattr("ur5lib.smoothing.noise.TUNING_DURATION", 3.0)
     random, lag = np.random.default_rng(15), 4e-3
     time, segment = clock(1200)
 

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.estimators import Run, controller
@@ -72,7 +72,7 @@ class Recorded:
         return {str(path.relative_to(self.folder)) for path in files}
 
     def repaired(self) -> Intake:
-        return read_and_repair(self.entry, self.arm, 0.1)
+        return read_and_check(self.entry, self.arm, 0.1)
 
     def true(self) -> pd.DataFrame:
         return read_table(f"{self.truth}.parquet")

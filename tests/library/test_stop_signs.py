@@ -18,16 +18,17 @@ from scipy.signal import butter, sosfiltfilt
 from benchmarks.harness.pushes import pushes
 from benchmarks.simulated_contacts import planned
 from tests.conftest import PROJECT, said, shared_folder
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from tests.synthetic import write_recording
 from ur5lib.channels import columns
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.innovations import innovation_likelihoods
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.torques import foreign_torque, given_load
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.simulate import simulate
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.checked import Checked
-from ur5lib.recordings.current_checks import foreign_currents
-from ur5lib.recordings.innovations import innovation_likelihoods
-from ur5lib.recordings.stop_signs import foreign_torque, given_load, stop_signs
 from ur5lib.records.carried import carried
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
@@ -75,7 +76,7 @@ SIMULATED = {
 }
 ARMS = robot_names()
 EACH_ARM = [  # each plan on two arms, each arm in a plan at least
-    (name, ARMS[(2 * k + other) % len(ARMS)])
+    pytest.param(name, ARMS[(2 * k + other) % len(ARMS)], marks=[pytest.mark.thorough] * other)
     for k, name in enumerate(SIMULATED)
     for other in (0, 1)
 ]
@@ -104,7 +105,7 @@ class Taken:
 
 def take(entry: Recording) -> Taken:
     arm = load_robot(robot_path(entry.robot)).mounted(entry.gravity)
-    return Taken(read_and_repair(entry, arm, 0.1).robot, arm, entry)
+    return Taken(read_and_check(entry, arm, 0.1).robot, arm, entry)
 
 
 @cache
@@ -150,7 +151,10 @@ def test_simulated_recordings_are_right(made: Path, name: str, robot: str) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "path"), [(6, 0), (6, 2), (107, 2)])
+@pytest.mark.parametrize(
+    ("seed", "path"),
+    [(6, 0), *(pytest.param(*own, marks=pytest.mark.thorough) for own in ((6, 2), (107, 2)))],
+)
 def test_recordings_of_an_arm_with_strange_friction_are_right(
     tmp_path: Path, seed: int, path: int
 ) -> None:
@@ -433,6 +437,7 @@ def corrupted_arms() -> Iterator[object]:
         yield pytest.param(*case, marks=[unseen] if case in UNSEEN else [])
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(("corruption", "robot"), [*corrupted_arms()])
 def test_simulated_recordings_tell_what_is_wrong(made: Path, robot: str, corruption: str) -> None:

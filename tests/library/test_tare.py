@@ -12,7 +12,7 @@ from benchmarks.slow_presses import COLUMNS, seed_rows
 from tests.library.made_up_torques import MODEL
 from tests.made_records import motion_of, stretch
 from ur5lib.errors import InputError
-from ur5lib.force.external_torque import STILL, TARED
+from ur5lib.force.external_torque import JointState
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.currents import Currents
@@ -44,20 +44,20 @@ def test_the_torque_of_the_span_is_zero_until_the_arm_is_elsewhere() -> None:
     np.testing.assert_array_equal(torque[TIME > 8.1], np.tile(OFFSET, (689, 1)))
 
 
-@pytest.mark.parametrize(("usual", "state"), [(True, TARED), (False, STILL)])
+@pytest.mark.parametrize(("usual", "state"), [(True, JointState.TARED), (False, JointState.STILL)])
 def test_a_background_that_no_recording_shows_is_held(usual: bool, state: int) -> None:
     known, motion = resting(moves_at=8.0)
     found = tared(known, motion, (0.0, 1.5), "own")
     problem = fmap_problem(motion, found, Residuals(tau_ext=replace(MODEL, usual=usual)))
     assert problem is not None
     assert (problem.input.states[TIME < 5] == state).all()
-    assert (problem.input.states[TIME > 12] == STILL).all()
+    assert (problem.input.states[TIME > 12] == JointState.STILL).all()
 
 
 def test_a_tared_background_is_no_less_certain() -> None:
     own = MODEL.with_tare()
-    assert (own.spread[TARED] <= own.spread[STILL]).all()
-    assert (own.change[TARED] <= own.change[STILL]).all()
+    assert (own.spread[JointState.TARED] <= own.spread[JointState.STILL]).all()
+    assert (own.change[JointState.TARED] <= own.change[JointState.STILL]).all()
 
 
 @pytest.mark.parametrize("span", [(20.0, 21.0), (8.0, 9.0), (0.0, 0.3)])

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from tests.library.test_dynamics import states
 from tests.library.test_dynamics_kinematics import POINT, slope
-from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.kinematics import link_frames, velocity, velocity_transformation
 from ur5lib.dynamics.rigid_body import forward_dynamics
 from ur5lib.dynamics.task_space import (
@@ -24,12 +24,12 @@ COUNT = 60
 
 
 @pytest.fixture(scope="module")
-def arm(ur5: Robot) -> Arm:
+def arm(ur5: Robot) -> ArmTensors:
     return build_arm(ur5, "C")
 
 
 @pytest.fixture(scope="module")
-def regular(arm: Arm) -> tuple[Tensor, Tensor, Tensor]:
+def regular(arm: ArmTensors) -> tuple[Tensor, Tensor, Tensor]:
     """States away from the singularities of the arm and of the angles."""
     q, qd, qdd = states(4 * COUNT)
     theta = pose(arm, q)[:, 4]
@@ -39,7 +39,7 @@ def regular(arm: Arm) -> tuple[Tensor, Tensor, Tensor]:
 
 
 def test_the_pose_accelerates_as_its_second_derivative(
-    arm: Arm, regular: tuple[Tensor, Tensor, Tensor]
+    arm: ArmTensors, regular: tuple[Tensor, Tensor, Tensor]
 ) -> None:
     q, qd, qdd = regular
 
@@ -57,7 +57,7 @@ def test_the_pose_accelerates_as_its_second_derivative(
 
 
 def test_the_commanded_acceleration_is_what_the_arm_does(
-    arm: Arm, regular: tuple[Tensor, Tensor, Tensor]
+    arm: ArmTensors, regular: tuple[Tensor, Tensor, Tensor]
 ) -> None:
     """(2.78): the torque of a_X, in the forward dynamics, accelerates the pose by a_X."""
     q, qd, wanted = regular
@@ -65,7 +65,7 @@ def test_the_commanded_acceleration_is_what_the_arm_does(
     torch.testing.assert_close(pose_acceleration(arm, q, qd, qdd), wanted, rtol=1e-8, atol=1e-8)
 
 
-def test_the_control_law_leads_to_the_target(arm: Arm) -> None:
+def test_the_control_law_leads_to_the_target(arm: ArmTensors) -> None:
     """In closed loop, each error is that of a critically damped system: (1 + ω t) exp(-ω t)."""
     q = torch.tensor([[0.3, -1.2, 1.4, -1.0, 1.3, 0.2]], dtype=torch.float64)
     qd, omega, step = torch.zeros_like(q), 4.0, 1e-2
@@ -88,7 +88,7 @@ def test_the_control_law_leads_to_the_target(arm: Arm) -> None:
 
 
 def test_velocities_of_one_body_are_transformed_between_its_frames(
-    arm: Arm, regular: tuple[Tensor, Tensor, Tensor]
+    arm: ArmTensors, regular: tuple[Tensor, Tensor, Tensor]
 ) -> None:
     """(2.41), on frame 6 and a turned frame at a point of link 6; and it composes."""
     q, qd, _ = regular

@@ -16,7 +16,7 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.clock import clock_from_stamps
-from ur5lib.signals.end_effector import ToolMotion, expected, point_acceleration, tool_motion
+from ur5lib.signals.end_effector import ToolMotion, expected_values, point_acceleration, tool_motion
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
@@ -64,13 +64,13 @@ def test_what_the_clock_cannot_place_has_a_mean_of_zero() -> None:
     segment = np.repeat([0, 1], 500)
     for frequency in (0.5, 5.0, 22.0):
         sine = np.sin(2 * np.pi * frequency * time)[:, None] + 2.0
-        found = expected(sine, segment, 0.008, 0.028)
+        found = expected_values(sine, segment, 0.008, 0.028)
         gain = np.exp(-((2 * np.pi * frequency * 0.028) ** 2) / 2)
         inner = slice(60, 440)
         np.testing.assert_allclose(found[inner], gain * (sine[inner] - 2) + 2, atol=2e-3)
     steps = np.where(segment == 0, -1.0, 3.0)[:, None]  # nothing flows across a split
-    np.testing.assert_allclose(expected(steps, segment, 0.008, 0.028), steps)
-    np.testing.assert_array_equal(expected(steps, segment, 0.008, 0.0), steps)
+    np.testing.assert_allclose(expected_values(steps, segment, 0.008, 0.028), steps)
+    np.testing.assert_array_equal(expected_values(steps, segment, 0.008, 0.0), steps)
 
 
 def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:

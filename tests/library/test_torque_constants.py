@@ -12,7 +12,7 @@ from ur5lib.identification.current_samples import controllers_ratio
 from ur5lib.recordings.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
-from ur5lib.report.friction_figures import printed_friction
+from ur5lib.report.figures.friction_figures import printed_friction
 from ur5lib.robots.description import Robot
 from ur5lib.thesis.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.thesis.published_constants import (

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from ur5lib.timeseries.trajectories import NEAR_POSITION, PathStates, group_by_path, nearest, place
+from ur5lib.timeseries.trajectories import (
+    POSITION_TOLERANCE,
+    PathStates,
+    group_by_path,
+    nearest,
+    scaled_states,
+)
 
 PERIOD = 0.02
 Motion = tuple[np.ndarray, np.ndarray]
@@ -47,9 +53,9 @@ def test_fast_runs_of_one_trajectory_are_known_as_one(start: float) -> None:
     def fast(start: float, seconds: float = 6.0) -> PathStates:
         time = np.arange(start, start + seconds, 0.008)[:, None]
         angle = 4 * time + np.arange(6)
-        return PathStates.from_motion(0.8 * np.sin(angle), 3.2 * np.cos(angle), every=12)
+        return PathStates.from_motion(0.8 * np.sin(angle), 3.2 * np.cos(angle), stride=12)
 
-    slow = PathStates.from_motion(*wave(0), every=5)
+    slow = PathStates.from_motion(*wave(0), stride=5)
     runs = [fast(0.0), slow, fast(start), fast(start, seconds=2.0)]
     assert group_by_path(runs).tolist() == [0, 1, 0, 0]
 
@@ -91,9 +97,9 @@ def test_runs_are_grouped_by_trajectory(case: str) -> None:
 @pytest.mark.parametrize("share", [0.9, 1.1])
 def test_near_is_within_the_stated_distance(share: float) -> None:
     q = np.zeros((1, 6))
-    other = q + share * NEAR_POSITION * np.eye(6)[:1]
+    other = q + share * POSITION_TOLERANCE * np.eye(6)[:1]
     near, index = nearest(
-        place(other, q), place(np.array([[9.0] * 6, [0.0] * 6]), np.zeros((2, 6)))
+        scaled_states(other, q), scaled_states(np.array([[9.0] * 6, [0.0] * 6]), np.zeros((2, 6)))
     )
     assert near.tolist() == [share < 1]
     assert not near[0] or index.tolist() == [1]
@@ -109,6 +115,6 @@ def test_thousands_of_repetitions_take_one_comparison_each() -> None:
             asked.append(1)
             return super().within(other)
 
-    runs = (Counted.from_motion(*programs[k % 3], every=5) for k in range(300))
+    runs = (Counted.from_motion(*programs[k % 3], stride=5) for k in range(300))
     assert group_by_path(runs).tolist() == [0, 1, 2] * 100
     assert len(asked) < 310

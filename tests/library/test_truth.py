@@ -16,7 +16,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.models import Rotors
 from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
-from ur5lib.report.compose import shown_table
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import beside_truth
 from ur5lib.signals.clock import SettledClock

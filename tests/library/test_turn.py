@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ur5lib.errors import InputError
-from ur5lib.study.turn import TURN, share_turn, take_turn
+from ur5lib.study.turn import TURN_VARIABLE, share_turn, take_turn
 
 HOLD = "import sys, time; from pathlib import Path; from ur5lib.study.turn import take_turn; "
 HOLD += "held = take_turn(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
@@ -53,7 +53,7 @@ def test_jobs_of_a_killed_run_keep_others_out_unless_they_begin_late(
     job.close()
     second = take_turn(tmp_path)
     share_turn(tmp_path).close()
-    monkeypatch.setenv(TURN, "process 1 of somebody, killed before this job began")
+    monkeypatch.setenv(TURN_VARIABLE, "process 1 of somebody, killed before this job began")
     with pytest.raises(InputError, match="the run that submitted this job has ended"):
         share_turn(tmp_path)
     second.close()

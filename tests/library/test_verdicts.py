@@ -1,6 +1,7 @@
 """Verdicts and next steps: each rule at its borders, on tables with a known answer."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,12 @@ import pandas as pd
 import pytest
 
 from tests.artefacts.documents import stated
-from ur5lib.report.baseline import bars, error_bar, state
-from ur5lib.report.compose import shown_table
-from ur5lib.report.document import Verdict
+from ur5lib.report.page.compose import shown_table
+from ur5lib.report.page.document import Verdict
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
 from ur5lib.report.views.arm_state import judge_drift
+from ur5lib.report.views.baseline import bars, error_bar, state
 from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
 from ur5lib.report.views.currents import (
     farthest_in_time,
@@ -32,6 +33,7 @@ from ur5lib.report.views.first_screen import (
 from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
+from ur5lib.study.model import Settings
 from ur5lib.tidy import columns
 
 EVERY_JOINT = "1 2 3 4 5 6"
@@ -66,7 +68,7 @@ def study(moving: dict[str, Any] | None = None, **tables: list[dict[str, Any]]) 
     entries = [{"name": name, "robot": "ur5", "role": role} for name, role in ROLES.items()]
     entries[0]["file"] = "wave.csv"
     return Results(
-        {"recordings": entries},
+        {"recordings": entries, "settings": Settings().model_dump()},
         {name: pd.DataFrame(tables.get(name), columns=known) for name, known in COLUMNS.items()},
         Path(),
         drawn=frozenset(ROLES),
@@ -313,11 +315,19 @@ def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> N
     rows[3] |= {"rmse_2hz": 2.0, "r2": 1 - 0.1**2}
     results = study(current_rmse=rows)
     roles = [entry | {"role": "validate"} for entry in results.study["recordings"]]
-    verdict = judge_currents(Results({"recordings": roles}, results.tables, Path()))
+    verdict = judge_currents(replace(results, study=results.study | {"recordings": roles}))
     assert verdict.state == "usable"
     _, most, held = verdict.numbers
     assert (most.value, most.place) == (2.0, "joint 4 on seen")
     assert (held.value, held.place) == (86, "joint 3 on fitted")
+
+
+def test_an_error_of_currents_names_the_cut_off_of_the_study() -> None:
+    results, settings = study(current_rmse=predicted(0.2)), Settings().model_dump()
+    assert judge_currents(results).numbers[0].name == "RMSE below 2 Hz"
+    settings["lowpass"]["currents"]["cutoff_hz"] = 4.5
+    other = replace(results, study=results.study | {"settings": settings})
+    assert judge_currents(other).numbers[0].name == "RMSE below 4.5 Hz"
 
 
 @pytest.mark.parametrize(("held", "wide"), [(0.985, False), (0.995, True)])
@@ -607,7 +617,7 @@ def of_two_arms(**tables: list[dict[str, Any]]) -> Results:
         entry | {"robot": arms[entry["name"]], "role": "validate"}
         for entry in results.study["recordings"]
     ]
-    return Results({"recordings": entries}, results.tables, Path())
+    return replace(results, study=results.study | {"recordings": entries})
 
 
 def test_no_arm_hides_another() -> None:

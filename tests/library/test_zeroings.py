@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import said
-from tests.entries import read_and_repair
+from tests.entries import read_and_check
 from ur5lib.commands.check import look_through
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.sensors import FORCE_CHANNELS
@@ -75,7 +75,7 @@ def zeroings(intake: Intake) -> list[tuple[float, float]]:
 
 
 def read(folder: Path, arm: Robot, robot: pd.DataFrame, wrench: Array, own: bool = False) -> Intake:
-    return read_and_repair(entry_of(folder, robot, wrench, own), arm, 0.1)
+    return read_and_check(entry_of(folder, robot, wrench, own), arm, 0.1)
 
 
 def force_of(intake: Intake) -> Array:

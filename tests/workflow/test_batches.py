@@ -30,6 +30,7 @@ def in_batches(built_workflow: Workflow, tmp_path_factory: pytest.TempPathFactor
     return workflow
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_killed_batches_go_on_to_the_same_results(in_batches: Workflow, tmp_path: Path) -> None:
     killed_runs_go_on(in_batches.copied(tmp_path / "project"), seed=1)

@@ -17,6 +17,7 @@ from tests.workflow.test_simulated import POINTS, STUDY
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.thorough,
     pytest.mark.skipif(
         not shutil.which("debootstrap") or os.geteuid() != 0, reason="needs debootstrap and root"
     ),

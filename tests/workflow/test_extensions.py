@@ -151,6 +151,7 @@ WRONG = [  # a file, and what is said about it
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("kind", "code", "fault"), WRONG)
 def test_what_is_wrong_in_a_file_is_told(
     lab: Workflow, tmp_path: Path, kind: str, code: str, fault: str

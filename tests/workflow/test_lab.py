@@ -156,6 +156,7 @@ def test_a_published_study_needs_its_recordings_alone(installed: Installed) -> N
     assert "repair_frames" in planned
 
 
+@pytest.mark.thorough
 @pytest.mark.slow  # installs all that the package depends on, and builds the demonstration
 def test_from_the_wheel_to_the_first_report_by_pipx(
     wheel: Path, tmp_path: Path, common_folder: Path
@@ -179,6 +180,7 @@ def test_from_the_wheel_to_the_first_report_by_pipx(
     lab.rename(common_folder / "lab")  # where tests/artefacts/test_demo.py looks at it
 
 
+@pytest.mark.thorough
 @pytest.mark.slow  # simulates and reads a study
 def test_labs_never_mix(installed: Installed) -> None:
     """A change of the package repeats what depends on it, in the lab that has the change."""

@@ -63,6 +63,7 @@ def wait_until(happens: Callable[[], object], seconds: float) -> bool:
     return True
 
 
+@pytest.mark.thorough
 @needs_plugin
 def test_a_killed_job_is_submitted_again_to_the_same_results(
     workflow: Workflow, slurm: dict[str, str]
@@ -95,6 +96,7 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
     assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
 
 
+@pytest.mark.thorough
 def test_a_study_as_one_job_is_started_again_to_the_same_results(
     workflow: Workflow, slurm: dict[str, str]
 ) -> None:
@@ -121,6 +123,7 @@ def known_of(job: str, environment: dict[str, str]) -> str:
     return ask(environment, "scontrol", "show", "job", job)
 
 
+@pytest.mark.thorough
 @needs_plugin
 def test_jobs_of_a_killed_run_keep_a_second_one_waiting(
     workflow: Workflow, slurm: dict[str, str]

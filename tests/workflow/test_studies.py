@@ -15,15 +15,14 @@ from pypdf import PdfReader
 
 from tests.artefacts.documents import check_pdf, check_results, check_structure
 from tests.conftest import Workflow, copy_project
-from ur5lib.report.compose import compose
-from ur5lib.report.document import contents
-from ur5lib.report.render import html_page, pdf_document
-from ur5lib.tables import write_bytes, write_text
+from ur5lib.report.page.compose import compose
+from ur5lib.report.page.document import contents
+from ur5lib.report.page.render import html_page, pdf_document
 from ur5lib.report.results import Results
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.reading import parse_study
-from ur5lib.tables import read_csv
+from ur5lib.tables import read_csv, write_bytes, write_text
 
 STUDY = """\
 study: alone

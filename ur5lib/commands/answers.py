@@ -12,8 +12,8 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.report.views.audit import verdicts
 from ur5lib.study.reading import read_study
 
-RESULTS = Path("results")
-HEAVIEST = 35.0  # kg: more than the maker's largest arm carries
+RESULTS_FOLDER = Path("results")
+MAX_PAYLOAD = 35.0  # kg: more than the maker's largest arm carries
 
 
 def audit_answers(study: Path) -> Iterator[str]:
@@ -61,7 +61,7 @@ def _mass(mass: float, low: float, high: float) -> str:
     If the interval reaches below zero, its end farther from zero bounds an undetectable load.
     """
     bound = max(high, -low)
-    if bound > HEAVIEST:
+    if bound > MAX_PAYLOAD:
         return f"the currents do not determine the mass (error up to {bound:.0f} kg)"
     if low <= 0:
         return f"by the currents no certain load, at most {bound:.2f} kg"
@@ -82,7 +82,7 @@ def _place(row: Any) -> str:
 
 def _finished(study: Path) -> FinishedStudy:
     """Return the results of the last run of a study."""
-    folder = RESULTS / read_study(study).study
+    folder = RESULTS_FOLDER / read_study(study).study
     if not (folder / "tables").is_dir():
         raise InputError(
             f"{folder} has no tables; first run snakemake --configfile {study} to make them"

@@ -12,18 +12,20 @@ from rich.padding import Padding
 from rich.progress import track
 from rich.table import Table
 
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.channels import too_short
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.contacts import sensed_contacts, unfelt_contacts
+from ur5lib.checks.devices import checked_intake
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.torques import given_load
+from ur5lib.checks.unchecked import unchecked
 from ur5lib.errors import InputError
-from ur5lib.recordings.checked import Checked
-from ur5lib.recordings.checks import too_short, touched
-from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
-from ur5lib.recordings.stop_signs import given_load, stop_signs
-from ur5lib.recordings.touch_checks import unfelt
-from ur5lib.recordings.unchecked import unchecked
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.signals import Signals
-from ur5lib.report.findings import by_finding, group_findings, worded
+from ur5lib.report.page.findings import by_finding, group_findings, worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
 from ur5lib.steps.read_postures import checked_postures
@@ -32,11 +34,11 @@ from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tidy import files, table
 
-SEVERE = ("stop", "error")
-WORST = [*SEVERE, "warning", "note", "nothing"]
-FEW = 3  # recordings of a finding that are named
-MANY = 20  # names of recordings that are proposed
-COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
+ERROR_SEVERITIES = ("stop", "error")
+SEVERITY_ORDER = [*ERROR_SEVERITIES, "warning", "note", "nothing"]
+MAX_NAMED = 3  # recordings of a finding that are named
+MAX_PROPOSED_NAMES = 20  # names of recordings that are proposed
+SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
 def print_findings(path: Path, named: Sequence[str] = ()) -> int:
@@ -49,7 +51,7 @@ def print_findings(path: Path, named: Sequence[str] = ()) -> int:
     names = [recording.name for recording in study.recordings]
     for name in named:
         if name not in names:
-            near = get_close_matches(name, names, n=1) or names[:MANY]
+            near = get_close_matches(name, names, n=1) or names[:MAX_PROPOSED_NAMES]
             raise InputError(f"{path} has no recording {name!r}, but {', '.join(near)}")
     return print_findings_of(study, named)
 
@@ -67,16 +69,21 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
         )
     there = [recording for recording in study.recordings if is_there(recording)]
     if len(there) < len(study.recordings):
-        names, made = [one.name for one in study.recordings], {one.name for one in there}
-        unmade = concerned([name for name in names if name not in made], names)
+        names, present = (
+            [recording_there.name for recording_there in study.recordings],
+            {recording_there.name for recording_there in there},
+        )
+        unmade = concerned([name for name in names if name not in present], names)
         console.print(f"not simulated yet: {unmade}; `snakemake` will simulate it first")
     if not there:
         return 0
     recordings = track(there, "reading", console=console, transient=True)
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
-    found = settled(study, qualities, {name: own for name, (_, own) in results.items()})
-    severe_ones = print_tables(console, qualities, found, named)
+    clocks = settled(
+        study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
+    )
+    severe_ones = print_tables(console, qualities, clocks, named)
     months = {recording.name: f"{recording.date:%Y-%m}" for recording in there if recording.date}
     if not named and len({*months.values()}) > 1:
         console.print(by_month(months, qualities))
@@ -113,12 +120,13 @@ def print_tables(
         console.print(
             _clocks(offsets, "Clocks" if named else "The least certain clock of each device")
         )
-    return int(quality["severity"].isin(SEVERE).sum())
+    return int(quality["severity"].isin(ERROR_SEVERITIES).sum())
 
 
 def severe(quality: Quality) -> list[str]:
     """Return the stop signs and errors of a recording, a sentence each."""
-    return [str(worded(one)["detail"]) for one in quality.findings if one.severity in SEVERE]
+    errors = (finding for finding in quality.findings if finding.severity in ERROR_SEVERITIES)
+    return [str(worded(finding)["detail"]) for finding in errors]
 
 
 def is_there(recording: Recording) -> bool:
@@ -133,9 +141,10 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     if recording.at_rest:
         return look_through_postures(recording, arm), {}
     try:
-        intake = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
+        read = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
+    intake = checked_intake(read, arm)
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
@@ -147,7 +156,7 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     doubts += too_short(signals.segment, intake.quality.period_s, currents.cutoff_hz)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
-        doubts += touched(sensor, load.mass)
+        doubts += sensed_contacts(sensor, load.mass)
     doubts += checked.odd_targets.values()
     if not stops:  # from which others would follow
         doubts += [
@@ -164,12 +173,12 @@ def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
 
     sensed: whether a force sensor shows weaker ones.
     """
-    if not checked.fitted or CURRENT not in checked.means.currents:
+    if not checked.fitted or MEASURED_CURRENT not in checked.means.currents:
         return
     if checked.contact is not None:
         yield checked.contact
     elif not sensed:
-        yield unfelt(checked.arm)
+        yield unfelt_contacts(checked.arm)
 
 
 def look_through_postures(recording: Recording, arm: Robot) -> Quality:
@@ -180,8 +189,10 @@ def look_through_postures(recording: Recording, arm: Robot) -> Quality:
         postures, quality = checked_postures(recording, arm, load, tcp)
     except InputError as error:
         return unusable(error)
-    found = postures.contradictions
-    return replace(quality, findings=[*found.stop_signs, *quality.findings, *found.findings])
+    contradictions = postures.contradictions
+    return replace(
+        quality, findings=[*contradictions.stop_signs, *quality.findings, *contradictions.findings]
+    )
 
 
 def unfiltered(study: Study, period: float) -> list[Finding]:
@@ -209,16 +220,22 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
 
 
 def settled(
-    study: Study, qualities: Mapping[str, Quality], own: Mapping[str, Mapping[str, OwnClock]]
+    study: Study,
+    qualities: Mapping[str, Quality],
+    clocks_of_devices: Mapping[str, Mapping[str, OwnClock]],
 ) -> dict[str, dict[str, SettledClock]]:
     """Return each recording's clocks from the devices' own ones."""
-    read = [recording for recording in study.recordings if recording.name in own]
+    read = [recording for recording in study.recordings if recording.name in clocks_of_devices]
     drifts = {}
     for robot in study.arms():
         free = [r.name for r in read if r.arm.known_as == robot and r.role != "contact"]
-        drifts[robot] = pool_drifts({name: own[name] for name in free}, study.devices_of_hosts())
+        drifts[robot] = pool_drifts(
+            {name: clocks_of_devices[name] for name in free}, study.devices_of_hosts()
+        )
     return {
-        r.name: settle_clocks(own[r.name], drifts[r.arm.known_as], qualities[r.name].duration_s)
+        r.name: settle_clocks(
+            clocks_of_devices[r.name], drifts[r.arm.known_as], qualities[r.name].duration_s
+        )
         for r in read
     }
 
@@ -227,7 +244,7 @@ def _print_by_finding(console: Console, quality: pd.DataFrame, names: list[str])
     """Print each finding once: the recordings that it concerns, and what it means."""
     kinds = by_finding(quality).groupby(["severity", "device", "finding"], sort=False)
     for (severity, device, finding), rows in kinds:
-        title, style = f"{device}: {finding} ({severity}) in ", COLOURS[severity]
+        title, style = f"{device}: {finding} ({severity}) in ", SEVERITY_STYLES[severity]
         for row in rows.itertuples():
             where = "" if row.alike else f"{row.recordings[0]}: "
             console.print(title + concerned(row.recordings, names), style=style)
@@ -243,12 +260,17 @@ def by_month(months: Mapping[str, str], qualities: Mapping[str, Quality]) -> Tab
 
     months: of recordings, as 2026-03.
     """
-    table = Table("month", "recordings", *WORST, title="The worst finding, by month")
+    table = Table("month", "recordings", *SEVERITY_ORDER, title="The worst finding, by month")
     worst = {
-        name: min((one.severity for one in quality.findings), key=WORST.index, default="nothing")
+        name: min(
+            (finding.severity for finding in quality.findings),
+            key=SEVERITY_ORDER.index,
+            default="nothing",
+        )
         for name, quality in qualities.items()
     }
-    counts = pd.crosstab(pd.Series(months), pd.Series(worst)).reindex(columns=WORST, fill_value=0)
+    counts = pd.crosstab(pd.Series(months), pd.Series(worst))
+    counts = counts.reindex(columns=SEVERITY_ORDER, fill_value=0)
     for month, row in counts.iterrows():
         table.add_row(str(month), *map(str, (row.sum(), *row)))
     return table
@@ -261,11 +283,11 @@ def concerned(some: Sequence[str], names: Sequence[str]) -> str:
     if len(some) == len(names):
         return f"all {len(names)} recordings"
     count = f"{len(some)} of {len(names)} recordings"
-    if len(some) > FEW >= len(names) - len(some):
+    if len(some) > MAX_NAMED >= len(names) - len(some):
         those = {*some}
         return f"{count}: all but {', '.join(name for name in names if name not in those)}"
-    more = f" and {len(some) - FEW} more" if len(some) > FEW else ""
-    return f"{count}: {', '.join(some[:FEW])}{more}"
+    more = f" and {len(some) - MAX_NAMED} more" if len(some) > MAX_NAMED else ""
+    return f"{count}: {', '.join(some[:MAX_NAMED])}{more}"
 
 
 def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
@@ -278,7 +300,8 @@ def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
         rows = findings[findings["recording"] == name]
         for row in rows.itertuples():
             finding = f"{row.device}: {row.finding} ({row.severity})"
-            table.add_row(title, finding, str(row.count), row.detail, style=COLOURS[row.severity])
+            style = SEVERITY_STYLES[row.severity]
+            table.add_row(title, finding, str(row.count), row.detail, style=style)
             title = ""
         if rows.empty:
             table.add_row(title, "nothing found", "0", "")
@@ -290,8 +313,8 @@ def _clocks(clocks: pd.DataFrame, title: str) -> Table:
     heads = ["recording", "device", "offset [s]", "drift [ppm]", "at the end [s]", "method"]
     table = Table(*heads, title=title)
     for row in clocks.itertuples():
-        known = pd.notna(row.drift_ppm)
-        drift = f"{row.drift_ppm:.0f} ± {row.drift_std_ppm:.0f}" if known else "not estimated"
+        estimated = pd.notna(row.drift_ppm)
+        drift = f"{row.drift_ppm:.0f} ± {row.drift_std_ppm:.0f}" if estimated else "not estimated"
         offset = f"{row.offset_s:.4f} ± {row.offset_std_s:.4f}"
         end = f"± {row.end_std_s:.4f}"
         table.add_row(row.recording, row.device, offset, drift, end, row.method)

@@ -10,16 +10,17 @@ import pandas as pd
 from scipy.stats import norm
 
 from ur5lib.finished import FinishedStudy
+from ur5lib.force.estimators import LEADING
 from ur5lib.tables import write_text
 from ur5lib.timeseries.metrics import NORMAL95
 
-LEVEL = 0.05  # chance of any false change in a topic, and of a miss of a single interval
-WORSE = 1.1  # ratio of two errors without interval from which they count as different
-UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
-SEVERE = ["stop", "error", "warning"]
-Studies = tuple[FinishedStudy, FinishedStudy]  # before and after
-PAIR = ("value_a", "value_b", "half_a", "half_b")  # of estimates and half of their intervals
-COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
+ERROR_CHANCE = 0.05  # of any false change in a topic, and of a miss of a single interval
+CHANGED_RATIO = 1.1  # ratio of two errors without interval from which they count as different
+PARAMETER_UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
+COMPARED_SEVERITIES = ["stop", "error", "warning"]
+StudyPair = tuple[FinishedStudy, FinishedStudy]  # before and after
+PAIR_COLUMNS = ("value_a", "value_b", "half_a", "half_b")  # estimates, half of their intervals
+CHANGE_COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def compare(before: Path, after: Path) -> list[Comparison]:
     Raises InputError where a folder holds no results.
     """
     studies = FinishedStudy(before), FinishedStudy(after)
-    return [one for topic in TOPICS.values() for one in topic(studies)]
+    return [comparison for topic in TOPICS.values() for comparison in topic(studies)]
 
 
 def compare_estimates(
@@ -63,9 +64,9 @@ def compare_estimates(
     number of rows.
     """
     # `to_numpy(float)` also gives the right shape and type without rows.
-    value_a, value_b, half_a, half_b = rows[list(PAIR)].to_numpy(float).T
+    value_a, value_b, half_a, half_b = rows[list(PAIR_COLUMNS)].to_numpy(float).T
     difference, half = np.abs(value_b - value_a), np.hypot(half_a, half_b)
-    wider = norm.isf(LEVEL / 2 / max(len(rows), 1)) / norm.isf(LEVEL / 2)
+    wider = norm.isf(ERROR_CHANCE / 2 / max(len(rows), 1)) / norm.isf(ERROR_CHANCE / 2)
     texts = (map(_with_error, rows[f"value_{side}"], rows[f"half_{side}"], unit) for side in "ab")
     verdicts = ((difference > half).tolist(), (difference > wider * half).tolist())
     for row in zip(names, *texts, *verdicts, strict=True):
@@ -76,19 +77,19 @@ def _with_error(value: float, half: float, unit: str) -> str:
     return f"{value:.4g} ± {half:.2g} {unit}".strip()
 
 
-def data(studies: Studies) -> Iterator[Comparison]:
+def data(studies: StudyPair) -> Iterator[Comparison]:
     """Compare the findings about the recordings' files, notes excepted."""
     counts: list[dict[str, int]] = []
     for study in studies:
         rows = study.table("quality")
-        severe = rows[rows["severity"].isin(SEVERE)].itertuples()
+        severe = rows[rows["severity"].isin(COMPARED_SEVERITIES)].itertuples()
         counts.append({f"{r.recording}, {r.device}: {r.finding}": int(r.count) for r in severe})
     for name in sorted(counts[0].keys() | counts[1].keys()):
         old, new = (by_name.get(name, 0) for by_name in counts)
         yield Comparison("data", name, str(old), str(new), old != new, old != new)
 
 
-def model(studies: Studies) -> Iterator[Comparison]:
+def model(studies: StudyPair) -> Iterator[Comparison]:
     """Compare base parameters that the data determine, and rotor inertias."""
     rows = _determined(_both(studies, "parameters", "robot", "parameter"))
     names = [f"{r.robot}, {r.parameter}" for r in rows.itertuples()]
@@ -99,45 +100,45 @@ def model(studies: Studies) -> Iterator[Comparison]:
     return compare_estimates("model", pairs, names, units)
 
 
-def friction(studies: Studies) -> Iterator[Comparison]:
+def friction(studies: StudyPair) -> Iterator[Comparison]:
     """Compare torque constants, offsets and friction that the data determine."""
     rows = _determined(_both(studies, "friction", "robot", "joint", "parameter"))
     names = [
         f"{r.robot}, joint {r.joint}, {r.parameter.replace('_', ' ')}" for r in rows.itertuples()
     ]
-    units = [UNITS.get(name, "Nm") for name in rows["parameter"]]
+    units = [PARAMETER_UNITS.get(name, "Nm") for name in rows["parameter"]]
     return compare_estimates("friction", _by_interval(rows, "low", "high"), names, units)
 
 
-def payload(studies: Studies) -> Iterator[Comparison]:
+def payload(studies: StudyPair) -> Iterator[Comparison]:
     """Compare the undeclared masses on the flange."""
     rows = _by_std_error(_both(studies, "payload", "recording", value="mass"))
     return compare_estimates("payload", rows, [*rows["recording"]], ["kg"] * len(rows))
 
 
-def currents(studies: Studies) -> Iterator[Comparison]:
-    """Compare the errors of predicted currents below 2 Hz, which have no interval."""
+def currents(studies: StudyPair) -> Iterator[Comparison]:
+    """Compare the errors of predicted currents, low-passed, which have no interval."""
     rows = _both(studies, "current_rmse", "model", "recording", "joint", value="rmse_2hz")
     for row in rows[rows["model"] == "fitted"].itertuples():
         low, high = sorted((row.value_a, row.value_b))
-        changed = bool(high > WORSE * low)
+        changed = bool(high > CHANGED_RATIO * low)
         before, after = (f"{error:.3g} A" for error in (row.value_a, row.value_b))
         name = f"{row.recording}, joint {row.joint}"
         yield Comparison("currents", name, before, after, changed, changed)
 
 
-def force(studies: Studies) -> Iterator[Comparison]:
-    """Compare the errors of F^map in contact by their intervals over contacts."""
+def force(studies: StudyPair) -> Iterator[Comparison]:
+    """Compare the errors of the leading estimate in contact by their intervals over contacts."""
     keys = ("recording", "kind", "estimate", "during", "component")
     rows = _both(studies, "force_mae", *keys, value="mae")
-    compared = (rows["kind"] == "compensated") & (rows["estimate"] == "Fmap")
+    compared = (rows["kind"] == "compensated") & (rows["estimate"] == LEADING)
     rows = rows[compared & (rows["during"] == "contact") & rows["component"].str.startswith("F")]
     names = [f"{r.recording}, {r.component}" for r in rows.itertuples()]
     rows = _by_interval(rows, "mae_low", "mae_high")
     return compare_estimates("force", rows, names, ["N"] * len(rows))
 
 
-TOPICS: dict[str, Callable[[Studies], Iterator[Comparison]]] = {
+TOPICS: dict[str, Callable[[StudyPair], Iterator[Comparison]]] = {
     "data": data,
     "model": model,
     "friction": friction,
@@ -147,13 +148,13 @@ TOPICS: dict[str, Callable[[Studies], Iterator[Comparison]]] = {
 }
 
 
-def _both(studies: Studies, table: str, *keys: str, value: str = "value") -> pd.DataFrame:
+def _both(studies: StudyPair, table: str, *keys: str, value: str = "value") -> pd.DataFrame:
     """Return the common rows of a table, its columns with the suffixes _a (before) and _b.
 
     value: the column of what is compared, which becomes `value_a` and `value_b`.
     """
-    one, other = (study.table(table).rename(columns={value: "value"}) for study in studies)
-    return one.merge(other, on=[*keys], suffixes=("_a", "_b"))
+    before, after = (study.table(table).rename(columns={value: "value"}) for study in studies)
+    return before.merge(after, on=[*keys], suffixes=("_a", "_b"))
 
 
 def _determined(rows: pd.DataFrame) -> pd.DataFrame:

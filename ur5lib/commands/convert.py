@@ -16,13 +16,13 @@ from ur5lib.errors import InputError, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.tables import write_aside, write_csv
 
-DIGITS = 12
-TABLES = ("signals", "motion", "currents", "forces", "sensor")
-INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
+CSV_DIGITS = 12
+EXPORTED_TABLES = ("signals", "motion", "currents", "forces", "sensor")
+COLUMN_INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
 
 
 @dataclass(frozen=True)
-class Contents:
+class RecordingTables:
     """A recording's tables by name.
 
     start: time zero in seconds since 1970, None where unknown; tables: those that are not empty,
@@ -36,18 +36,18 @@ class Contents:
 
 def channels(columns: list[str]) -> dict[str, list[str]]:
     """Return the columns of each channel: those of `actual_q` are actual_q_0 to actual_q_5."""
-    groups = groupby(columns, key=lambda column: INDEX.sub("", column))
+    groups = groupby(columns, key=lambda column: COLUMN_INDEX.sub("", column))
     return {name: [*group] for name, group in groups}
 
 
-def write_csv_folder(contents: Contents, folder: Path) -> None:
+def write_csv_folder(contents: RecordingTables, folder: Path) -> None:
     """Write <table>.csv for each table, `time` [s] first, and units.csv: table, column, unit.
 
     A cell is empty where a value is unknown. Raises InputError where a file cannot be written.
     """
     for name, table in contents.tables.items():
         flags = dict.fromkeys(table.select_dtypes(bool), int)  # 0 and 1: every program reads them
-        write_csv(table.astype(flags).reset_index(), folder / f"{name}.csv", DIGITS)
+        write_csv(table.astype(flags).reset_index(), folder / f"{name}.csv", CSV_DIGITS)
     units = [
         (name, column, unit)
         for name, table in contents.tables.items()
@@ -56,7 +56,7 @@ def write_csv_folder(contents: Contents, folder: Path) -> None:
     write_csv(pd.DataFrame(units, columns=["table", "column", "unit"]), folder / "units.csv")
 
 
-def write_mat(contents: Contents, path: Path) -> None:
+def write_mat(contents: RecordingTables, path: Path) -> None:
     """Write a structure for each table: `time` (N, 1) [s], channels (N, k), and their `units`.
 
     `start_epoch_s` is time zero in seconds since 1970, NaN where unknown. Raises InputError where
@@ -86,7 +86,7 @@ def _structure(table: pd.DataFrame) -> dict[str, np.ndarray | dict[str, str]]:
     return {"time": table.index.to_numpy(), **arrays, "units": {"time": "s", **joined}}
 
 
-def write_mcap(contents: Contents, path: Path) -> None:
+def write_mcap(contents: RecordingTables, path: Path) -> None:
     """Write a topic for each table, e.g. /forces, and a JSON message for each sample and table.
 
     A message has a number for each column, without unknown values. The topic's JSON schema has the
@@ -104,12 +104,12 @@ def write_mcap(contents: Contents, path: Path) -> None:
     write_aside(path, write)
 
 
-def _write_messages(writer: Writer, contents: Contents) -> None:
+def _write_messages(writer: Writer, contents: RecordingTables) -> None:
     """Write the samples of all tables in the order of their time stamps, as players expect."""
     topics = [_add_topic(writer, name, table) for name, table in contents.tables.items()]
     rows = [_messages(table) for table in contents.tables.values()]
-    first = next(iter(contents.tables.values()))
-    stamps = [round(1e9 * (time + (contents.start or 0.0))) for time in first.index]
+    table = next(iter(contents.tables.values()))
+    stamps = [round(1e9 * (time + (contents.start or 0.0))) for time in table.index]
     for number, (stamp, *messages) in enumerate(zip(stamps, *rows, strict=True)):
         for topic, message in zip(topics, messages, strict=True):
             writer.add_message(topic, stamp, message, stamp, number)
@@ -131,7 +131,8 @@ def _messages(table: pd.DataFrame) -> Iterator[bytes]:
         yield json.dumps({name: x for name, x in values if math.isfinite(x)}).encode()
 
 
-WRITERS: dict[str, tuple[str, Callable[[Contents, Path], None]]] = {  # ending of a path, writer
+# ending of a path, and what writes it
+WRITERS: dict[str, tuple[str, Callable[[RecordingTables, Path], None]]] = {
     "mat": (".mat", write_mat),
     "csv": ("", write_csv_folder),
     "mcap": (".mcap", write_mcap),
@@ -151,8 +152,8 @@ def write_recordings(
         raise unknown("format", to, WRITERS)
     study, (ending, write) = FinishedStudy(results), WRITERS[to]
     for name in names or study.recordings:
-        frames = {table: study.frame(name, table) for table in TABLES}
+        frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}
         filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
         path = (into or results / "exported") / f"{name}{ending}"
-        write(Contents(name, study.start(name), filled), path)
+        write(RecordingTables(name, study.start(name), filled), path)
         yield path

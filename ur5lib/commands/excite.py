@@ -14,36 +14,43 @@ from rich.progress import Progress
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError, unknown
-from ur5lib.excitation.design import USUAL, Design, Effort, design
+from ur5lib.excitation.design import USUAL_EFFORT, Design, Effort, design
 from ur5lib.excitation.files import write_files
-from ur5lib.excitation.objective import QUESTIONS, STEP, Task, Worth
-from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces, problem_after
-from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
-from ur5lib.excitation.trajectory import Cell
+from ur5lib.excitation.objective import QUESTIONS, STATE_STEP, Task, Worth
+from ur5lib.excitation.outlook import (
+    Bands,
+    Earlier,
+    Outlook,
+    RecordedStates,
+    feels_forces,
+    problem_after,
+)
+from ur5lib.excitation.problem import DesignProblem, build_problem, nominal_maps
+from ur5lib.excitation.trajectory import WorkCell
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
-from ur5lib.report.excitation import LOAD, excitation_figure, excitation_page
-from ur5lib.report.house_style import save
-from ur5lib.report.render import html_page
-from ur5lib.report.torques import in_torques
+from ur5lib.report.figures.house_style import save
+from ur5lib.report.page.excitation import LOAD_ADVICE, excitation_figure, excitation_page
+from ur5lib.report.page.render import html_page
+from ur5lib.report.page.torques import in_torques
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.strict import read_yaml
 from ur5lib.tables import write_text
 
-BEFORE = (
+SAFETY_ADVICE = (
     "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
     "at full speed."
 )
-RECORD = "ur5 record STUDY NAME --move"
-BY_DRIVER = (
+RECORD_COMMAND = "ur5 record STUDY NAME --move"
+DRIVER_ADVICE = (
     "Let the arm's own driver move it along trajectory.csv, which has the time [s] and all joint "
     "angles [rad], and add the recording to a study (docs/robots.md)."
 )
-SHOWN = Console(stderr=True)
-MAX_PRINTED = 6  # parameters whose standard errors are printed
+PROGRESS_CONSOLE = Console(stderr=True)
+MAX_PRINTED_ERRORS = 6  # parameters whose standard errors are printed
 
 
 @dataclass(frozen=True)
@@ -60,7 +67,7 @@ class ExciteOptions:
     payload: Payload | None = None
 
 
-def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iterator[str]:
+def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL_EFFORT) -> Iterator[str]:
     """Design a trajectory, write its files into a folder, and yield its predicted errors.
 
     Raises InputError for a wrong option, missing results, and limits that allow no motion.
@@ -69,30 +76,30 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
         raise unknown("--question", options.question, QUESTIONS)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
-    arm, known = earlier(options)
-    found = _design(task_of(options, arm, known), options.seed, effort)
+    arm, earlier_study = earlier(options)
+    designed = _design(task_of(options, arm, earlier_study), options.seed, effort)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
-    drawing, drawn = excitation_figure(found), folder / "excitation.svg"
-    write_files(folder, asked, options.payload, found)
+    drawing, drawn = excitation_figure(designed), folder / "excitation.svg"
+    write_files(folder, asked, options.payload, designed)
     save(drawing, drawn)
     ur, sensed = arm.is_ur(), arm.senses_torque()
-    command = f"{RECORD} {folder}/trajectory.csv --speed 1" if ur else ""
+    command = f"{RECORD_COMMAND} {folder}/trajectory.csv --speed 1" if ur else ""
     before = [] if options.payload is None else [_mounting(options.payload, len(arm.joints))]
-    outlook = outlook_of(arm, known, found)
-    steps = [*before, BEFORE, *([] if ur else [BY_DRIVER])]
-    page = excitation_page(asked, steps, command, found, outlook, drawn)
+    outlook = outlook_of(arm, earlier_study, designed)
+    steps = [*before, SAFETY_ADVICE, *([] if ur else [DRIVER_ADVICE])]
+    page = excitation_page(asked, steps, command, designed, outlook, drawn)
     page = in_torques(page, {arm.name}) if sensed else page
     write_text(html_page(page), folder / "excitation.html")
-    yield from found.margins.lines()
-    yield from _worth_lines(found.task.problem, found.worth)
+    yield from designed.margins.lines()
+    yield from _worth_lines(designed.task.problem, designed.worth)
     yield from _band_lines(outlook, sensed)
     yield from before
-    yield f"{folder} written; next: {command or BY_DRIVER}"
+    yield f"{folder} written; next: {command or DRIVER_ADVICE}"
 
 
 def _design(task: Task, seed: int, effort: Effort) -> Design:
     """Return the designed trajectory; a progress bar shows the search."""
-    with Progress(console=SHOWN, transient=True) as progress:
+    with Progress(console=PROGRESS_CONSOLE, transient=True) as progress:
         line = progress.add_task("searching", total=effort.iterations())
         return design(task, seed, effort, lambda count: progress.advance(line, count))
 
@@ -126,32 +133,34 @@ def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
     )
 
 
-def task_of(options: ExciteOptions, arm: Robot, known: Earlier | None) -> Task:
+def task_of(options: ExciteOptions, arm: Robot, earlier_study: Earlier | None) -> Task:
     """Return the task of the design: limits, problem, question, information so far, duration."""
-    cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
+    cell = WorkCell.around(
+        arm.carrying(options.payload), surroundings(options.table, options.boxes)
+    )
     bare, seeks_load = LinkModel(arm, arm.fullest_model()), options.question == "payload"
-    if known is None:
+    if earlier_study is None:
         problem = build_problem(arm, bare, nominal_maps(arm), seeks_load)
         information = problem.prior
     else:
-        problem, information = problem_after(arm, known, seeks_load)
+        problem, information = problem_after(arm, earlier_study, seeks_load)
     problem = problem.of_model(cell.model.parameters)
     question = QUESTIONS[options.question](problem, cell)
     return Task(cell, problem, question, information, options.seconds)
 
 
-def outlook_of(arm: Robot, known: Earlier | None, found: Design) -> list[Bands]:
+def outlook_of(arm: Robot, earlier_study: Earlier | None, designed: Design) -> list[Bands]:
     """Return the bands as they are, and after the designed motion and others of the same length.
 
     Empty without a fit to earlier recordings, from which the bands come, and for an arm that does
     not feel all forces.
     """
-    if known is None or not known.fit.joints or not feels_forces(arm):
+    if earlier_study is None or not earlier_study.fit.joints or not feels_forces(arm):
         return []
-    outlook, task = Outlook(arm, known), found.task
+    outlook, task = Outlook(arm, earlier_study), designed.task
     problem = outlook.problem.of_model(task.cell.model.parameters)
-    told = problem.information(*task.regressor(found.path), STEP)
-    return outlook.ranked([("this motion", told), *outlook.candidates(task.seconds)])
+    information = problem.information(*task.regressor(designed.path), STATE_STEP)
+    return outlook.ranked([("this motion", information), *outlook.candidates(task.seconds)])
 
 
 def known_load(mass: float, *center: float) -> Payload:
@@ -173,20 +182,20 @@ def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
     if table is not None and not math.isfinite(table):
         raise InputError(f"--table {table}: give its height in the base frame [m]")
     try:
-        listed = [] if boxes is None else read_yaml(boxes)
-        return Surroundings(table=table, boxes=listed)
+        entries = [] if boxes is None else read_yaml(boxes)
+        return Surroundings(table=table, boxes=entries)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise InputError(f"--boxes {boxes} cannot be read: {error}") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
+        fault = error.errors()[0]
+        where = ".".join(map(str, fault["loc"]))
         raise InputError(
-            f"{boxes}: {where}: {first['msg']}; list boxes as {{center: [x, y, z], "
+            f"{boxes}: {where}: {fault['msg']}; list boxes as {{center: [x, y, z], "
             "size: [x, y, z]}} in metres, base frame"
         ) from error
 
 
-def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
+def _worth_lines(problem: DesignProblem, worth: Worth) -> Iterator[str]:
     """Yield the information of a trajectory, and the least determined parameters' errors."""
     whole = f", of the whole problem {worth.condition:.0f}" if np.isfinite(worth.condition) else ""
     yield (
@@ -195,11 +204,11 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
     )
     yield "least determined so far, predicted standard errors before and after:"
     names, units = problem.names(), problem.units()
-    for k in worth.least_determined()[:MAX_PRINTED]:
+    for k in worth.least_determined()[:MAX_PRINTED_ERRORS]:
         yield f"  {names[k]:<34} {worth.before[k]:>9.2g} {worth.after[k]:>9.2g} {units[k]}"
     worst = worth.least_determined()[0]
     if worth.hardly_lowered()[worst]:
-        yield f"this motion would hardly lower the first of these errors: {LOAD}"
+        yield f"this motion would hardly lower the first of these errors: {LOAD_ADVICE}"
 
 
 def _band_lines(outlook: Sequence[Bands], sensed: bool) -> Iterator[str]:
@@ -211,9 +220,9 @@ def _band_lines(outlook: Sequence[Bands], sensed: bool) -> Iterator[str]:
         yield f"  {row.after:<46}{row.force:>7.2f} N {row.current:>7.4f} {unit} {row.mass:>6.3f} kg"
 
 
-def _recorded(arm: Robot, study: FinishedStudy, name: str) -> Recorded:
+def _recorded(arm: Robot, study: FinishedStudy, name: str) -> RecordedStates:
     """Return the states of a recording."""
     gravity = study.recording(name).known_gravity()
     motion = study.record(Motion, name)
     robot = arm.carrying(study.payload(name)).mounted(gravity)
-    return Recorded.along(robot, motion.time, motion.q, motion.qd, motion.qdd)
+    return RecordedStates.along(robot, motion.time, motion.q, motion.qd, motion.qdd)

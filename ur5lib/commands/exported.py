@@ -16,7 +16,7 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import BaseParameter, Identification, Rotors
 from ur5lib.records.motion import Motion
-from ur5lib.report.findings import in_words
+from ur5lib.report.page.findings import in_words
 from ur5lib.robots.description import Robot, load_robot, no_description, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies
@@ -33,9 +33,9 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "isaac": isaac,
 }
 FORMATS = (*WRITERS, "json")
-FEWEST_MOVING_SAMPLES = 100  # from which a joint's friction is determined
-UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
-FITTED = ("terms", "held", "band_moving", "band_rest", "contradicted")
+MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
+UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
+FITTED_FIELDS = ("terms", "held", "band_moving", "band_rest", "contradicted")
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:
@@ -124,7 +124,7 @@ def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
     from scipy.optimize import nnls
 
     moving = (np.abs(qd) > DEAD_ZONE) & np.isfinite(torque)
-    if np.count_nonzero(moving) < FEWEST_MOVING_SAMPLES:
+    if np.count_nonzero(moving) < MIN_MOVING_SAMPLES:
         return np.full(2, np.nan)
     columns = np.column_stack([np.sign(qd), qd])[moving]
     return np.asarray(nnls(columns, torque[moving])[0])
@@ -135,11 +135,11 @@ def described_arm(arm: Robot, model: str) -> dict[str, Any]:
 
     Centres of mass are in the frames of the links, inertia tensors about them.
     """
-    shown = {"name", "gravity", "denavit_hartenberg", "calibration", "joints", "motors"}
+    keys = {"name", "gravity", "denavit_hartenberg", "calibration", "joints", "motors"}
     return {
-        "units": UNITS,
+        "units": UNIT_NOTE,
         "exported_by": f"ur5lib {metadata.version('ur5lib')}",
-        "arm": arm.model_dump(mode="json", include=shown, exclude_none=True),
+        "arm": arm.model_dump(mode="json", include=keys, exclude_none=True),
         "link_model": {"name": model, **asdict(rigid_bodies(arm, model))},
     }
 
@@ -169,7 +169,7 @@ def identified_parameters(
         ],
         "known_constants": currents.known_constants,
         "current_model": [
-            {name: getattr(joint, name) for name in FITTED}
+            {name: getattr(joint, name) for name in FITTED_FIELDS}
             | {"remarks": [*map(in_words, joint.remarks)]}
             for joint in currents.fit.joints
         ],

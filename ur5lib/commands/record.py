@@ -30,8 +30,8 @@ from ur5lib.lab.recorder.session import Session, write_manifest
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-POLL = 0.25  # s between queries of the devices' state
-BRAKING = 10.0  # s to wait for the arm to stop; without an answer, its watchdog stops it
+POLL_PERIOD = 0.25  # s between queries of the devices' state
+BRAKING_TIME = 10.0  # s to wait for the arm to stop; without an answer, its watchdog stops it
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ def _watch(session: Session, mover: Mover | None, seconds: float | None, console
     with _moving(mover), _shown(console) as show:
         try:
             while not _is_over(session.statuses(), mover, begin, seconds):
-                time.sleep(POLL)
+                time.sleep(POLL_PERIOD)
                 statuses = session.statuses()
                 show(statuses)
                 for warning in display.warnings(statuses, session.identities()):
@@ -188,7 +188,7 @@ def _moving(mover: Mover | None) -> Iterator[None]:
     finally:
         if mover.is_alive():
             mover.stop()
-            mover.join(BRAKING)
+            mover.join(BRAKING_TIME)
 
 
 @contextmanager

@@ -12,12 +12,12 @@ from ur5lib.commands.check import print_findings_of
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder.capture import Status
 from ur5lib.lab.recorder.device_settings import LabSettings
-from ur5lib.study.arms import Arm, Name, NamedArm
-from ur5lib.study.reading import Raw, parse_study, read_plain
+from ur5lib.study.arms import ArmSettings, Name, NamedArm
+from ur5lib.study.reading import PlainData, parse_study, read_plain
 from ur5lib.study.schema import explain
 from ur5lib.tables import write_text
 
-EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
+DEVICES_EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class StudyFile:
     """The file of a study, to which a recording may be added, and what stands there."""
 
     path: Path
-    plain: Raw
+    plain: PlainData
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -39,7 +39,7 @@ class StudyFile:
     def lab(self) -> LabSettings:
         """Return the devices that the study names. Raises InputError with all mistakes."""
         if "devices" not in self.plain:
-            raise InputError(f"{self.path} has no `devices`; add, for example, {EXAMPLE}")
+            raise InputError(f"{self.path} has no `devices`; add, for example, {DEVICES_EXAMPLE}")
         try:
             return LabSettings.model_validate(self.plain["devices"])
         except ValidationError as error:
@@ -49,7 +49,7 @@ class StudyFile:
             lines = [f"{self.path}: devices: {text}" for text in mistakes]
             raise InputError("\n".join(lines)) from error
 
-    def arm(self) -> Arm:
+    def arm(self) -> ArmSettings:
         """Return the arm of the study. Raises InputError where it names no described arm."""
         try:
             robot = TypeAdapter[Any](NamedArm).validate_python(self.plain.get("robot"))
@@ -57,7 +57,7 @@ class StudyFile:
             raise InputError(
                 f"{self.path}: `robot` names no described arm; give one, e.g. `robot: ur5e`"
             ) from error
-        return Arm(arm=robot) if isinstance(robot, str) else robot
+        return ArmSettings(arm=robot) if isinstance(robot, str) else robot
 
     def enter(self, entry: dict[str, Any], add: bool, console: Console) -> int:
         """Check an entry, then append it, or print it; returns stop signs and errors."""

@@ -18,8 +18,8 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import DEAD_ZONE, by_segment
 
-DISABLED = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
-ORDER, CUTOFF = 4, 2.0  # Hz; above, measured currents are mostly noise
+DISABLED_FLAGS = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+LOWPASS_ORDER, CUTOFF_HZ = 4, 2.0  # Hz; above, measured currents are mostly noise
 
 
 def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
@@ -51,7 +51,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     yield f"{'torque error [Nm], joint':<40}" + "".join(f"{k:>9}" for k in arm.joint_numbers)
     for label, torque in compared.items():
         error = by_segment(
-            zero_phase_lowpass, measured - torque, signals.segment, rate, ORDER, CUTOFF
+            zero_phase_lowpass, measured - torque, signals.segment, rate, LOWPASS_ORDER, CUTOFF_HZ
         )
         error[still] = np.nan
         with np.errstate(invalid="ignore"):  # NaN for a joint that rests throughout
@@ -71,7 +71,7 @@ def inverse_dynamics(file: Path, motion: Motion, gravity: Array) -> Array:
         raise InputError(f"{file} cannot be read by MuJoCo ({error}); name MJCF or URDF") from error
     if model.nv != motion.q.shape[1]:
         raise InputError(f"{file} has {model.nv} degrees of freedom instead of {motion.q.shape[1]}")
-    model.opt.disableflags |= DISABLED
+    model.opt.disableflags |= DISABLED_FLAGS
     model.opt.gravity = gravity  # a URDF has none
     data, torque = mujoco.MjData(model), np.empty_like(motion.q)
     states = zip(motion.q, motion.qd, motion.qdd, strict=True)

@@ -8,8 +8,8 @@ from pydantic import Field
 
 from ur5lib.strict import Strict, read_yaml
 
-FOLDER = Path(__file__).parent
-UNTRIED = (
+CATALOGUE_FOLDER = Path(__file__).parent
+UNTRIED_NOTE = (
     "None of these downloads has been tried yet. Every file with a known checksum is verified: a "
     "wrong one is refused."
 )
@@ -39,7 +39,7 @@ class Dataset(Strict):
 @cache
 def catalogue() -> dict[str, Dataset]:
     """Return the data sets by name."""
-    entries = read_yaml(FOLDER / "catalogue.yaml")
+    entries = read_yaml(CATALOGUE_FOLDER / "catalogue.yaml")
     return {name: _with_checksums(name, Dataset(**entry)) for name, entry in entries.items()}
 
 
@@ -52,14 +52,14 @@ def listing() -> Iterator[str]:
         yield f"  address   {dataset.address}"
         yield f"  files     {_how_verified(dataset)}"
         yield f"  study     {dataset.study or 'none; `ur5 import` proposes the entries'}"
-    yield UNTRIED
+    yield UNTRIED_NOTE
 
 
 def _with_checksums(name: str, dataset: Dataset) -> Dataset:
     if dataset.archive is None:
         return dataset
-    listed = (FOLDER / "checksums" / f"{name}.sha256").read_text(encoding="utf-8")
-    lines = (line.split(maxsplit=1) for line in listed.splitlines())  # as sha256sum writes them
+    text = (CATALOGUE_FOLDER / "checksums" / f"{name}.sha256").read_text(encoding="utf-8")
+    lines = (line.split(maxsplit=1) for line in text.splitlines())  # as sha256sum writes them
     checksums = {file: checksum for checksum, file in lines}
     return dataset.model_copy(update={"checksums": checksums})
 

@@ -15,8 +15,8 @@ from ur5lib.datasets.catalogue import catalogue
 from ur5lib.errors import InputError, unknown
 from ur5lib.tables import made, write_aside
 
-TIMEOUT = 30  # s
-PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
+TIMEOUT_S = 30  # s
+NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
 
 
 def is_there(path: Path, checksum: str) -> bool:
@@ -83,7 +83,7 @@ def _retrieve(
 ) -> None:
     """Download a file, and verify it. Raises InputError with the remedy if that fails."""
     pooch.get_logger().setLevel("WARNING")
-    downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT)
+    downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT_S)
     try:
         pooch.retrieve(url, checksum, path.name, path.parent, processor, downloader)
     except zipfile.BadZipFile as error:
@@ -99,7 +99,9 @@ def _retrieve(
 def others_beside(folder: Path, checksums: Mapping[str, str]) -> list[Path]:
     """Return the files of a folder that have the ending of listed files, but are not listed."""
     endings = {Path(file).suffix for file in checksums}
-    files = (path for path in folder.glob("*") if path.is_file() and {*path.name} <= PLAIN)
+    files = (
+        path for path in folder.glob("*") if path.is_file() and {*path.name} <= NAME_CHARACTERS
+    )
     return [path for path in sorted(files) if path.suffix in endings and path.name not in checksums]
 
 
@@ -136,7 +138,7 @@ def located(checksums: Mapping[str, str], source: Path) -> dict[str, Path]:
     return named | renamed
 
 
-class Listed(NamedTuple):
+class RemoteFile(NamedTuple):
     """A file of a record: its URL, size [bytes] and checksum, as in `md5:…`."""
 
     name: str
@@ -145,16 +147,16 @@ class Listed(NamedTuple):
     checksum: str
 
 
-class Record(NamedTuple):
+class ZenodoRecord(NamedTuple):
     """The files of a record, and Zenodo's name of its licence, empty without one."""
 
-    files: list[Listed]
+    files: list[RemoteFile]
     licence: str
 
 
 def fetch_record(
     record: str, leave_out: Collection[str], target: Path, source: Path | None = None
-) -> Record:
+) -> ZenodoRecord:
     """Copy the files of a record into a folder, from the network or from another folder.
 
     record: URL of its listing, which is always read; leave_out: names of files. Every file is
@@ -162,9 +164,9 @@ def fetch_record(
     place, and the licence. Raises InputError for a failure of the network, the listing, the source,
     a checksum or the target.
     """
-    listed = read_listing(record)
-    wanted = [file for file in listed.files if file.name not in leave_out]
-    for file in wanted:
+    listing = read_listing(record)
+    files = [file for file in listing.files if file.name not in leave_out]
+    for file in files:
         if is_there(target / file.name, file.checksum):
             continue
         if source is None:
@@ -175,17 +177,17 @@ def fetch_record(
             raise InputError(
                 f"{source} lacks {file.name}; use --from with a folder that contains it"
             )
-    return Record(wanted, listed.licence)
+    return ZenodoRecord(files, listing.licence)
 
 
-def read_listing(record: str) -> Record:
+def read_listing(record: str) -> ZenodoRecord:
     """Return a record's files and licence. Raises InputError if its listing cannot be read."""
     try:
-        answer = requests.get(record, timeout=TIMEOUT)
+        answer = requests.get(record, timeout=TIMEOUT_S)
         answer.raise_for_status()
         listing = answer.json()
         licence = listing.get("metadata", {}).get("license", {}).get("id", "")
-        return Record([_listed(entry) for entry in listing["files"]], str(licence))
+        return ZenodoRecord([_listed(entry) for entry in listing["files"]], str(licence))
     except (requests.RequestException, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             f"the list of files at {record} could not be read ({type(error).__name__}); check the "
@@ -193,14 +195,14 @@ def read_listing(record: str) -> Record:
         ) from error
 
 
-def _listed(entry: dict[str, Any]) -> Listed:
+def _listed(entry: dict[str, Any]) -> RemoteFile:
     name, checksum = str(entry["key"]), str(entry["checksum"])
-    if not checksum.startswith("md5:") or not {*name} <= PLAIN or name.startswith("."):
+    if not checksum.startswith("md5:") or not {*name} <= NAME_CHARACTERS or name.startswith("."):
         raise ValueError(name)  # a name that might leave the folder, or another kind of checksum
-    return Listed(name, entry["links"]["self"], int(entry["size"]), checksum)
+    return RemoteFile(name, entry["links"]["self"], int(entry["size"]), checksum)
 
 
-def _download(file: Listed, target: Path) -> None:
+def _download(file: RemoteFile, target: Path) -> None:
     space = f"the disk space ({file.size / 1e6:,.0f} MB)"
     with tempfile.TemporaryDirectory(dir=made(target), prefix=".") as folder:
         aside = Path(folder, file.name)
@@ -220,11 +222,11 @@ def fetch(name: str, target: Path | None = None, source: Path | None = None) -> 
         raise unknown("data set", name, catalogue())
     dataset, folder = catalogue()[name], target or Path("raw") / name
     if dataset.archive:
-        known = dataset.checksums
-        added = fetch_archive(dataset.archive, known, folder, source, dataset.unverified)
-        others = len(others_beside(folder, known)) if dataset.unverified else 0
+        checksums = dataset.checksums
+        added = fetch_archive(dataset.archive, checksums, folder, source, dataset.unverified)
+        others = len(others_beside(folder, checksums)) if dataset.unverified else 0
         more = f"; {others} others, whose checksums are unknown, are not" if others else ""
-        return f"{folder}: {len(known)} files verified, {added} of them new{more}"
+        return f"{folder}: {len(checksums)} files verified, {added} of them new{more}"
     if dataset.record:
         files, licence = fetch_record(dataset.record, dataset.leave_out, folder, source)
         return (

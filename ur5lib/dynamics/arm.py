@@ -15,9 +15,14 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies, shift_inertia
 from ur5lib.timeseries.arrays import Array
 
+# Samples per batch: some hundred intermediate rows should stay in the caches of a processor; a GPU
+# needs enough for all its cores.
+CPU_BATCH = 1 << 14
+GPU_BATCH = 1 << 20
+
 
 @dataclass(frozen=True)
-class Arm:
+class ArmTensors:
     """Parameters of the equations of motion of an arm of n joints; frame k is the
     Denavit-Hartenberg frame of link k.
 
@@ -47,7 +52,7 @@ def build_arm(
     dtype: torch.dtype = torch.float64,
     device: str = "cpu",
     fused: bool = False,
-) -> Arm:
+) -> ArmTensors:
     """Build an arm under one of its models, e.g. "A", "B" or "C"; KeyError for an unknown model.
 
     dtype: float64, or float32, whose results are within 1e-6 of the largest among them.
@@ -60,7 +65,7 @@ def build_arm(
     def tensor(values: object) -> Tensor:
         return torch.as_tensor(values, dtype=dtype, device=device)
 
-    return Arm(
+    return ArmTensors(
         urdf=urdf(robot, bodies),
         mass=tensor(bodies.mass),
         center_of_mass=tensor(bodies.center_of_mass),
@@ -104,12 +109,9 @@ def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
     return np.append(np.ravel(links), bodies.rotor_inertia)
 
 
-# Samples per batch: some hundred intermediate rows should stay in the caches of a processor; a GPU
-# needs enough for all its cores.
-CPU, GPU = 1 << 14, 1 << 20
-
-
-def evaluate(arm: Arm, kernel: Kernel, *states: Tensor, wrench: Tensor | None = None) -> Tensor:
+def evaluate(
+    arm: ArmTensors, kernel: Kernel, *states: Tensor, wrench: Tensor | None = None
+) -> Tensor:
     """Evaluate a kernel of (geometry, parameters, *states, wrench) for all samples.
 
     states: (N, n) each, of n joints; wrench: (N, 6). The kernel takes (n, N) and (6, N). Returns
@@ -118,21 +120,21 @@ def evaluate(arm: Arm, kernel: Kernel, *states: Tensor, wrench: Tensor | None = 
     precision.
     """
     joints, dtype = len(arm.geometry.joints), arm.parameters.dtype
-    given = [*states] if wrench is None else [*states, wrench]
-    widths = [joints] * len(states) + [6] * (len(given) - len(states))
+    tensors = [*states] if wrench is None else [*states, wrench]
+    widths = [joints] * len(states) + [6] * (len(tensors) - len(states))
     if any(
         (rows.shape, rows.dtype) != ((len(states[0]), width), dtype)
-        for rows, width in zip(given, widths, strict=True)
+        for rows, width in zip(tensors, widths, strict=True)
     ):
-        found = ", ".join(f"{tuple(rows.shape)} {rows.dtype}" for rows in given)
-        raise ValueError(f"states must be (N, {joints}) of the same N, {dtype}, not {found}")
+        shapes = ", ".join(f"{tuple(rows.shape)} {rows.dtype}" for rows in tensors)
+        raise ValueError(f"states must be (N, {joints}) of the same N, {dtype}, not {shapes}")
     program = (_fused if arm.fused else straight_line)(kernel, arm.geometry)
 
     def samples_first(*batch: Tensor) -> Tensor:
         rows = program(arm.parameters, *(state.T.contiguous() for state in batch))
         return rows.movedim(-1, 0)
 
-    return in_batches(samples_first, batch_size(arm), *given)
+    return in_batches(samples_first, batch_size(arm), *tensors)
 
 
 def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> Tensor:
@@ -149,11 +151,11 @@ def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> T
     return result
 
 
-def batch_size(arm: Arm) -> int:
+def batch_size(arm: ArmTensors) -> int:
     """Return the number of samples in a batch."""
     if arm.parameters.device.type != "cpu":
-        return GPU
-    return CPU * torch.get_num_threads() if arm.fused else CPU
+        return GPU_BATCH
+    return CPU_BATCH * torch.get_num_threads() if arm.fused else CPU_BATCH
 
 
 @cache

@@ -7,11 +7,11 @@ import torch
 from torch import Tensor
 from torch.func import jvp
 
-from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.arm import ArmTensors
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 
 
-def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
+def inertia_matrix(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return D(q) = Σ m J_vᵀ J_v + J_ωᵀ R I Rᵀ J_ω over links, plus rotors (Equation 2.61).
 
     q: (N, n) [rad]. Returns (N, n, n) [kg m²], symmetric and positive definite.
@@ -26,7 +26,7 @@ def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
     return total
 
 
-def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
+def coriolis_matrix(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
     """Return C(q, q̇) by the Christoffel symbols (2.65, 2.66) of exact derivatives of D.
 
     q, qd: (N, n) [rad, rad/s]. Returns (N, n, n) [Nm s/rad].
@@ -44,7 +44,7 @@ def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
     return (along + across - across.mT) / 2
 
 
-def gravity_torque(arm: Arm, q: Tensor) -> Tensor:
+def gravity_torque(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return g(q) = ∂P/∂q = -Σ m J_vᵀ g0, with P = -Σ m g0ᵀ r (Equation 2.67, erratum 2).
 
     q: (N, n) [rad]. Returns (N, n) [Nm].

@@ -6,12 +6,13 @@ import numpy as np
 import torch
 
 from ur5lib.dynamics import kinematics
-from ur5lib.dynamics.arm import Arm, PullBack, build_arm, with_pull_back
+from ur5lib.dynamics.arm import ArmTensors, PullBack, build_arm, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks
 
-POSTURES, RANK = 20, 1e-6  # random ones that tell an arm's twists; what counts as zero, m and rad
+TWIST_POSTURES = 20  # random ones that tell an arm's twists
+RANK_TOLERANCE = 1e-6  # m and rad; what counts as zero
 
 
 def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
@@ -28,11 +29,11 @@ def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
 
 def independent_twists(robot: Robot) -> int:
     """Return how many independent twists the flange has: the largest rank of J_g, at most 6."""
-    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSTURES, len(robot.joints)))
-    return int(np.linalg.matrix_rank(flange_kinematics(robot, q)[2], tol=RANK).max())
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (TWIST_POSTURES, len(robot.joints)))
+    return int(np.linalg.matrix_rank(flange_kinematics(robot, q)[2], tol=RANK_TOLERANCE).max())
 
 
-def singular_value(arm: Arm, q: Array, twists: int) -> Array:
+def singular_value(arm: ArmTensors, q: Array, twists: int) -> Array:
     """Return the smallest singular value of J_g (N,) that is not always zero, in which metres and
     radians count alike.
 
@@ -41,12 +42,12 @@ def singular_value(arm: Arm, q: Array, twists: int) -> Array:
     return _smallest(arm, twists, torch.from_numpy(q)).numpy()
 
 
-def differentiable_singular_value(arm: Arm, q: Array, twists: int) -> tuple[Array, PullBack]:
+def differentiable_singular_value(arm: ArmTensors, q: Array, twists: int) -> tuple[Array, PullBack]:
     """Return `singular_value` and the pull-back of its derivative to q."""
     return with_pull_back(partial(_smallest, arm, twists), q)
 
 
-def _smallest(arm: Arm, twists: int, q: torch.Tensor) -> torch.Tensor:
+def _smallest(arm: ArmTensors, twists: int, q: torch.Tensor) -> torch.Tensor:
     return torch.linalg.svdvals(kinematics.jacobian(arm, q))[:, twists - 1]
 
 

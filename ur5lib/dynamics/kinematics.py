@@ -14,7 +14,9 @@ import torch
 from torch import Tensor
 from torch.linalg import cross
 
-from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.arm import ArmTensors
+
+LAST_LINK = -1  # of an arm
 
 
 @cache
@@ -93,10 +95,7 @@ def axis_angle(rotation: Tensor) -> tuple[Tensor, Tensor]:
     return axis, 2 * torch.atan2(sine[:, 0], quaternion[:, 0])
 
 
-LAST = -1  # link of an arm
-
-
-def link_frames(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor]:
+def link_frames(arm: ArmTensors, q: Tensor) -> tuple[Tensor, Tensor]:
     """Return frames 0 (base) to n relative to the base (Equation 2.18).
 
     q: (N, n) [rad]. Returns rotations R_k (N, n + 1, 3, 3) and origins o_k (N, n + 1, 3) [m].
@@ -107,7 +106,9 @@ def link_frames(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor]:
     return matrices[..., :3, :3], matrices[..., :3, 3]
 
 
-def jacobian(arm: Arm, q: Tensor, link: int = LAST, point: Tensor | None = None) -> Tensor:
+def jacobian(
+    arm: ArmTensors, q: Tensor, link: int = LAST_LINK, point: Tensor | None = None
+) -> Tensor:
     """Return the geometric Jacobian J_g of a point (Equations 2.27, 2.29 and 2.40).
 
     q: (N, n) [rad]. Returns (N, 6, n); columns of joints beyond the link are zero.
@@ -118,7 +119,7 @@ def jacobian(arm: Arm, q: Tensor, link: int = LAST, point: Tensor | None = None)
     return torch.nn.functional.pad(columns, (0, joints - link))
 
 
-def pose_and_jacobian(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+def pose_and_jacobian(arm: ArmTensors, q: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Return R_n (N, 3, 3), o_n (N, 3) [m] and J_g (N, 6, n) from one pass along the arm.
 
     q: (N, n) [rad].
@@ -127,20 +128,20 @@ def pose_and_jacobian(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     return pose[:, :3, :3], pose[:, :3, 3], columns
 
 
-def analytical_jacobian(arm: Arm, q: Tensor) -> Tensor:
+def analytical_jacobian(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return J_a of frame n: rows 1 to 3 of J_g, then the rates of φ, ϑ, ψ of R_n (Equation 2.34).
 
     q: (N, n) [rad]. Returns (N, 6, n). The last rows grow without bound towards sin ϑ = 0 and
     are infinite or not a number there: a singularity of the angles, not of the arm.
     """
     rotation, _ = link_frames(arm, q)
-    rates = zyz_rates_to_angular_velocity(zyz_angles(rotation[:, LAST]))
+    rates = zyz_rates_to_angular_velocity(zyz_angles(rotation[:, LAST_LINK]))
     linear, angular = jacobian(arm, q).split(3, dim=1)
     return torch.cat([linear, torch.linalg.solve_ex(rates, angular).result], dim=1)
 
 
 def velocity(
-    arm: Arm, q: Tensor, qd: Tensor, link: int = LAST, point: Tensor | None = None
+    arm: ArmTensors, q: Tensor, qd: Tensor, link: int = LAST_LINK, point: Tensor | None = None
 ) -> Tensor:
     """Return J_g q̇ of a point, (N, 6) [m/s, rad/s] (2.26). q, qd: (N, n) [rad, rad/s]."""
     return apply(jacobian(arm, q, link, point), qd)
@@ -158,18 +159,23 @@ def velocity_transformation(rotation: Tensor, lever: Tensor) -> Tensor:
 
 
 def acceleration(
-    arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor, link: int = LAST, point: Tensor | None = None
+    arm: ArmTensors,
+    q: Tensor,
+    qd: Tensor,
+    qdd: Tensor,
+    link: int = LAST_LINK,
+    point: Tensor | None = None,
 ) -> Tensor:
     """Return J_g q̈ + J̇_g q̇ of a point, (N, 6) [m/s², rad/s²], without gravity.
 
     q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. No angles, so no singularity of angles (erratum 1).
     """
-    free = velocity_product_acceleration(arm, q, qd, link, point)
-    return apply(jacobian(arm, q, link, point), qdd) + free
+    free_acceleration = velocity_product_acceleration(arm, q, qd, link, point)
+    return apply(jacobian(arm, q, link, point), qdd) + free_acceleration
 
 
 def velocity_product_acceleration(
-    arm: Arm, q: Tensor, qd: Tensor, link: int = LAST, point: Tensor | None = None
+    arm: ArmTensors, q: Tensor, qd: Tensor, link: int = LAST_LINK, point: Tensor | None = None
 ) -> Tensor:
     """Return J̇_g q̇ of a point, its acceleration at q̈ = 0, (N, 6) [m/s², rad/s²].
 
@@ -188,7 +194,7 @@ def velocity_product_acceleration(
     return torch.cat([linear, alpha], dim=1)
 
 
-def _chain(arm: Arm, link: int) -> pk.SerialChain:
+def _chain(arm: ArmTensors, link: int) -> pk.SerialChain:
     return serial_chain(arm.urdf, link, arm.gravity.dtype, arm.gravity.device)
 
 

@@ -18,8 +18,8 @@ from ur5lib.dynamics.tracing import Geometry, Number, Tail
 Vector = tuple[Number, ...]
 Matrix = tuple[Vector, ...]
 
-ZERO: Vector = (0.0, 0.0, 0.0)
-NO_TAIL = Tail(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), ZERO)
+ZERO_VECTOR: Vector = (0.0, 0.0, 0.0)
+IDENTITY_TAIL = Tail(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), ZERO_VECTOR)
 
 
 class Joint(NamedTuple):
@@ -63,14 +63,14 @@ class LinkMotion(NamedTuple):
     turning: Matrix
 
 
-class Wrench(NamedTuple):
+class LinkWrench(NamedTuple):
     """Force, and moment about the origin, in the axes of one frame."""
 
     force: Vector
     moment: Vector
 
 
-NO_WRENCH = Wrench(ZERO, ZERO)
+NO_WRENCH = LinkWrench(ZERO_VECTOR, ZERO_VECTOR)
 
 
 def components(geometry: Geometry, *states: Any) -> list[list[Number]]:
@@ -79,7 +79,7 @@ def components(geometry: Geometry, *states: Any) -> list[list[Number]]:
 
 
 def split(geometry: Geometry, parameters: Any) -> tuple[list[Inertia], list[Number]]:
-    """Split the parameters of an `Arm` into links and rotor inertias."""
+    """Split the parameters of `ArmTensors` into links and rotor inertias."""
     count = len(geometry.joints)
     values = [parameters[i] for i in range(11 * count)]
     links = [link_inertia(values[10 * k : 10 * k + 10]) for k in geometry.joints]
@@ -88,7 +88,7 @@ def split(geometry: Geometry, parameters: Any) -> tuple[list[Inertia], list[Numb
 
 def joints(geometry: Geometry, q: Any) -> list[Joint]:
     """Return joints 1 to n at positions q, rows (n, N)."""
-    tails = (NO_TAIL, *geometry.tails)
+    tails = (IDENTITY_TAIL, *geometry.tails)
     return [Joint(tails[k], torch.cos(q[k]), torch.sin(q[k])) for k in geometry.joints]
 
 
@@ -102,7 +102,9 @@ def link_motions(
     chain: Sequence[Joint], gravity: Vector, qd: Sequence[Number], qdd: Sequence[Number]
 ) -> Iterator[LinkMotion]:
     """Yield the motion of links 1 to n, outwards from the base, which accelerates by -g0."""
-    motion = LinkMotion(ZERO, ZERO, scaled(-1.0, gravity), (ZERO, ZERO, ZERO))
+    motion = LinkMotion(
+        ZERO_VECTOR, ZERO_VECTOR, scaled(-1.0, gravity), (ZERO_VECTOR, ZERO_VECTOR, ZERO_VECTOR)
+    )
     for joint, speed, change in zip(chain, qd, qdd, strict=True):
         # a_k = a_k-1 + (S(α) + S(ω)²) r, in the frame of link k-1; then all in that of link k
         acceleration = plus(motion.acceleration, times(motion.turning, joint.lever))
@@ -114,7 +116,7 @@ def link_motions(
         yield motion
 
 
-def needed_wrench(body: Inertia, motion: LinkMotion) -> Wrench:
+def needed_wrench(body: Inertia, motion: LinkMotion) -> LinkWrench:
     """Return the wrench that a motion requires, by Newton and Euler about the frame's origin."""
     # F = m a + (S(α) + S(ω)²) m c
     force = plus(scaled(body.mass, motion.acceleration), times(motion.turning, body.moment))
@@ -122,23 +124,23 @@ def needed_wrench(body: Inertia, motion: LinkMotion) -> Wrench:
     spin = plus(
         times(body.tensor, motion.alpha), cross(motion.omega, times(body.tensor, motion.omega))
     )
-    return Wrench(force, plus(spin, cross(body.moment, motion.acceleration)))
+    return LinkWrench(force, plus(spin, cross(body.moment, motion.acceleration)))
 
 
-def joint_torques(chain: Sequence[Joint], wrenches: Sequence[Wrench]) -> list[Number]:
+def joint_torques(chain: Sequence[Joint], wrenches: Sequence[LinkWrench]) -> list[Number]:
     """Return the joint torques, inwards from the flange: n_z of all wrenches beyond each joint."""
     total, torques = NO_WRENCH, []
     for joint, wrench in zip(reversed(chain), reversed(wrenches), strict=True):
-        total = Wrench(plus(total.force, wrench.force), plus(total.moment, wrench.moment))
+        total = LinkWrench(plus(total.force, wrench.force), plus(total.moment, wrench.moment))
         torques.append(total.moment[2])
         total = wrench_inwards(joint, total)
     return torques[::-1]
 
 
-def wrench_inwards(joint: Joint, wrench: Wrench) -> Wrench:
+def wrench_inwards(joint: Joint, wrench: LinkWrench) -> LinkWrench:
     """Transform a wrench to the frame of the link before: F = R F', n = R n' + r × F."""
     force = joint.inwards(wrench.force)
-    return Wrench(force, plus(joint.inwards(wrench.moment), cross(joint.lever, force)))
+    return LinkWrench(force, plus(joint.inwards(wrench.moment), cross(joint.lever, force)))
 
 
 def composite_inertias(chain: Sequence[Joint], bodies: Sequence[Inertia]) -> list[Inertia]:

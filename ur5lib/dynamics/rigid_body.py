@@ -13,24 +13,26 @@ import torch
 from torch import Tensor
 
 from ur5lib.dynamics import recursion
-from ur5lib.dynamics.arm import Arm, batch_size, evaluate, in_batches
+from ur5lib.dynamics.arm import ArmTensors, batch_size, evaluate, in_batches
 from ur5lib.dynamics.recursion import (
     NO_WRENCH,
-    ZERO,
+    ZERO_VECTOR,
     Inertia,
     LinkMotion,
-    Wrench,
+    LinkWrench,
     components,
     link_inertia,
     split,
 )
 from ur5lib.dynamics.tracing import Geometry, Number, stacked
 
-UNIT_TURN = LinkMotion(ZERO, (0.0, 0.0, 1.0), ZERO, recursion.turning(ZERO, (0.0, 0.0, 1.0)))
+UNIT_TURN = LinkMotion(
+    ZERO_VECTOR, (0.0, 0.0, 1.0), ZERO_VECTOR, recursion.turning(ZERO_VECTOR, (0.0, 0.0, 1.0))
+)
 
 
 def inverse_dynamics(
-    arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor, wrench: Tensor | None = None
+    arm: ArmTensors, q: Tensor, qd: Tensor, qdd: Tensor, wrench: Tensor | None = None
 ) -> Tensor:
     """Return τ = D(q) q̈ + C(q, q̇) q̇ + g(q) - J_gᵀ wrench (Equation 2.64).
 
@@ -40,12 +42,12 @@ def inverse_dynamics(
     return torque if wrench is None else torque - wrench_torque(arm, q, wrench)
 
 
-def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
+def inertia_matrix(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return D(q), (N, n, n) [kg m²], symmetric and positive definite, rotors included."""
     return evaluate(arm, _composite_bodies, q)
 
 
-def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
+def coriolis_matrix(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
     """Return C(q, q̇) of the Christoffel symbols (2.65, 2.66), (N, n, n) [Nm s/rad].
 
     They are symmetric, c_ijk = c_jik, so b(q̇) = C(q, q̇) q̇ is a quadratic form in q̇ for each
@@ -61,12 +63,12 @@ def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
     return torch.stack([column(unit) for unit in units], dim=2)
 
 
-def gravity_torque(arm: Arm, q: Tensor) -> Tensor:
+def gravity_torque(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return g(q) of Equation 2.67, (N, n) [Nm]."""
     return evaluate(arm, _at_rest, q)
 
 
-def wrench_torque(arm: Arm, q: Tensor, wrench: Tensor) -> Tensor:
+def wrench_torque(arm: ArmTensors, q: Tensor, wrench: Tensor) -> Tensor:
     """Return J_gᵀ wrench, (N, n) [Nm], the joint torques of a wrench on the arm.
 
     wrench: (N, 6) [N, Nm], base axes, at the origin of frame n.
@@ -75,29 +77,30 @@ def wrench_torque(arm: Arm, q: Tensor, wrench: Tensor) -> Tensor:
 
 
 def forward_dynamics(
-    arm: Arm, q: Tensor, qd: Tensor, torque: Tensor, wrench: Tensor | None = None
+    arm: ArmTensors, q: Tensor, qd: Tensor, torque: Tensor, wrench: Tensor | None = None
 ) -> Tensor:
     """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, n) [rad/s²]; wrench as above."""
 
-    def solve(q: Tensor, free: Tensor) -> Tensor:
+    def solve(q: Tensor, net_torque: Tensor) -> Tensor:
+        # D = L Lᵀ, positive definite
         root = torch.linalg.cholesky(inertia_matrix(arm, q))
-        return torch.cholesky_solve(free[..., None], root)[..., 0]
+        return torch.cholesky_solve(net_torque[..., None], root)[..., 0]
 
-    free = torque - inverse_dynamics(arm, q, qd, torch.zeros_like(q), wrench)
-    return in_batches(solve, batch_size(arm), q, free)
+    net_torque = torque - inverse_dynamics(arm, q, qd, torch.zeros_like(q), wrench)
+    return in_batches(solve, batch_size(arm), q, net_torque)
 
 
-def kinetic_energy(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
+def kinetic_energy(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
     """Return ½ q̇ᵀ D(q) q̇, (N,) [J], rotors included (Equation 2.61)."""
     return evaluate(arm, _kinetic_energy, q, qd)
 
 
-def potential_energy(arm: Arm, q: Tensor) -> Tensor:
+def potential_energy(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return P = -Σ m g0ᵀ r, (N,) [J], zero at the base's origin (Equation 2.63, erratum 2)."""
     return evaluate(arm, _potential_energy, q)
 
 
-# Kernels: states are (n, N); parameters are those of `Arm`.
+# Kernels: states are (n, N); parameters are those of `ArmTensors`.
 
 
 def _newton_euler(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
@@ -111,13 +114,13 @@ def _at_rest(geometry: Geometry, parameters: Any, q: Any) -> Any:
 
 
 def _unloaded(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
-    weightless, still = geometry._replace(gravity=ZERO), [0.0 for _ in geometry.joints]
+    weightless, still = geometry._replace(gravity=ZERO_VECTOR), [0.0 for _ in geometry.joints]
     [speeds] = components(geometry, qd)
     return stacked(_torques(weightless, *split(geometry, parameters), q, speeds, still), q[0])
 
 
 def _kinetic_energy(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
-    weightless, still = geometry._replace(gravity=ZERO), [0.0 for _ in geometry.joints]
+    weightless, still = geometry._replace(gravity=ZERO_VECTOR), [0.0 for _ in geometry.joints]
     [speeds] = components(geometry, qd)
     momenta = _torques(weightless, *split(geometry, parameters), q, still, speeds)  # D q̇
     return 0.5 * sum(speed * momentum for speed, momentum in zip(speeds, momenta, strict=True))
@@ -125,8 +128,8 @@ def _kinetic_energy(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any
 
 def _potential_energy(geometry: Geometry, parameters: Any, q: Any) -> Any:
     chain, (bodies, _) = recursion.joints(geometry, q), split(geometry, parameters)
-    whole, *_ = recursion.composite_inertias(chain, bodies)
-    energy = -recursion.dot(geometry.gravity, chain[0].inwards(whole.moment))
+    composite, *_ = recursion.composite_inertias(chain, bodies)
+    energy = -recursion.dot(geometry.gravity, chain[0].inwards(composite.moment))
     return stacked([energy], q[0])[0]
 
 
@@ -152,7 +155,7 @@ def _pushed(geometry: Geometry, parameters: Any, q: Any, wrench: Any) -> Any:
     end = geometry.tails[-1]
     moment = recursion.plus(moment, recursion.cross(end.lever, force))
     inner = [recursion.NO_WRENCH] * (len(chain) - 1)
-    return stacked(recursion.joint_torques(chain, [*inner, Wrench(force, moment)]), q[0])
+    return stacked(recursion.joint_torques(chain, [*inner, LinkWrench(force, moment)]), q[0])
 
 
 def _torques(
@@ -171,8 +174,8 @@ def _torques(
     return [t + rotor * a for t, rotor, a in zip(torques, rotors, qdd, strict=True)]
 
 
-def regressor(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
-    """Return Y(q, q̇, q̈) of τ = Y π, (N, n, 11 n), with π as in `Arm.parameters`.
+def regressor(arm: ArmTensors, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
+    """Return Y(q, q̇, q̈) of τ = Y π, (N, n, 11 n), with π as in `ArmTensors.parameters`.
 
     q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. Of the arm, only its geometry matters.
     The first 10 n columns are those of Pinocchio's computeJointTorqueRegressor.

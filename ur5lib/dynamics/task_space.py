@@ -9,7 +9,7 @@ import math
 import torch
 from torch import Tensor
 
-from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.arm import ArmTensors
 from ur5lib.dynamics.kinematics import (
     analytical_jacobian,
     apply,
@@ -21,18 +21,18 @@ from ur5lib.dynamics.kinematics import (
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 
 
-def pose(arm: Arm, q: Tensor) -> Tensor:
+def pose(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return X (N, 6) [m, rad] (Equation 2.30)."""
     rotation, origin = link_frames(arm, q)
     return torch.cat([origin[:, -1], zyz_angles(rotation[:, -1])], dim=1)
 
 
-def pose_acceleration(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
+def pose_acceleration(arm: ArmTensors, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
     """Return Ẍ = J_a q̈ + J̇_a q̇ (N, 6) [m/s², rad/s²] (Equation 2.75)."""
     return apply(analytical_jacobian(arm, q), qdd) + drift(arm, q, qd)
 
 
-def drift(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
+def drift(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
     """Return J̇_a q̇ (N, 6), the acceleration of X at q̈ = 0.
 
     Its angular part follows from ω = B φ̇ (2.33 corrected, erratum 1): φ̈ = B⁻¹ (α - Ḃ φ̇).
@@ -44,18 +44,18 @@ def drift(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
     return torch.cat([linear, _solve(B, angular - apply(B_rate, rates))], dim=1)
 
 
-def joint_acceleration(arm: Arm, q: Tensor, qd: Tensor, wanted: Tensor) -> Tensor:
-    """Return a_q = J_a⁻¹ (a_X - J̇_a q̇) (N, 6) [rad/s²] (2.77); wanted: a_X (N, 6)."""
-    return _solve(analytical_jacobian(arm, q), wanted - drift(arm, q, qd))
+def joint_acceleration(arm: ArmTensors, q: Tensor, qd: Tensor, commanded: Tensor) -> Tensor:
+    """Return a_q = J_a⁻¹ (a_X - J̇_a q̇) (N, 6) [rad/s²] (2.77); commanded: a_X (N, 6)."""
+    return _solve(analytical_jacobian(arm, q), commanded - drift(arm, q, qd))
 
 
-def task_space_torque(arm: Arm, q: Tensor, qd: Tensor, wanted: Tensor) -> Tensor:
-    """Return the torque (N, 6) [Nm] by which Ẍ = a_X (2.78): D a_q + C q̇ + g; wanted: a_X."""
-    return inverse_dynamics(arm, q, qd, joint_acceleration(arm, q, qd, wanted))
+def task_space_torque(arm: ArmTensors, q: Tensor, qd: Tensor, commanded: Tensor) -> Tensor:
+    """Return the torque (N, 6) [Nm] by which Ẍ = a_X (2.78): D a_q + C q̇ + g; commanded: a_X."""
+    return inverse_dynamics(arm, q, qd, joint_acceleration(arm, q, qd, commanded))
 
 
 def wanted_acceleration(
-    arm: Arm,
+    arm: ArmTensors,
     q: Tensor,
     qd: Tensor,
     target: tuple[Tensor, Tensor, Tensor],

@@ -126,5 +126,5 @@ def _is_product(value: Number) -> bool:
     )
 
 
-def _is(value: Number, known: int) -> bool:
-    return isinstance(value, float) and value == known
+def _is(value: Number, number: int) -> bool:
+    return isinstance(value, float) and value == number

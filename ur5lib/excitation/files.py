@@ -7,43 +7,43 @@ import numpy as np
 import yaml
 
 from ur5lib.excitation.design import Design
-from ur5lib.excitation.trajectory import Cell, Path
+from ur5lib.excitation.trajectory import Path, WorkCell
 from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
-RATE = 125.0  # Hz, at which servoj runs on every UR
-BESIDE = 3.0  # s at rest that the stand records before and after the motion, in total
-DENSE = 20  # checked states between two way-points
-SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s between way-points; the widest without collision is used
-APPROACH = "a=0.5, v=0.5"  # rad/s², rad/s: of the movej to the start
-SERVO = "t=0.008, lookahead_time=0.1, gain=300"
-STUDY = "excitation"
+SERVO_RATE = 125.0  # Hz, at which servoj runs on every UR
+REST_DURATION = 3.0  # s, that the stand records before and after the motion, in total
+STATES_PER_MOVE = 20  # that are checked between two way-points
+WAY_POINT_SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s; the widest without collision is used
+APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s: of the movej to the start
+SERVO_ARGUMENTS = "t=0.008, lookahead_time=0.1, gain=300"
+STUDY_NAME = "excitation"
 
 
 def write_files(
-    folder: File, asked: Mapping[str, object], payload: Payload | None, found: Design
+    folder: File, request: Mapping[str, object], payload: Payload | None, design: Design
 ) -> None:
     """Write all files of a trajectory that `ur5 excite` designed; see docs/excitation.md.
 
-    asked: robot, question and seed. Raises InputError where they cannot be written.
+    request: robot, question and seed. Raises InputError where they cannot be written.
     """
-    time, states = found.path.sampled(RATE)
+    time, states = design.path.sampled(SERVO_RATE)
     texts = {
         "trajectory.csv": _csv(np.column_stack([time, states.q])),
-        "way_points.csv": _csv(way_points(found.task.cell, found.path)),
-        "stand.yaml": stand_study(str(asked["robot"]), payload, found.path),
-        "excitation.json": json_text({**asked, **summary(found)}),
+        "way_points.csv": _csv(way_points(design.task.cell, design.path)),
+        "stand.yaml": stand_study(str(request["robot"]), payload, design.path),
+        "excitation.json": json_text({**request, **summary(design)}),
     }
-    if found.task.cell.robot.is_ur():
+    if design.task.cell.robot.is_ur():
         texts["trajectory.script"] = script(states.q)
     for name, text in texts.items():  # all of them are made before the first is written
         write_text(text, folder / name)
 
 
-def summary(found: Design) -> dict[str, object]:
+def summary(design: Design) -> dict[str, object]:
     """Return a trajectory, its margins and its worth, as `Worth` explains it."""
-    problem, worth = found.task.problem, found.worth
+    problem, worth = design.task.problem, design.worth
     columns = {
         "parameter": problem.names(),
         "unit": problem.units(),
@@ -52,8 +52,8 @@ def summary(found: Design) -> dict[str, object]:
         "std_error_after": worth.after,
     }
     return {
-        "path": found.path,
-        "margins": found.margins,
+        "path": design.path,
+        "margins": design.margins,
         "noise": problem.noise,
         "log_det": worth.log_det,
         "log_det_gain": worth.gain,
@@ -65,11 +65,13 @@ def summary(found: Design) -> dict[str, object]:
     }
 
 
-def way_points(cell: Cell, path: Path) -> Array:
+def way_points(cell: WorkCell, path: Path) -> Array:
     """Return postures (M, n) [rad] along a path, dense enough for straight moves to keep clear."""
-    for spacing in SPACINGS:
+    for spacing in WAY_POINT_SPACINGS:
         points = path.sampled(1 / spacing)[1].q
-        steps = np.linspace(points[:-1], points[1:], DENSE, axis=1).reshape(-1, points.shape[1])
+        steps = np.linspace(points[:-1], points[1:], STATES_PER_MOVE, axis=1).reshape(
+            -1, points.shape[1]
+        )
         if not (cell.capsules.near(steps).distance < cell.limits.clearance / 2).any():
             break
     return points
@@ -82,8 +84,8 @@ def script(q: Array) -> str:
     line would be another program, which replaces it. Source: Universal Robots' script manual,
     Connecting to URControl.
     """
-    lines = [f"  servoj({_list(row)}, {SERVO})" for row in q]
-    start = f"  movej({_list(q[0])}, {APPROACH})"
+    lines = [f"  servoj({_list(row)}, {SERVO_ARGUMENTS})" for row in q]
+    start = f"  movej({_list(q[0])}, {APPROACH_ARGUMENTS})"
     return "\n".join(["def excite():", start, *lines, "  stopj(2.0)", "end", ""])
 
 
@@ -95,7 +97,7 @@ def stand_study(robot: str, payload: Payload | None, path: Path) -> str:
         "period_s": path.seconds,
         "coefficients": path.coefficients.tolist(),
     }
-    plan = {"trajectory": trajectory, "seconds": path.seconds + BESIDE}
+    plan = {"trajectory": trajectory, "seconds": path.seconds + REST_DURATION}
     if payload is not None:
         plan["payload"] = payload.model_dump(mode="json")
     recording = {
@@ -105,7 +107,7 @@ def stand_study(robot: str, payload: Payload | None, path: Path) -> str:
         "role": "fit",
         "simulate": plan,
     }
-    study = {"study": STUDY, "title": "A designed trajectory", "recordings": [recording]}
+    study = {"study": STUDY_NAME, "title": "A designed trajectory", "recordings": [recording]}
     return yaml.safe_dump(study, sort_keys=False, default_flow_style=None)
 
 

@@ -12,38 +12,42 @@ import numpy as np
 from ur5lib.excitation.problem import (
     PREDICTED_ACCELERATION,
     PREDICTED_SPEED,
-    Problem,
+    DesignProblem,
     information_of,
     random_states,
 )
-from ur5lib.excitation.trajectory import REACH, Cell, Path, States
-from ur5lib.identification.samples import STEP as INDEPENDENT
+from ur5lib.excitation.trajectory import DISTANCE_REACH, Path, States, WorkCell
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.profiles import fourier_terms, resting_series
 
 Criterion = Callable[[Array], tuple[float, Array]]
 """From the information M (P, P) to a value, the larger the better, and its gradient (P, P)."""
 
-CONDITION = 30.0  # weight of a condition number's logarithm beside log det
-RESOLVED = 1e-12  # smallest share of the largest eigenvalue that is not rounding
-FASTEST = 0.6  # Hz, of the series' highest harmonic; faster ones excite elastic joints
-FEWEST, MOST = 4, 30  # harmonics
-STEP = 0.05  # s between the states at which the optimisation evaluates a path
-INNER = 0.97  # share of each limit that the optimisation may use
+CONDITION_WEIGHT = 30.0  # of a condition number's logarithm beside log det
+MIN_EIGENVALUE_SHARE = 1e-12  # of the largest eigenvalue: less is rounding
+MAX_SERIES_FREQUENCY = 0.6  # Hz, of the highest harmonic; faster ones excite elastic joints
+MIN_HARMONICS = 4
+MAX_HARMONICS = 30
+STATE_STEP = 0.05  # s, between the states at which the optimisation evaluates a path
+USED_LIMIT_SHARE = 0.97  # of each limit, which the optimisation may use
+MIN_KEPT_ERROR_SHARE = 0.9  # of a standard error, which a recording then hardly lowers
 
 
-def d_optimality(wanted: Mask) -> Criterion:
+def d_optimality(estimated: Mask) -> Criterion:
     """Return the criterion log det of the information on some parameters, with the others unknown.
 
-    wanted: (P,), which parameters. log det M - log det M_oo, with o the others, which is the log
+    estimated: (P,), which parameters. log det M - log det M_oo, with o the others, which is the log
     det of the Schur complement (D_s-optimality).
     """
-    others = np.ix_(~wanted, ~wanted)
+    other_parameters = np.ix_(~estimated, ~estimated)
 
     def value_and_gradient(information: Array) -> tuple[float, Array]:
         gradient = np.asarray(np.linalg.inv(information), np.float64)
-        gradient[others] -= np.linalg.inv(information[others])
-        value = np.linalg.slogdet(information)[1] - np.linalg.slogdet(information[others])[1]
+        gradient[other_parameters] -= np.linalg.inv(information[other_parameters])
+        value = (
+            np.linalg.slogdet(information)[1] - np.linalg.slogdet(information[other_parameters])[1]
+        )
         return float(value), gradient
 
     return value_and_gradient
@@ -57,6 +61,7 @@ def i_optimality(rows: Array) -> Criterion:
     weight, half = rows.T @ rows / len(rows), rows.shape[1] / 2
 
     def value_and_gradient(information: Array) -> tuple[float, Array]:
+        # v = tr(W M⁻¹), dv/dM = -M⁻¹ W M⁻¹
         covariance = np.linalg.inv(information)
         mean = float(np.sum(weight * covariance))
         return -half * float(np.log(mean)), half / mean * covariance @ weight @ covariance
@@ -70,22 +75,25 @@ def conditioning(scale: Array) -> Criterion:
     Parameters of scale zero are left out. The criterion is zero if the number is too large for
     double precision.
     """
-    kept = np.ix_(scale > 0, scale > 0)
+    scaled = np.ix_(scale > 0, scale > 0)
     weight = np.outer(scale, scale)
 
     def value_and_gradient(information: Array) -> tuple[float, Array]:
-        values, vectors = np.linalg.eigh((weight * information)[kept])
+        values, vectors = np.linalg.eigh((weight * information)[scaled])
         gradient = np.zeros_like(information)
-        if values[0] < RESOLVED * values[-1]:
+        if values[0] < MIN_EIGENVALUE_SHARE * values[-1]:
             return 0.0, gradient
-        least, most = (np.outer(vectors[:, k], vectors[:, k]) / values[k] for k in (0, -1))
-        gradient[kept] = least - most
+        # ∂ log(λ_min / λ_max) / ∂M = v vᵀ / λ of both
+        lowest_slope, highest_slope = (
+            np.outer(vectors[:, k], vectors[:, k]) / values[k] for k in (0, -1)
+        )
+        gradient[scaled] = lowest_slope - highest_slope
         return float(np.log(values[0] / values[-1])), weight * gradient
 
     return value_and_gradient
 
 
-def _model(problem: Problem, _: Cell) -> Criterion:
+def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
     """Return D-optimality plus two condition numbers, to which it is hardly sensitive.
 
     That of the base parameters is in SI units, as in the literature; that of all parameters is in
@@ -100,13 +108,13 @@ def _model(problem: Problem, _: Cell) -> Criterion:
         value, gradient = informed(information)
         for part in conditioned:
             added, slope = part(information)
-            value, gradient = value + CONDITION * added, gradient + CONDITION * slope
+            value, gradient = value + CONDITION_WEIGHT * added, gradient + CONDITION_WEIGHT * slope
         return value, gradient
 
     return value_and_gradient
 
 
-def _undetermined(problem: Problem, _: Cell) -> Criterion:
+def _undetermined_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
     """Return I-optimality of standard errors relative to the prior's.
 
     The largest ratios dominate their mean square.
@@ -114,14 +122,14 @@ def _undetermined(problem: Problem, _: Cell) -> Criterion:
     return i_optimality(problem.to_physical() / problem.standard_errors(problem.prior)[:, None])
 
 
-def _d_optimality_of(problem: Problem, place: slice) -> Criterion:
+def _d_optimality_of(problem: DesignProblem, place: slice) -> Criterion:
     """Return D-optimality of the parameters at a place in θ."""
-    wanted = np.zeros(len(problem.theta), dtype=bool)
-    wanted[place] = True
-    return d_optimality(wanted)
+    estimated = np.zeros(len(problem.theta), dtype=bool)
+    estimated[place] = True
+    return d_optimality(estimated)
 
 
-def _force_bands(problem: Problem, cell: Cell) -> Criterion:
+def _force_bands(problem: DesignProblem, cell: WorkCell) -> Criterion:
     """Return I-optimality of the currents that are predicted at random states.
 
     External forces are estimated from the difference between measured and predicted currents.
@@ -131,9 +139,9 @@ def _force_bands(problem: Problem, cell: Cell) -> Criterion:
     return i_optimality(rows[:, problem.joints :].reshape(-1, len(problem.theta)))
 
 
-QUESTIONS: dict[str, Callable[[Problem, Cell], Criterion]] = {
-    "model": _model,
-    "undetermined": _undetermined,
+QUESTIONS: dict[str, Callable[[DesignProblem, WorkCell], Criterion]] = {
+    "model": _model_criterion,
+    "undetermined": _undetermined_criterion,
     "friction": lambda problem, _: _d_optimality_of(problem, problem.of_currents),
     "payload": lambda problem, _: _d_optimality_of(problem, problem.of_payload),
     "force-bands": _force_bands,
@@ -148,25 +156,25 @@ class Task:
     seconds: duration of the motion.
     """
 
-    cell: Cell
-    problem: Problem
+    cell: WorkCell
+    problem: DesignProblem
     criterion: Criterion
     earlier: Array
     seconds: float
 
     @property
     def harmonics(self) -> int:
-        """Return the number of harmonics, the highest at most FASTEST."""
-        return int(np.clip(self.seconds * FASTEST, FEWEST, MOST))
+        """Return the number of harmonics, the highest at most MAX_SERIES_FREQUENCY."""
+        return int(np.clip(self.seconds * MAX_SERIES_FREQUENCY, MIN_HARMONICS, MAX_HARMONICS))
 
     def regressor(self, path: Path) -> tuple[Array, Array]:
-        """Return Y (N, n, 11 n) and q̇ (N, n) of a path, every STEP."""
-        q, qd, qdd, _ = path.sampled(1 / STEP)[1]
+        """Return Y (N, n, 11 n) and q̇ (N, n) of a path, every STATE_STEP."""
+        q, qd, qdd, _ = path.sampled(1 / STATE_STEP)[1]
         return self.cell.model.regressor(q, qd, qdd), qd
 
     def information(self, path: Path) -> Array:
         """Return the information (P, P) of earlier recordings and of a recording along a path."""
-        return self.earlier + self.problem.information(*self.regressor(path), STEP)
+        return self.earlier + self.problem.information(*self.regressor(path), STATE_STEP)
 
 
 class Objective:
@@ -178,7 +186,7 @@ class Objective:
 
     def __init__(self, task: Task) -> None:
         self._task, self._joints = task, len(task.cell.middle)
-        time = np.arange(0, task.seconds, STEP)
+        time = np.arange(0, task.seconds, STATE_STEP)
         self._basis = resting_series(task.seconds, task.harmonics)
         terms = fourier_terms(task.seconds, task.harmonics, time)
         self._terms = [term @ self._basis for term in terms]  # (N, K) each
@@ -194,7 +202,7 @@ class Objective:
         return np.concatenate([path.posture, weights.ravel()])
 
     def states(self, x: Array) -> States:
-        """Return the states that the optimisation checks, one every STEP seconds."""
+        """Return the states that the optimisation checks, one every STATE_STEP seconds."""
         posture, weights = self._parts(x)
         q, qd, qdd, jerk = (term @ weights for term in self._terms)
         return States(q + posture, qd, qdd, jerk)
@@ -222,44 +230,45 @@ class Objective:
         """Return the criterion and its derivatives by Y and q̇."""
         task, problem = self._task, self._task.problem
         J = problem.rows(problem.theta, Y, qd)
-        value, of_information = task.criterion(task.earlier + information_of(J, STEP))
-        return value, *problem.pull_back(Y, qd, 2 * STEP / INDEPENDENT * J @ of_information)
+        value, of_information = task.criterion(task.earlier + information_of(J, STATE_STEP))
+        return value, *problem.pull_back(
+            Y, qd, 2 * STATE_STEP / INDEPENDENT_STEP * J @ of_information
+        )
 
     def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:
         """Return the sum of squared excesses over the limits, its slopes by states and torque."""
         cell, total, slopes = self._task.cell, 0.0, []
         parts = [*cell.limited(states), torque]
         for part, limit in zip(parts, cell.limits.of_joints(), strict=True):
-            over = np.maximum(np.abs(part) / (INNER * limit) - 1, 0)  # (N, n)
+            over = np.maximum(np.abs(part) / (USED_LIMIT_SHARE * limit) - 1, 0)  # (N, n)
             total += float(np.sum(over**2))
-            slopes.append(2 * over * np.sign(part) / (INNER * limit))
+            slopes.append(2 * over * np.sign(part) / (USED_LIMIT_SHARE * limit))
         for value, slope in (self._nearness(states.q), self._singularity(states.q)):
             total += value
             slopes[0] += slope
         return total, slopes[:4], slopes[4]
 
     def _nearness(self, q: Array) -> tuple[float, Array]:
-        """Return the penalty for parts that are too close, in units of REACH, and its slope."""
-        least = self._task.cell.limits.clearance / INNER
-        near = self._task.cell.capsules.near(q, gradient_below=least)
-        missing = np.maximum(least - near.distance, 0) / REACH
+        """Return the penalty for parts that are too close, over DISTANCE_REACH, and its slope."""
+        min_distance = self._task.cell.limits.clearance / USED_LIMIT_SHARE
+        clearances = self._task.cell.capsules.near(q, gradient_below=min_distance)
+        missing = np.maximum(min_distance - clearances.distance, 0) / DISTANCE_REACH
         slope = np.zeros_like(q)
-        np.add.at(slope, near.sample, -2 / REACH * missing[:, None] * near.gradient)
+        np.add.at(
+            slope, clearances.sample, -2 / DISTANCE_REACH * missing[:, None] * clearances.gradient
+        )
         return float(missing @ missing), slope
 
     def _singularity(self, q: Array) -> tuple[float, Array]:
         """Return the penalty of singular values that are too small, and its slope by q."""
-        least = self._task.cell.limits.singular_value / INNER
+        min_value = self._task.cell.limits.singular_value / USED_LIMIT_SHARE
         slope, missing = np.zeros_like(q), np.zeros(len(q))
-        low = self._task.cell.singular_value(q) < least
+        low = self._task.cell.singular_value(q) < min_value
         if low.any():
             value, pull_back = self._task.cell.differentiable_singular_value(q[low])
-            missing[low] = np.maximum(1 - value / least, 0)
-            (slope[low],) = pull_back(-2 / least * missing[low])
+            missing[low] = np.maximum(1 - value / min_value, 0)
+            (slope[low],) = pull_back(-2 / min_value * missing[low])
         return float(missing @ missing), slope
-
-
-HARDLY = 0.9  # share of a standard error above which a recording hardly lowers it
 
 
 @dataclass(frozen=True)
@@ -270,7 +279,7 @@ class Worth:
     recording; regressor_condition: condition number of the base parameters' regressor in SI units
     (Gautier 1992); condition: condition number of J, each column in units of its prior standard
     deviation, infinite where no target torque tells masses from gains; prior, before, after:
-    standard errors (P,) of `Problem.names` in physical units, by the prior alone, before the
+    standard errors (P,) of `DesignProblem.names` in physical units, by the prior alone, before the
     recording, and after it.
     """
 
@@ -291,7 +300,7 @@ class Worth:
 
     def hardly_lowered(self) -> Mask:
         """Return which parameters (P,) keep most of their standard error after the recording."""
-        return np.asarray(self.after > HARDLY * self.before)
+        return np.asarray(self.after > MIN_KEPT_ERROR_SHARE * self.before)
 
     @classmethod
     def along(cls, task: Task, path: Path) -> Self:
@@ -300,19 +309,19 @@ class Worth:
 
     @classmethod
     def of_states(cls, task: Task, Y: Array, qd: Array) -> Self:
-        """Return the worth of the states of a recording, every STEP; see `Task.regressor`."""
+        """Return the worth of the states of a recording, every STATE_STEP; see `Task.regressor`."""
         problem = task.problem
         W = Y[..., problem.base.columns].reshape(-1, problem.count)
         J = problem.rows(problem.theta, Y, qd).reshape(-1, len(problem.theta))
         width = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
-        told = np.isfinite(problem.noise.torque).all()
-        information = task.earlier + problem.information(Y, qd, STEP)
-        log_det, earlier = (np.linalg.slogdet(one)[1] for one in (information, task.earlier))
+        states_torques = np.isfinite(problem.noise.torque).all()
+        information = task.earlier + problem.information(Y, qd, STATE_STEP)
+        log_det, earlier = (np.linalg.slogdet(matrix)[1] for matrix in (information, task.earlier))
         return cls(
             log_det=float(log_det),
             gain=float(log_det - earlier),
             regressor_condition=float(np.linalg.cond(W)),
-            condition=float(np.linalg.cond(J * width)) if told else np.inf,
+            condition=float(np.linalg.cond(J * width)) if states_torques else np.inf,
             prior=problem.standard_errors(problem.prior),
             before=problem.standard_errors(task.earlier),
             after=problem.standard_errors(information),

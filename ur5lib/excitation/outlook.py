@@ -16,32 +16,34 @@ from scipy.linalg import block_diag
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.problem import (
-    CORRELATED,
+    CORRELATION_TIME,
     LOAD_WIDTH,
     PREDICTED_ACCELERATION,
     PREDICTED_SPEED,
+    DesignProblem,
     Maps,
-    Noise,
-    Problem,
+    MeasurementNoise,
     build_problem,
     nominal_maps,
     random_states,
 )
-from ur5lib.identification.currents import OTHER_DAYS, CurrentFit, Parameter
-from ur5lib.identification.samples import STEP as INDEPENDENT
+from ur5lib.identification.currents import SEASONAL_STD, CurrentFit, Parameter
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-KEPT = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's coefficients
-ROUNDS = 4  # iterations, after which predicted standard errors are within 3 % of the study's
-FAST, SLOW = (1.5, 3.0), (0.2, 0.4)  # rad/s, rad/s²: of recordings that may come next
-LOAD = Payload(mass=2.0, center_of_mass=(0.06, 0.0, 0.05))  # kg, m
-WEIGHED = 20.0  # s, along which a load is found
-FELT = 1e-6  # m; a smaller lever is none
+KEPT_COEFFICIENTS = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's
+SCALING_ROUNDS = 4  # after which predicted standard errors are within 3 % of the study's
+# Speed and acceleration of recordings that may come next.
+FAST_MOTION = (1.5, 3.0)  # rad/s, rad/s²
+SLOW_MOTION = (0.2, 0.4)
+CANDIDATE_LOAD = Payload(mass=2.0, center_of_mass=(0.06, 0.0, 0.05))  # kg, m
+WEIGHING_DURATION = 20.0  # s, along which a load is found
+MIN_LEVER = 1e-6  # m; a smaller lever is none
 
 
-class Recorded(NamedTuple):
+class RecordedStates(NamedTuple):
     """Independent states of a recording: link model with its payload and mounting, regressor Y
     (N, n, 11 n), velocities (N, n) [rad/s].
     """
@@ -52,13 +54,13 @@ class Recorded(NamedTuple):
 
     @classmethod
     def along(cls, robot: Robot, time: Array, *motion: Array) -> Self:
-        """Return the states of a recording every INDEPENDENT, without unknown ones.
+        """Return the states of a recording every INDEPENDENT_STEP, without unknown ones.
 
         robot: mounted, with its payload; time: (N,) [s]; motion: q, q̇, q̈, (N, n) each.
         """
         model = LinkModel(robot, robot.fullest_model())
-        every = max(1, round(INDEPENDENT / float(np.median(np.diff(time)))))
-        states = np.stack(motion)[:, ::every]
+        stride = max(1, round(INDEPENDENT_STEP / float(np.median(np.diff(time)))))
+        states = np.stack(motion)[:, ::stride]
         q, qd, qdd = states[:, np.isfinite(states).all(axis=(0, 2))]
         return cls(model, model.regressor(q, qd, qdd), qd)
 
@@ -75,31 +77,35 @@ class Earlier:
     parameters: Sequence[Parameter]
     noise: Array | None
     fitted: int
-    recordings: Sequence[Recorded]
+    recordings: Sequence[RecordedStates]
 
     def maps(self, arm: Robot) -> Maps:
         """Return the maps from torques and motion to currents, with noise; else nominal ones."""
         nominal = nominal_maps(arm)
         torque = nominal.noise.torque if self.noise is None else self.noise
         if not self.fitted:
-            return Maps(nominal.coefficients, Noise(torque, nominal.noise.current))
+            return Maps(nominal.coefficients, MeasurementNoise(torque, nominal.noise.current))
         bands = np.array([joint.band_moving for joint in self.fit.joints]) / NORMAL95
         current = np.where(np.isfinite(bands), bands, nominal.noise.current)
         terms = [
             dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
             for joint in self.fit.joints
         ]  # zero for a term that the fit does not have
-        kept = [[own.get(name, 0.0) for name in KEPT] for own in terms]
-        return Maps(np.array(kept), Noise(torque, current))
+        rows = [
+            [coefficients.get(name, 0.0) for name in KEPT_COEFFICIENTS] for coefficients in terms
+        ]
+        return Maps(np.array(rows), MeasurementNoise(torque, current))
 
     def observed(self) -> Array:
-        """Return the standard errors (n, 5) of KEPT, NaN for a missing term."""
+        """Return the standard errors (n, 5) of KEPT_COEFFICIENTS, NaN for a missing term."""
         errors = {(row.joint, row.name): row.std_error for row in self.parameters}
         joints = range(1, len(self.fit.joints) + 1)
-        return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in joints])
+        return np.array(
+            [[errors.get((k, name), np.nan) for name in KEPT_COEFFICIENTS] for k in joints]
+        )
 
 
-def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Problem, Array]:
+def problem_after(arm: Robot, earlier: Earlier, has_payload: bool) -> tuple[DesignProblem, Array]:
     """Return the problem of an arm that a study identified, and the information (P, P) so far.
 
     arm: as identified; has_payload: whether a load is estimated. The noise of the currents is
@@ -107,19 +113,21 @@ def problem_after(arm: Robot, known: Earlier, has_payload: bool) -> tuple[Proble
     between recordings.
     """
     model = LinkModel(arm, arm.fullest_model())
-    problem = build_problem(arm, model, known.maps(arm), has_payload, typical=True)
-    if known.fitted:
-        problem = _as_observed(problem, known.recordings, known.observed())
-    return problem, _information(problem, known.recordings)
+    problem = build_problem(arm, model, earlier.maps(arm), has_payload, typical=True)
+    if earlier.fitted:
+        problem = _as_observed(problem, earlier.recordings, earlier.observed())
+    return problem, _information(problem, earlier.recordings)
 
 
-def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Array) -> Problem:
+def _as_observed(
+    problem: DesignProblem, recordings: Sequence[RecordedStates], observed: Array
+) -> DesignProblem:
     """Return the problem with the noise of currents scaled to the observed standard errors (n, 5).
 
     One factor for each joint: the median over its five parameters, at least 1.
     """
     noise, factor = problem.noise, np.ones(problem.joints)
-    for _ in range(ROUNDS):
+    for _ in range(SCALING_ROUNDS):
         errors = problem.standard_errors(_information(problem, recordings))
         predicted = errors[problem.of_currents].reshape(-1, 5)
         factor = np.maximum(factor * np.nanmedian(observed / predicted, axis=1), 1)
@@ -127,11 +135,11 @@ def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Arr
     return problem
 
 
-def _information(problem: Problem, recordings: Sequence[Recorded]) -> Array:
+def _information(problem: DesignProblem, recordings: Sequence[RecordedStates]) -> Array:
     """Return the information (P, P) of the prior and of recordings."""
     information = problem.prior.copy()
     for model, Y, qd in recordings:
-        information += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT)
+        information += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT_STEP)
     return information
 
 
@@ -150,19 +158,19 @@ class Bands:
 
 def feels_forces(arm: Robot) -> bool:
     """Return whether an arm's joints feel forces at the flange in all directions."""
-    linear = flange_kinematics(arm, random_states(arm, *FAST)[0])[2][:, :3]
-    return bool(np.linalg.matrix_rank(linear, tol=FELT).max() == 3)
+    linear = flange_kinematics(arm, random_states(arm, *FAST_MOTION)[0])[2][:, :3]
+    return bool(np.linalg.matrix_rank(linear, tol=MIN_LEVER).max() == 3)
 
 
 class Outlook:
     """The bands of an arm after further recordings; of one that `feels_forces`."""
 
-    def __init__(self, arm: Robot, known: Earlier) -> None:
-        """Evaluate the arm at random states; information: of what is known, (P, P)."""
-        problem, self.information = problem_after(arm, known, has_payload=False)
+    def __init__(self, arm: Robot, earlier: Earlier) -> None:
+        """Evaluate the arm at random states; information (P, P): of the prior and recordings."""
+        problem, self.information = problem_after(arm, earlier, has_payload=False)
         q, qd, qdd = random_states(arm, PREDICTED_SPEED, PREDICTED_ACCELERATION)
         Y = LinkModel(arm, arm.fullest_model()).regressor(q, qd, qdd)
-        self.problem, self._arm, self._known = problem, arm, known
+        self.problem, self._arm, self._known = problem, arm, earlier
         self._rows = problem.rows(problem.theta, Y, qd)[:, problem.joints :]  # over the noise
         self._friction = problem.friction_current(Y, qd)
         self._with_load = problem.rows_with_load(Y, qd)
@@ -170,34 +178,36 @@ class Outlook:
 
     def bands(self, information: Array, after: str = "now") -> Bands:
         """Return the bands by an information (P, P) on the parameters."""
-        apart = self._within() ** 2 + (OTHER_DAYS * self._friction) ** 2
+        residual_variance = self._within() ** 2 + (SEASONAL_STD * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
-        current = doubt + apart[..., None] * np.eye(self.problem.joints)
+        # cov i = ∂i/∂θ M⁻¹ ∂i/∂θᵀ + what recordings and days differ in
+        current = doubt + residual_variance[..., None] * np.eye(self.problem.joints)
         constant = 1 / self.problem.theta[self.problem.of_currents][::5]
+        # (J Σ⁻¹ Jᵀ)⁻¹, Σ = diag(k) cov i diag(k)
         torque = np.linalg.inv(current * np.outer(constant, constant))
         force = np.linalg.inv(self._jacobian @ torque @ self._jacobian.mT)
         variances = (
             np.median(np.trace(force, axis1=1, axis2=2)) / 3,
             np.trace(current, axis1=1, axis2=2).mean() / self.problem.joints,
-            self._mass(information, apart),
+            self._mass(information, residual_variance),
         )
-        return Bands(after, *(NORMAL95 * float(np.sqrt(own)) for own in variances))
+        return Bands(after, *(NORMAL95 * float(np.sqrt(variance)) for variance in variances))
 
     def ranked(self, candidates: Iterable[tuple[str, Array]]) -> list[Bands]:
         """Return the bands as they are, then those after each candidate, the least force first.
 
         candidates: names, and what they would tell beyond the information so far, (P, P).
         """
-        rows = [self.bands(self.information + own, name) for name, own in candidates]
+        rows = [self.bands(self.information + gain, name) for name, gain in candidates]
         return [self.bands(self.information), *sorted(rows, key=attrgetter("force"))]
 
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
         """Yield what recordings of some length would tell, (P, P)."""
         for name, load, motion in (
-            ("all joints", None, FAST),
-            ("all joints slowly", None, SLOW),
-            ("all joints with 2 kg", LOAD, FAST),
+            ("all joints", None, FAST_MOTION),
+            ("all joints slowly", None, SLOW_MOTION),
+            ("all joints with 2 kg", CANDIDATE_LOAD, FAST_MOTION),
         ):
             model = LinkModel(self._arm.carrying(load), self._arm.fullest_model())
             q, qd, qdd = random_states(self._arm, *motion)
@@ -207,18 +217,19 @@ class Outlook:
 
     def _within(self) -> Array:
         """Return the standard deviations (n,) [A] by which recordings differ."""
-        known = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
-        return np.where(np.isfinite(known), known, self.problem.noise.current)
+        errors = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
+        return np.where(np.isfinite(errors), errors, self.problem.noise.current)
 
-    def _mass(self, information: Array, apart: Array) -> float:
-        """Return the variance [kg²] of a load's mass along WEIGHED seconds of the states.
+    def _mass(self, information: Array, residual_variance: Array) -> float:
+        """Return the variance [kg²] of a load's mass along WEIGHING_DURATION seconds of the states.
 
-        apart: variance (N, n) [A²] of currents, independent every CORRELATED.
+        residual_variance: variance (N, n) [A²] of currents, independent every CORRELATION_TIME.
         """
         count = len(information)
         load = np.diag(LOAD_WIDTH**-2.0)
-        relative = self.problem.noise.current / np.sqrt(apart)  # (N, n)
+        relative = self.problem.noise.current / np.sqrt(residual_variance)  # (N, n)
         J = (self._with_load * relative[..., None]).reshape(-1, count + 10)
-        seconds = WEIGHED / CORRELATED / len(relative)
-        whole = block_diag(information, load) + J.T @ J * seconds
-        return float(np.linalg.inv(whole)[count, count])
+        seconds = WEIGHING_DURATION / CORRELATION_TIME / len(relative)
+        # information on θ and p together: that on p alone follows by inversion
+        joint_information = block_diag(information, load) + J.T @ J * seconds
+        return float(np.linalg.inv(joint_information)[count, count])

@@ -16,8 +16,8 @@ from scipy.linalg import block_diag
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.identification.base_parameters import (
-    LINK,
-    OF_JOINT,
+    LINK_PARAMETERS,
+    PARAMETERS_PER_JOINT,
     BaseParameters,
     base_parameters,
     prior_width,
@@ -25,40 +25,53 @@ from ur5lib.identification.base_parameters import (
 from ur5lib.identification.excitation import candidate_motions
 from ur5lib.identification.prior import Prior, typical_friction
 from ur5lib.identification.regression import Normal
-from ur5lib.identification.samples import STEP as INDEPENDENT
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.robots.description import Robot
-from ur5lib.robots.friction import BASE
+from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.timeseries.arrays import Array
 
-CORRELATED = 1.0  # s between errors of real arms that are independent, the longest of 0.3 to 1 s
-DIRECTION = 0.05  # rad/s, ε, over which dry friction reaches its full size
+CORRELATION_TIME = 1.0  # s, of the errors of real arms, the longest of 0.3 to 1 s
+DIRECTION_SPEED = 0.05  # rad/s, ε, over which dry friction reaches its full size
 TORQUE_NOISE = 0.02  # Nm, of target torques, unless a study has estimated it
 CURRENT_NOISE = 0.01  # relative to the current at the largest torque; likewise
 CONSTANT_WIDTH = 0.3  # relative standard deviation of a maker's torque constants
 UR_CONSTANT_WIDTH = 0.1  # of those of a UR's motors
-NOMINAL = (0.06, 0.06, 0.05)  # Coulomb, viscous friction over the largest torque; load friction
-BEHIND = 0.05  # share of a joint's friction and offset that its torque sensor sees
+# Coulomb and viscous friction over the largest torque; load friction.
+NOMINAL_FRICTION = (0.06, 0.06, 0.05)
+SENSED_FRICTION_SHARE = 0.05  # of a joint's friction and offset, which its torque sensor sees
 SENSOR_NOISE = 0.003  # relative to the largest torque: what two real arms' sensors leave of a fit
 GAIN_WIDTH = 0.03  # standard deviation of calibrated torque sensors' gains
-PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
-SENSED = ("gain", "bias", *PER_JOINT[2:])  # of arms with torque sensors
-UNITS = {  # by a name's start
+JOINT_PARAMETERS = (
+    "torque constant",
+    "offset",
+    "Coulomb friction",
+    "viscous friction",
+    "load friction",
+)
+SENSED_JOINT_PARAMETERS = ("gain", "bias", *JOINT_PARAMETERS[2:])  # of arms with torque sensors
+UNITS_BY_START = {  # of a name
     **{"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"},
-    **dict(zip(PER_JOINT, ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm"), strict=True)),
+    **dict(zip(JOINT_PARAMETERS, ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm"), strict=True)),
     **{"gain": "Nm/Nm", "bias": "Nm"},
 }
-PAYLOAD = "payload: "
-LOAD_WIDTH = prior_width(OF_JOINT)[: len(LINK)]  # standard deviations of a load's ten parameters
-PREDICTED_SPEED, PREDICTED_ACCELERATION = 1.0, 2.0  # rad/s, rad/s²: where forces are estimated
-SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that determine base parameters
+PAYLOAD_PREFIX = "payload: "
+# Standard deviations of a load's ten parameters.
+LOAD_WIDTH = prior_width(PARAMETERS_PER_JOINT)[: len(LINK_PARAMETERS)]
+# Of the states at which forces are estimated.
+PREDICTED_SPEED = 1.0  # rad/s
+PREDICTED_ACCELERATION = 2.0  # rad/s²
+# Of the states that determine base parameters.
+RANK_TEST_SPEED = 1.5  # rad/s
+RANK_TEST_ACCELERATION = 3.0  # rad/s²
 
 
 @dataclass(frozen=True)
-class Noise:
-    """Standard deviations of target torques (n,) [Nm] and currents (n,) [A], every INDEPENDENT.
+class MeasurementNoise:
+    """Standard deviations of target torques (n,) [Nm] and currents (n,) [A].
 
-    Errors that are independent only every T seconds count as √(T / INDEPENDENT) times as large.
-    That of target torques is infinite where the controller states none.
+    Of errors that are independent every INDEPENDENT_STEP; those that are so only every T seconds
+    count as √(T / INDEPENDENT_STEP) times as large. That of target torques is infinite where the
+    controller states none.
     """
 
     torque: Array
@@ -70,11 +83,11 @@ class Maps:
     """The joints' maps from torque to current, (n, 5): a [A/Nm], b [A], c, v, l over k."""
 
     coefficients: Array
-    noise: Noise
+    noise: MeasurementNoise
 
 
 @dataclass(frozen=True)
-class Problem:
+class DesignProblem:
     """The parameters θ = (β, the joints' a b c v l in turn, p) and their measurement.
 
     base: β, (B,); theta: (P,), nominal values; prior: (P, P), the information before any recording;
@@ -84,7 +97,7 @@ class Problem:
 
     base: BaseParameters
     theta: Array
-    noise: Noise
+    noise: MeasurementNoise
     prior: Array
     has_payload: bool
     senses_torque: bool = False
@@ -112,9 +125,9 @@ class Problem:
     @property
     def of_last_link(self) -> slice:
         """Return the place of the last link in the columns of Y: a payload moves as it does."""
-        return slice(len(LINK) * (self.joints - 1), len(LINK) * self.joints)
+        return slice(len(LINK_PARAMETERS) * (self.joints - 1), len(LINK_PARAMETERS) * self.joints)
 
-    def of_model(self, parameters: Array) -> "Problem":
+    def of_model(self, parameters: Array) -> "DesignProblem":
         """Return the problem about other inertial parameters π (11 n,), as of another load."""
         beta = self.base.groups @ parameters
         return replace(self, theta=np.concatenate([beta, self.theta[self.count :]]))
@@ -122,15 +135,19 @@ class Problem:
     def names(self) -> list[str]:
         """Return the parameters' names, in physical terms."""
         links = [self.base.parameters[column] for column in self.base.columns]
-        own = SENSED if self.senses_torque else PER_JOINT
-        joints = [f"{name} of joint {k + 1}" for k in range(self.joints) for name in own]
+        names_per_joint = SENSED_JOINT_PARAMETERS if self.senses_torque else JOINT_PARAMETERS
+        joints = [
+            f"{name} of joint {k + 1}" for k in range(self.joints) for name in names_per_joint
+        ]
         load = self.base.parameters[self.of_last_link] if self.has_payload else []
-        return [*links, *joints, *(f"{PAYLOAD}{name}" for name in load)]
+        return [*links, *joints, *(f"{PAYLOAD_PREFIX}{name}" for name in load)]
 
     def units(self) -> list[str]:
         """Return the units of the parameters, in the order of `names`."""
-        names = [name.removeprefix(PAYLOAD) for name in self.names()]
-        return [next(u for start, u in UNITS.items() if n.startswith(start)) for n in names]
+        names = [name.removeprefix(PAYLOAD_PREFIX) for name in self.names()]
+        return [
+            next(u for start, u in UNITS_BY_START.items() if n.startswith(start)) for n in names
+        ]
 
     def measured(self, theta: Array, Y: Array, qd: Array) -> Array:
         """Return target torques and currents (N, 2 n) [Nm, A] over their noise, for θ (P,).
@@ -139,7 +156,8 @@ class Problem:
         """
         torque, load = self._torques(theta, Y)
         a, b, c, v, per_load = theta[self.of_currents].reshape(-1, 5).T
-        z = np.tanh(qd / DIRECTION)
+        z = np.tanh(qd / DIRECTION_SPEED)
+        # i = a T + b + c z + v q̇ + l |T| z
         current = a * load + b + c * z + v * qd + per_load * np.abs(load) * z
         return np.hstack([torque / self.noise.torque, current / self.noise.current])
 
@@ -191,11 +209,11 @@ class Problem:
         per_load, sign = theta[self.of_currents].reshape(-1, 5)[:, 4], np.sign(load)
         of_Y += self.pull_back_torque(of_T + of_load * z * sign)
         of_z = of_sign + of_load * np.abs(load) + of_gain * per_load * sign
-        return of_Y, of_rate + of_z * (1 - z**2) / DIRECTION
+        return of_Y, of_rate + of_z * (1 - z**2) / DIRECTION_SPEED
 
     def pull_back_torque(self, sensitivity: Array) -> Array:
         """Return ∂f/∂Y (N, n, 11 n) from ∂f/∂T (N, n), T the torque of arm and nominal payload."""
-        of_Y = np.zeros((*sensitivity.shape, OF_JOINT * self.joints))
+        of_Y = np.zeros((*sensitivity.shape, PARAMETERS_PER_JOINT * self.joints))
         of_Y[..., self.base.columns] = sensitivity[..., None] * self.theta[: self.count]
         if self.has_payload:
             of_Y[..., self.of_last_link] += sensitivity[..., None] * self.theta[self.of_payload]
@@ -213,7 +231,7 @@ class Problem:
         return self._torques(self.theta, Y)[1]
 
     def standard_errors(self, information: Array) -> Array:
-        """Return the standard errors (P,) of the parameters in physical units, see `UNITS`."""
+        """Return the parameters' standard errors (P,) in physical units, see `UNITS_BY_START`."""
         rotated = self.to_physical()
         return np.sqrt(np.diag(rotated @ np.linalg.inv(information) @ rotated.T))
 
@@ -237,7 +255,7 @@ class Problem:
     def _gain(self, theta: Array, load: Array, qd: Array) -> tuple[Array, Array]:
         """Return z and ∂i/∂T = a + l z sign T, (N, n) each."""
         a, _, _, _, per_load = theta[self.of_currents].reshape(-1, 5).T
-        z = np.tanh(qd / DIRECTION)
+        z = np.tanh(qd / DIRECTION_SPEED)
         return z, a + per_load * z * np.sign(load)
 
     def _joint_columns(self) -> list[slice]:
@@ -248,10 +266,10 @@ class Problem:
 def information_of(J: Array, step: float) -> Array:
     """Return the information (P, P) of the rows J (N, 2 n, P) of samples every `step` [s].
 
-    Jᵀ J step/INDEPENDENT, for normal errors that are independent every INDEPENDENT.
+    Jᵀ J step/INDEPENDENT_STEP, for normal errors that are independent every INDEPENDENT_STEP.
     """
     rows = J.reshape(-1, J.shape[-1])
-    return rows.T @ rows * (step / INDEPENDENT)
+    return rows.T @ rows * (step / INDEPENDENT_STEP)
 
 
 def nominal_maps(robot: Robot) -> Maps:
@@ -267,19 +285,21 @@ def nominal_maps(robot: Robot) -> Maps:
             "`gear_ratio` into its description, 1 and 1 where its joints sense torque"
         )
     constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
-    largest, ones, seen = np.array(robot.torque_limits()), np.ones_like(constants), _seen(robot)
-    coulomb, viscous, load = (seen * share for share in NOMINAL)
+    largest = np.array(robot.torque_limits())
+    ones = np.ones_like(constants)
+    friction_share = _friction_share(robot)
+    coulomb, viscous, load = (friction_share * share for share in NOMINAL_FRICTION)
     torques = [ones, 0 * ones, coulomb * largest, viscous * largest, load * ones]
-    slow = np.sqrt(CORRELATED / INDEPENDENT)
+    slow = np.sqrt(CORRELATION_TIME / INDEPENDENT_STEP)
     relative = SENSOR_NOISE if robot.senses_torque() else CURRENT_NOISE
     targets = slow * TORQUE_NOISE if robot.is_ur() else np.inf
-    noise = Noise(targets * ones, slow * relative * largest / constants)
+    noise = MeasurementNoise(targets * ones, slow * relative * largest / constants)
     return Maps(np.stack(torques, axis=1) / constants[:, None], noise)
 
 
-def _seen(robot: Robot) -> float:
+def _friction_share(robot: Robot) -> float:
     """Return the share of the joints' friction that currents or torque sensors contain."""
-    return BEHIND if robot.senses_torque() else 1.0
+    return SENSED_FRICTION_SHARE if robot.senses_torque() else 1.0
 
 
 def random_states(robot: Robot, speed: float, acceleration: float) -> tuple[Array, Array, Array]:
@@ -294,20 +314,22 @@ def random_states(robot: Robot, speed: float, acceleration: float) -> tuple[Arra
 
 def build_problem(
     robot: Robot, model: LinkModel, maps: Maps, has_payload: bool, typical: bool = False
-) -> Problem:
+) -> DesignProblem:
     """Return the problem of an arm with a link model.
 
     has_payload: whether a load is estimated; typical: whether a UR's friction and constants are
     expected as the fits expect them.
     """
-    base = base_parameters(model.regressor(*random_states(robot, SPEED, ACCELERATION)))
+    base = base_parameters(
+        model.regressor(*random_states(robot, RANK_TEST_SPEED, RANK_TEST_ACCELERATION))
+    )
     beta = base.groups @ model.parameters
     theta = np.concatenate([beta, maps.coefficients.ravel(), np.zeros(10 * has_payload)])
     spread = base.groups * prior_width(base.groups.shape[1])
     blocks = [np.linalg.inv(spread @ spread.T), _prior_of_maps(robot, maps, typical)]
     blocks += [np.diag(LOAD_WIDTH**-2.0)] * has_payload
     prior = np.asarray(block_diag(*blocks))
-    return Problem(base, theta, maps.noise, prior, has_payload, robot.senses_torque())
+    return DesignProblem(base, theta, maps.noise, prior, has_payload, robot.senses_torque())
 
 
 def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
@@ -319,6 +341,6 @@ def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
     width, friction = GAIN_WIDTH if robot.senses_torque() else CONSTANT_WIDTH, {}
     if typical and robot.has_ur_motors():
         width, friction = UR_CONSTANT_WIDTH, typical_friction(torque_max)
-    known = Normal(inverse, np.diag((width * inverse) ** -2.0))
-    prior = Prior(known, _seen(robot) * torque_max, typical=friction)
-    return prior.over(BASE).precision
+    constants = Normal(inverse, np.diag((width * inverse) ** -2.0))
+    prior = Prior(constants, _friction_share(robot) * torque_max, typical=friction)
+    return prior.over(BASE_TERMS).precision

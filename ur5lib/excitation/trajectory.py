@@ -10,9 +10,20 @@ from ur5lib.dynamics.flange import differentiable_singular_value, independent_tw
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import SINGULAR_VALUE
+from ur5lib.robots.statics import MIN_SINGULAR_VALUE
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import fourier_terms
+
+# Shares of the arm's limits that a trajectory may use.
+POSITION_SHARE = 0.95
+VELOCITY_SHARE = 0.5
+ACCELERATION_SHARE = 0.5
+TORQUE_SHARE = 0.8
+MAX_JERK = 200.0  # rad/s³; no description states a limit
+ENDLESS_RANGE = 2 * np.pi  # rad, to either side, of a joint that turns without end
+MIN_CLEARANCE = 0.03  # m, between capsules
+DISTANCE_REACH = 0.1  # m, up to which distances are measured
+JOINT_LIMITS = ("position", "velocity", "acceleration", "jerk", "torque")
 
 
 class States(NamedTuple):
@@ -52,16 +63,6 @@ class Path:
         return replace(self, coefficients=self.coefficients * share)
 
 
-# Shares of the arm's limits that a trajectory may use.
-POSITION, VELOCITY, ACCELERATION, TORQUE = 0.95, 0.5, 0.5, 0.8
-JERK = 200.0  # rad/s³; no description states a limit
-TURN = 2 * np.pi  # rad, to either side, of a joint that turns without end
-CLEARANCE = 0.03  # m, between capsules
-REACH = 0.1  # m, up to which distances are measured
-
-PER_JOINT = ("position", "velocity", "acceleration", "jerk", "torque")
-
-
 @dataclass(frozen=True)
 class Limits:
     """The limits of a trajectory; those of joints hold for both signs.
@@ -76,8 +77,8 @@ class Limits:
     acceleration: Array
     jerk: Array
     torque: Array
-    clearance: float = CLEARANCE
-    singular_value: float = SINGULAR_VALUE
+    clearance: float = MIN_CLEARANCE
+    singular_value: float = MIN_SINGULAR_VALUE
 
     def of_joints(self) -> list[Array]:
         """Return the limits of q, q̇, q̈, jerk and torque, (n,) each."""
@@ -89,8 +90,8 @@ class Margins:
     """The use of its limits by a trajectory, which keeps them if `broken` returns nothing.
 
     used: by the name of a limit, the largest share of it that each joint uses, (n,); clearance:
-    smallest distance between parts [m], at most REACH; nearest: the names of these parts, empty
-    beyond REACH; singular_value: the smallest of the Jacobian.
+    smallest distance between parts [m], at most DISTANCE_REACH; nearest: the names of these parts,
+    empty beyond DISTANCE_REACH; singular_value: the smallest of the Jacobian.
     """
 
     limits: Limits
@@ -126,7 +127,11 @@ class Margins:
             + "".join(f"{share:>7.0%}" for share in shares)
             for name, shares in self.used.items()
         ]
-        distance = f"{self.clearance:.3f} m ({self.nearest})" if self.nearest else f"over {REACH} m"
+        distance = (
+            f"{self.clearance:.3f} m ({self.nearest})"
+            if self.nearest
+            else f"over {DISTANCE_REACH} m"
+        )
         return [
             *shares,
             f"least distance between parts: {distance}, allowed {self.limits.clearance:g} m",
@@ -136,7 +141,7 @@ class Margins:
 
 
 @dataclass(frozen=True)
-class Cell:
+class WorkCell:
     """An arm in its surroundings, with all that checks a trajectory.
 
     middle: of the joints' ranges (n,) [rad]; twists: how many the flange has, at most 6.
@@ -155,19 +160,19 @@ class Cell:
 
         Its limits are shares of those in its description.
         """
-        ranges = np.nan_to_num(robot.position_limits(), posinf=TURN, neginf=-TURN)
+        ranges = np.nan_to_num(robot.position_limits(), posinf=ENDLESS_RANGE, neginf=-ENDLESS_RANGE)
         limits = Limits(
-            POSITION * np.ptp(ranges, axis=1) / 2,
-            VELOCITY * np.array(robot.velocity_limits()),
-            ACCELERATION * np.array(robot.acceleration_limits()),
-            np.full(len(ranges), JERK),
-            TORQUE * np.array(robot.torque_limits()),
+            POSITION_SHARE * np.ptp(ranges, axis=1) / 2,
+            VELOCITY_SHARE * np.array(robot.velocity_limits()),
+            ACCELERATION_SHARE * np.array(robot.acceleration_limits()),
+            np.full(len(ranges), MAX_JERK),
+            TORQUE_SHARE * np.array(robot.torque_limits()),
         )
         return cls(
             robot,
             LinkModel(robot, robot.fullest_model()),
             limits,
-            Capsules(robot, surroundings, REACH),
+            Capsules(robot, surroundings, DISTANCE_REACH),
             ranges.mean(axis=1),
             independent_twists(robot),
         )
@@ -188,14 +193,14 @@ class Cell:
         """Return the margins of a trajectory to the limits."""
         torque = self.model.inverse_dynamics(states.q, states.qd, states.qdd)
         parts = [*self.limited(states), torque]
-        limited = zip(PER_JOINT, parts, self.limits.of_joints(), strict=True)
+        limited = zip(JOINT_LIMITS, parts, self.limits.of_joints(), strict=True)
         used = {name: np.abs(part).max(axis=0) / limit for name, part, limit in limited}
-        near = self.capsules.near(states.q)
-        nearest = int(np.argmin(near.distance)) if len(near.distance) else None
+        clearances = self.capsules.near(states.q)
+        nearest = int(np.argmin(clearances.distance)) if len(clearances.distance) else None
         return Margins(
             self.limits,
             used,
-            REACH if nearest is None else float(near.distance[nearest]),
-            "" if nearest is None else " and ".join(near.pairs[nearest]),
+            DISTANCE_REACH if nearest is None else float(clearances.distance[nearest]),
+            "" if nearest is None else " and ".join(clearances.pairs[nearest]),
             float(self.singular_value(states.q).min()),
         )

@@ -29,25 +29,28 @@ def smooth(
     them; R: cov v.
     """
     joints = measured.shape[1]
-    every = np.eye(joints)
-    known = finite_rows(measured)[:, None, None]
-    inputs = np.concatenate([measured[:, :, None], friction[:, :, None] * every], axis=2)
-    inputs = np.where(known, inputs, 0.0)  # (N, n, n + 1)
+    identity = np.eye(joints)
+    measured_rows = finite_rows(measured)[:, None, None]
+    inputs = np.concatenate([measured[:, :, None], friction[:, :, None] * identity], axis=2)
+    inputs = np.where(measured_rows, inputs, 0.0)  # (N, n, n + 1)
     # R⁻¹, and 0 where nothing was measured
-    weight = np.where(known, np.linalg.inv(noise), 0.0)
+    weight = np.where(measured_rows, np.linalg.inv(noise), 0.0)
     weighted = weight @ inputs
-    whole, before = _precision(weight, spread, decay)
-    factor = _factor(whole, before)
-    found = cho_solve_banded((factor, True), weighted.reshape(-1, joints + 1))
-    found = found.reshape(inputs.shape)
+    diagonal, off_diagonal = _precision(weight, spread, decay)
+    factor = _factor(diagonal, off_diagonal)
+    solution = cho_solve_banded((factor, True), weighted.reshape(-1, joints + 1))
+    solution = solution.reshape(inputs.shape)
     # s = (E_f V⁻¹ E_fᵀ + 1 / σ²)⁻¹ E_f V⁻¹ e, of innovations: Y V⁻¹ Yᵀ = Y R⁻¹ (Y - b)
-    squares = np.tensordot(weighted, inputs - found, axes=((0, 1), (0, 1)))
-    doubt = np.linalg.inv(squares[1:, 1:] + every / scale_std**2)
-    scale = doubt @ squares[1:, 0]
+    squares = np.tensordot(weighted, inputs - solution, axes=((0, 1), (0, 1)))
+    scale_covariance = np.linalg.inv(squares[1:, 1:] + identity / scale_std**2)
+    scale = scale_covariance @ squares[1:, 0]
     # u = b(measured) + (f - b(f)) s, and the covariance likewise
-    apart = friction[:, :, None] * every - found[:, :, 1:]  # (N, n, n)
-    covariance = _covariance(whole, before, factor)
-    return Gaussians(found[:, :, 0] + apart @ scale, covariance + apart @ doubt @ apart.mT)
+    remaining_friction = friction[:, :, None] * identity - solution[:, :, 1:]  # (N, n, n)
+    covariance = _covariance(diagonal, off_diagonal, factor)
+    return Gaussians(
+        solution[:, :, 0] + remaining_friction @ scale,
+        covariance + remaining_friction @ scale_covariance @ remaining_friction.mT,
+    )
 
 
 def _precision(weight: Array, spread: Array, decay: Array) -> tuple[Array, Array]:
@@ -57,35 +60,35 @@ def _precision(weight: Array, spread: Array, decay: Array) -> tuple[Array, Array
     # V = (cov w)⁻¹;  Λ(t, t) = V(t) + A(t + 1) V(t + 1) A(t + 1) + R⁻¹(t), Λ(t, t - 1) = -V(t) A(t)
     renewal = 1 - decay**2
     renewal[0] = 1.0
-    own = 1 / (renewal * spread)
-    before = -own * decay
-    own[:-1] -= decay[1:] * before[1:]
-    return weight + own[:, :, None] * np.eye(spread.shape[1]), before
+    information = 1 / (renewal * spread)
+    off_diagonal = -information * decay
+    information[:-1] -= decay[1:] * off_diagonal[1:]
+    return weight + information[:, :, None] * np.eye(spread.shape[1]), off_diagonal
 
 
-def _covariance(whole: Array, before: Array, factor: Array) -> Array:
+def _covariance(diagonal: Array, off_diagonal: Array, factor: Array) -> Array:
     """Return the covariances (N, n, n) of b at each sample; factor: by `_factor`.
 
     Its inverse is the sum of what the past tells, and the future, less Λ(t, t), which both contain.
     """
     # from the last sample to the first, the past is the future
-    following = np.roll(before, -1, axis=0)
-    reverse = _factor(whole[::-1, ::-1, ::-1], following[::-1, ::-1])
-    past, future = (_squares(each, whole.shape[1]) for each in (factor, reverse))
-    return np.asarray(np.linalg.inv(past + future[::-1, ::-1, ::-1] - whole), np.float64)
+    following = np.roll(off_diagonal, -1, axis=0)
+    reverse = _factor(diagonal[::-1, ::-1, ::-1], following[::-1, ::-1])
+    past, future = (_diagonal_products(half, diagonal.shape[1]) for half in (factor, reverse))
+    return np.asarray(np.linalg.inv(past + future[::-1, ::-1, ::-1] - diagonal), np.float64)
 
 
-def _factor(whole: Array, before: Array) -> Array:
+def _factor(diagonal: Array, off_diagonal: Array) -> Array:
     """Return the lower bands (n + 1, N n) of a block tridiagonal matrix's Cholesky factor."""
-    count, joints, _ = whole.shape
+    count, joints, _ = diagonal.shape
     bands = np.zeros((joints + 1, count, joints))
     row, column = np.tril_indices(joints)
-    bands[row - column, :, column] = whole[:, row, column].T
-    bands[joints, :-1] = before[1:]
+    bands[row - column, :, column] = diagonal[:, row, column].T
+    bands[joints, :-1] = off_diagonal[1:]
     return np.asarray(cholesky_banded(bands.reshape(joints + 1, -1), True, lower=True))
 
 
-def _squares(factor: Array, joints: int) -> Array:
+def _diagonal_products(factor: Array, joints: int) -> Array:
     """Return L(t, t) L(t, t)ᵀ (N, n, n) of a factor's diagonal blocks.
 
     It is the inverse covariance of b at a sample, given the samples up to it.

@@ -10,13 +10,13 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import (
-    LEAST,
+    MIN_STATE_PROBABILITY,
     Observations,
-    chain,
     diagonal,
     log_density,
     log_odds,
     measurement_noise,
+    state_chain,
 )
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import thinning, used_rows
@@ -33,43 +33,52 @@ def causal_log_odds(
     (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown; model: of such torques.
     """
     rows = used_rows(run.segment, run.period)
-    seen = Observations.of(run.thinned(thinning(run.period), rows), jacobian, model, prior)
-    probability = _filtered(seen, starts(run.segment[rows]))
+    observations = Observations.of(run.thinned(thinning(run.period), rows), jacobian, model, prior)
+    probability = _filtered_probability(observations, starts(run.segment[rows]))
     # between two samples that are used, the odds stay
     latest = np.searchsorted(rows, np.arange(len(run.segment)), side="right") - 1
     return log_odds(probability)[latest]
 
 
-def _filtered(seen: Observations, fresh: Mask) -> Array:
-    """Return the probability (n,) of contact; fresh: (n,), where a stretch starts."""
-    torque, jacobian, noise, worth = seen.torque, seen.jacobian, seen.noise, seen.worth
-    known = finite_rows(torque)
-    free, bank = np.stack(seen.free_covariances()), np.stack(seen.prior.bank())
-    touched = diagonal(
-        noise.quick + noise.hidden
-    )  # of the torque in contact, beside the contact's own
-    transitions, start = chain(len(free), len(bank), seen.period, seen.prior)
-    decay = np.exp(-seen.period * seen.model.rate[seen.states])
+def _filtered_probability(observations: Observations, starts_stretch: Mask) -> Array:
+    """Return the probability (n,) of contact; starts_stretch: (n,), where a stretch starts."""
+    torque = observations.torque
+    jacobian = observations.jacobian
+    noise = observations.noise
+    worth = observations.worth
+    measured = finite_rows(torque)
+    free_covariances = np.stack(observations.free_covariances())
+    bank = np.stack(observations.prior.bank())
+    # of the torque in contact, beside the contact's own
+    touched = diagonal(noise.quick + noise.hidden)
+    transitions, start = state_chain(
+        len(free_covariances), len(bank), observations.period, observations.prior
+    )
+    decay = np.exp(-observations.period * observations.model.rate[observations.states])
     contact = np.empty(len(torque))
     for t in range(len(torque)):
-        if fresh[t]:
+        if starts_stretch[t]:
             weight, b, P = start, np.zeros_like(torque[t]), np.diag(noise.spread[t])
         # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + (1 - a²) Q
         weight = weight @ transitions
         a = decay[t]
         b, P = a * b, a[:, None] * P * a + np.diag((1 - a**2) * noise.spread[t])
-        if known[t]:
+        if measured[t]:
             innovation = torque[t] - b
             # p ∝ p⁻ N(τ - b⁻; 0, S + P⁻), in contact S + S_hidden + P⁻ + Jᵀ P_F J
-            during = touched[t] + jacobian[t].T @ bank @ jacobian[t]
-            evidence = worth * log_density(innovation, np.concatenate([free[:, t], during]) + P)
-            weight = np.maximum(weight * np.exp(evidence - evidence.max()), LEAST)
+            contact_covariances = touched[t] + jacobian[t].T @ bank @ jacobian[t]
+            evidence = worth * log_density(
+                innovation, np.concatenate([free_covariances[:, t], contact_covariances]) + P
+            )
+            weight = np.maximum(weight * np.exp(evidence - evidence.max()), MIN_STATE_PROBABILITY)
             weight /= weight.sum()
             # correction: V = P⁻ + cov v, b = b⁻ + P⁻ V⁻¹ (τ - b⁻), P = P⁻ - P⁻ V⁻¹ P⁻
-            own = measurement_noise(
-                free[:, t, None], weight[None], weight[None, len(free) :].sum(1)
+            noise_covariance = measurement_noise(
+                free_covariances[:, t, None],
+                weight[None],
+                weight[None, len(free_covariances) :].sum(1),
             )
-            gain = np.linalg.solve(P + own[0] / worth, P)
+            gain = np.linalg.solve(P + noise_covariance[0] / worth, P)
             b, P = b + innovation @ gain, P - P @ gain
-        contact[t] = weight[len(free) :].sum()
+        contact[t] = weight[len(free_covariances) :].sum()
     return contact

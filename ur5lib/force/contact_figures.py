@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.force.detection import CONTACT, contacts, in_contact, is_free, overlap
+from ur5lib.force.detection import CONTACT_FORCE, contacts, in_contact, is_free, overlap
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
     correlation,
@@ -18,10 +18,11 @@ from ur5lib.timeseries.metrics import (
     zero_interval_score,
 )
 
-STATED = (0.5, 0.8, 0.95)  # nominal coverages of bands
-DRAWS, FEWEST = 1000, 3  # resamples of a recording's contacts, and the least number of contacts
-TAILS = [0.025, 0.975]
-TINY = 1e-12  # N, N s: replaces a zero divisor
+NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # of bands
+CONTACT_RESAMPLES = 1000  # of a recording's contacts
+MIN_CONTACTS = 3  # for an interval by resampling
+INTERVAL_ENDS = [0.025, 0.975]  # quantiles at the ends of a 95 % interval
+MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor
 
 
 def periods(force: Array, period: float) -> dict[str, Mask]:
@@ -39,11 +40,11 @@ def figures_by_contact(
     period: [s]. Samples without an estimate are excluded; a period without any known sample has no
     figures.
     """
-    known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
+    finite = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     figures = {
         name: error_figures(estimate[rows], None if std is None else std[rows], reference[rows])
         for name, within in periods(force, period).items()
-        if (rows := within & known).any()
+        if (rows := within & finite).any()
     }
     if "contact" in figures:
         figures["contact"] |= resampled_figures(estimate, reference, force)
@@ -67,7 +68,7 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
     }
     if std is not None:
         figures["interval_score95"] = interval_score(estimate, std, reference)
-        for stated in STATED:
+        for stated in NOMINAL_COVERAGES:
             figures[f"coverage{100 * stated:.0f}"] = coverage(estimate, std, reference, stated)
     return figures
 
@@ -85,28 +86,34 @@ def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[s
     if means is None:
         return {}
     error, zero = means[:, :columns], means[:, columns:]
-    low, high = np.quantile(error, TAILS, axis=0)
-    skill_low = np.quantile(1 - error / np.maximum(zero, TINY), TAILS[0], axis=0)
+    low, high = np.quantile(error, INTERVAL_ENDS, axis=0)
+    skill_low = np.quantile(1 - error / np.maximum(zero, MIN_DIVISOR), INTERVAL_ENDS[0], axis=0)
     return {"mae_low": low, "mae_high": high, "skill_low": skill_low}
 
 
 def resampled_means(values: Array, force: Array) -> Array | None:
-    """Return means (DRAWS, K) of values (N, K) in contact, over resamples of whole contacts.
+    """Return means (CONTACT_RESAMPLES, K) of values (N, K) over resamples of whole contacts.
 
     Rows of NaN are unknown; force: (N,) [N], of the sensor. Neighbouring samples have similar
     errors, which is why whole contacts are drawn, the same ones for all columns and in every call
     with the same contacts. None with fewer than three of them.
     """
-    known = np.isfinite(values).all(axis=1) & in_contact(force)
-    spans = [span for span in contacts(force, CONTACT) if known[slice(*span)].any()]
-    if len(spans) < FEWEST:
+    finite_in_contact = np.isfinite(values).all(axis=1) & in_contact(force)
+    spans = [
+        span for span in contacts(force, CONTACT_FORCE) if finite_in_contact[slice(*span)].any()
+    ]
+    if len(spans) < MIN_CONTACTS:
         return None
-    filled = np.where(known[:, None], values, 0.0)
+    filled = np.where(finite_in_contact[:, None], values, 0.0)
     sums = np.array([filled[a:b].sum(axis=0) for a, b in spans])  # (contacts, K)
-    counts = np.array([known[a:b].sum() for a, b in spans])
+    counts = np.array([finite_in_contact[a:b].sum() for a, b in spans])
     # mean = Σ sums / Σ counts of the contacts drawn
-    drawn = np.random.default_rng(0).integers(len(spans), size=(DRAWS, len(spans)))
-    return np.asarray(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None])
+    drawn_contacts = np.random.default_rng(0).integers(
+        len(spans), size=(CONTACT_RESAMPLES, len(spans))
+    )
+    return np.asarray(
+        sums[drawn_contacts].sum(axis=1) / counts[drawn_contacts].sum(axis=1)[:, None]
+    )
 
 
 @dataclass(frozen=True)
@@ -136,27 +143,36 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[C
 
     estimate, reference: forces (N, 3) [N]; time: (N,) [s].
     """
-    felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT)
-    for number, span in enumerate(contacts(np.linalg.norm(reference, axis=1), CONTACT), start=1):
+    estimated_contacts = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
+    for number, span in enumerate(
+        contacts(np.linalg.norm(reference, axis=1), CONTACT_FORCE), start=1
+    ):
         first, last = span
         e, f = estimate[first:last], reference[first:last]
         place = number, time[first], time[last - 1]
         step = (time[last - 1] - time[first]) / max(last - first - 1, 1)
         for axis, name in enumerate(("Fx", "Fy", "Fz")):
-            yield ContactErrors(*place, name, *_misses(e[:, [axis]], f[:, [axis]], step))
-        onset = next((start for start, end in felt if overlap((start, end), span)), None)
+            yield ContactErrors(*place, name, *_peak_and_impulse(e[:, [axis]], f[:, [axis]], step))
+        onset = next(
+            (start for start, end in estimated_contacts if overlap((start, end), span)), None
+        )
         late = None if onset is None else time[onset] - time[first]
-        yield ContactErrors(*place, "norm", *_misses(e, f, step), late)
+        yield ContactErrors(*place, "norm", *_peak_and_impulse(e, f, step), late)
 
 
-def _misses(estimate: Array, reference: Array, step: float) -> tuple[float, float, float, float]:
+def _peak_and_impulse(
+    estimate: Array, reference: Array, step: float
+) -> tuple[float, float, float, float]:
     """Return peak and impulse of a contact, each with its error along the sensor's direction.
 
     estimate, reference: (M, D) [N]; step: [s].
     """
+    # the direction of the sensor at its peak, and of its impulse
     top = reference[np.argmax(np.linalg.norm(reference, axis=1))]
     peak, impulse = np.linalg.norm(top), np.linalg.norm(step * reference.sum(axis=0))
-    along = estimate @ (top / max(peak, TINY))
-    pushed = step * estimate.sum(axis=0) @ (step * reference.sum(axis=0) / max(impulse, TINY))
+    along = estimate @ (top / max(peak, MIN_DIVISOR))
+    pushed = (
+        step * estimate.sum(axis=0) @ (step * reference.sum(axis=0) / max(impulse, MIN_DIVISOR))
+    )
     errors = along.max() - peak, pushed - impulse
     return float(peak), float(errors[0]), float(impulse), float(errors[1])

@@ -9,6 +9,21 @@ from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.gate import diagonal
 from ur5lib.timeseries.arrays import Array, Mask
 
+# The static wrench of a resting arm.
+STATIC_SPEED = 0.05  # rad/s, below which the torques of motion are far below friction
+# Breakaway torque over a motor's largest; Coulomb friction of UR5 and UR10e is 0.04 to 0.06.
+BREAKAWAY_SHARE = 0.1
+MIN_CONSTANT_ERROR = 0.3  # relative, of a torque constant that nothing was fitted for
+STATIC_FORCE_STD = 100.0  # N, of the prior
+STATIC_LEVER = 0.1  # m, of its moment
+# The wrench of a contact.
+# Weight of the typical covariance, as one sample: with 1, small changes decide.
+TYPICAL_SIZE_WEIGHT = 2.0
+TYPICAL_LEVER_WEIGHT = 20.0  # of the typical lever, in samples
+EM_ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
+UNRESOLVED_LEVER = 0.05  # m, of a force in the moments that are stated
+LOWPASS_BLUR = 0.05  # s, of the time of a change by the 2 Hz low-pass: half of its width
+
 
 class Posterior(NamedTuple):
     """Mean (N, 6), covariance (N, 6, 6), and gain (N, 6, n) from the torque of n joints to it."""
@@ -25,24 +40,18 @@ def regularised_wrench(torque: Array, jacobian: Array, noise: Array, prior: Arra
     (6, 6) or (N, 6, 6), zero moments for "force only". At a singularity, the unobservable
     direction keeps its prior. For a row of NaN, the mean is 0 and the covariance P.
     """
-    known = finite_rows(torque)
+    measured = finite_rows(torque)
     # K = P J (Jᵀ P J + S)⁻¹, F = K τ, cov F = P - K Jᵀ P
     lever = prior @ jacobian  # P J (N, 6, n)
     transposed = np.linalg.solve(jacobian.mT @ lever + noise, lever.mT)
-    gain = np.asarray(transposed, np.float64).mT * known[:, None, None]
-    mean = (gain @ np.where(known[:, None], torque, 0.0)[..., None])[..., 0]
+    gain = np.asarray(transposed, np.float64).mT * measured[:, None, None]
+    mean = (gain @ np.where(measured[:, None], torque, 0.0)[..., None])[..., 0]
     return Posterior(mean, prior - gain @ lever.mT, gain)
 
 
-SLOW = 0.05  # rad/s, below which the torques of motion are far below friction
-BREAKAWAY = 0.1  # of a motor's largest torque; Coulomb friction of UR5 and UR10e is 0.04 to 0.06
-LEAST_ERROR = 0.3  # relative, of a torque constant that nothing was fitted for
-FORCE, LEVER = 100.0, 0.1  # N, m: standard deviation of the force, and of its moment over it
-
-
 def at_rest(qd: Array) -> Mask:
-    """Return the samples (N,) at which no joint is faster than `SLOW`; qd: (N, 6) [rad/s]."""
-    return np.asarray((np.abs(qd) < SLOW).all(axis=1))
+    """Return the samples (N,) of joints slower than `STATIC_SPEED`; qd: (N, 6) [rad/s]."""
+    return np.asarray((np.abs(qd) < STATIC_SPEED).all(axis=1))
 
 
 def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) -> Array:
@@ -51,7 +60,8 @@ def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) ->
     motor_torque: (N, 6) [Nm], by the known constants, whose relative errors are constant_error,
     (6,); torque_max: of the motors (6,) [Nm]. Friction lies anywhere within ± the breakaway torque.
     """
-    friction = BREAKAWAY * torque_max / np.sqrt(3)  # of a uniform distribution
+    # ± b, uniform: b / √3
+    friction = BREAKAWAY_SHARE * torque_max / np.sqrt(3)  # of a uniform distribution
     return np.hypot(constant_error * motor_torque, friction)
 
 
@@ -59,23 +69,16 @@ def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Ar
     """Return the most probable wrench [F, n] and its standard deviation, (N, 6) [N, Nm].
 
     torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6). The
-    prior is 0 ± FORCE, with a moment over LEVER.
+    prior is 0 ± STATIC_FORCE_STD, with a moment over STATIC_LEVER.
     """
-    prior = wrench_covariance(FORCE, LEVER)
-    found = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
-    error = np.sqrt(np.linalg.diagonal(found.covariance))
-    known = finite_rows(torque + error)[:, None]
-    return np.where(known, found.mean, np.nan), np.where(known, error, np.nan)
+    prior = wrench_covariance(STATIC_FORCE_STD, STATIC_LEVER)
+    estimate = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
+    error = np.sqrt(np.linalg.diagonal(estimate.covariance))
+    finite = finite_rows(torque + error)[:, None]
+    return np.where(finite, estimate.mean, np.nan), np.where(finite, error, np.nan)
 
 
-WEIGHT = 2.0  # of the typical contact's covariance, as one sample: with 1, small changes decide
-ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
-LEVERS = 20.0  # of the typical lever, likewise
-UNTOLD = 0.05  # m, lever of a force in the moments that are stated
-BLUR = 0.05  # s, of the time of a change by the 2 Hz low-pass: half of its width
-
-
-class Wrench(NamedTuple):
+class ContactWrench(NamedTuple):
     """Mean (n, 6) [N, Nm] and variance (n, 6) of the wrench at each sample of a contact."""
 
     mean: Array
@@ -90,7 +93,7 @@ def contact_wrench(
     period: float,
     prior: ContactPrior,
     size: Array | None = None,
-) -> Wrench:
+) -> ContactWrench:
     """Estimate F̂ᵐᵃᵖ of one contact and its variance.
 
     torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints, rows of NaN where unknown: there
@@ -104,17 +107,19 @@ def contact_wrench(
     estimate = regularised_wrench(torque, jacobian, noise, size)
     wrench = estimate.mean  # (n, 6)
     # torque noise, load friction, and a moment that is taken for a force
-    variance = np.linalg.diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)  # (n, 6)
-    variance = variance + _turned(estimate, jacobian, prior)
+    variance = np.linalg.diagonal(estimate.covariance) + _load_friction_variance(
+        estimate, jacobian, prior
+    )
+    variance = variance + _lever_variance(estimate, jacobian, prior)
     # a low-pass blurs when the force changes
-    known, change = finite_rows(torque), np.zeros_like(wrench)
-    if known.sum() > 1:
-        change[known] = np.gradient(wrench[known], period, axis=0)
-    variance = variance + (BLUR * change) ** 2
+    measured, change = finite_rows(torque), np.zeros_like(wrench)
+    if measured.sum() > 1:
+        change[measured] = np.gradient(wrench[measured], period, axis=0)
+    variance = variance + (LOWPASS_BLUR * change) ** 2
     # torques hardly distinguish a moment from a force
     force = np.linalg.norm(wrench[:, :3], axis=1)
-    variance[:, 3:] += (UNTOLD * force[:, None]) ** 2
-    return Wrench(wrench, variance)
+    variance[:, 3:] += (UNRESOLVED_LEVER * force[:, None]) ** 2
+    return ContactWrench(wrench, variance)
 
 
 def learned_size(
@@ -129,24 +134,26 @@ def learned_size(
     which counts as 20 independent samples. Otherwise a moment explains what friction took of a
     short contact, and a small change of the prior gives another force.
     """
-    known = finite_rows(torque)
-    torque, jacobian, noise = torque[known], jacobian[known], noise[known]
+    measured = finite_rows(torque)
+    torque, jacobian, noise = torque[measured], jacobian[measured], noise[measured]
     size, count = prior.unknown(), worth * len(torque)
-    for _ in range(ROUNDS):
+    for _ in range(EM_ROUNDS):
         # expectation: Σ E[F Fᵀ] = Σ (F̂ F̂ᵀ + cov F)
         estimate = regularised_wrench(torque, jacobian, noise, size)
         square = estimate.mean.T @ estimate.mean + estimate.covariance.sum(axis=0)  # (6, 6)
         # maximisation: P = (w Σ E[F Fᵀ] + 2 P_usual) / (w n + 1)
-        square = (worth * square + WEIGHT * prior.usual()) / (count + 1)
+        square = (worth * square + TYPICAL_SIZE_WEIGHT * prior.usual()) / (count + 1)
         size = np.zeros((6, 6))
         size[:3, :3] = square[:3, :3]
         usual_moment, moment = prior.lever**2 * np.trace(square[:3, :3]), np.trace(square[3:, 3:])
-        moment = (LEVERS * usual_moment + count * moment) / (LEVERS + count)
+        moment = (TYPICAL_LEVER_WEIGHT * usual_moment + count * moment) / (
+            TYPICAL_LEVER_WEIGHT + count
+        )
         size[3:, 3:] = np.eye(3) * moment / 3
     return size
 
 
-def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench:
+def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> ContactWrench:
     """Estimate a force without moment and without prior: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ.
 
     Arguments as above; NaN where the torque is unknown. It is the baseline of F̂ᵐᵃᵖ in known
@@ -158,13 +165,13 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench
     covariance = np.asarray(np.linalg.pinv(weighted @ linear.mT, hermitian=True), np.float64)
     force = (covariance @ weighted @ torque[..., None])[..., 0]  # (n, 3)
     nothing = np.zeros_like(force)
-    return Wrench(
+    return ContactWrench(
         np.concatenate([force, nothing], axis=1),
         np.concatenate([np.linalg.diagonal(covariance), nothing], axis=1),
     )
 
 
-def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
+def _load_friction_variance(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     """Return the variance (n, 6) from each joint's load friction under this contact."""
     # cov τ_lost = diag((c Jᵀ F)²), c of each joint, propagated by the gain: K cov τ_lost Kᵀ
     carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, m)
@@ -172,7 +179,7 @@ def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     return np.linalg.diagonal(estimate.gain @ lost @ estimate.gain.mT)
 
 
-def _turned(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
+def _lever_variance(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     """Return the variance (n, 6) from a moment of this force by the typical lever."""
     # K J_wᵀ cov n J_w Kᵀ, cov n = (lever |F|)² I
     moment = prior.lever * np.linalg.norm(estimate.mean[:, :3], axis=1)

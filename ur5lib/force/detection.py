@@ -10,9 +10,17 @@ from ur5lib.timeseries.segments import runs
 
 Span = tuple[int, int]  # first sample, and the one after the last
 
-HYSTERESIS = 2.0  # in log-odds: an alarm ends this far below the threshold
-PUSH, PAUSE = 1.0, 2.0  # s, of trial pushes
-STEEPNESS = 1.5  # log of the logistic slope: from 25 to 75 % found within a factor of 1.6
+ALARM_HYSTERESIS = 2.0  # in log-odds: an alarm ends this far below the threshold
+THRESHOLD_STEP = 0.5  # N, between the thresholds of forces that are tried
+PUSH_DURATION = 1.0  # s, of trial pushes
+PAUSE_DURATION = 2.0  # s, between them
+LOG_STEEPNESS = 1.5  # of the logistic curve: from 25 to 75 % found within a factor of 1.6
+# At the sensor, a contact reaches the first force and lasts above the second.
+TOUCH_FORCE = 3.0  # N
+RELEASE_FORCE = 2.0  # N
+CONTACT_FORCE = 5.0  # N, above which a sample is in contact
+FREE_FORCE = 1.0  # N, below which a sample is free, if it is far from any touch
+CONTACT_CLEARANCE = 0.5  # s, of a free sample from any touch
 
 
 def spans(signal: Array, on: float, off: float) -> list[Span]:
@@ -23,10 +31,10 @@ def spans(signal: Array, on: float, off: float) -> list[Span]:
 
 def alarms(log_odds: Array, threshold: float) -> list[Span]:
     """Return the alarms of log-odds of contact (N,)."""
-    return spans(log_odds, threshold, threshold - HYSTERESIS)
+    return spans(log_odds, threshold, threshold - ALARM_HYSTERESIS)
 
 
-def raised_live(log_odds: Array, threshold: float) -> list[Span]:
+def live_alarms(log_odds: Array, threshold: float) -> list[Span]:
     """Return alarms as raised in real time: from the sample whose odds reach the threshold.
 
     log_odds: (N,), causal. `alarms` start earlier, where the odds begin to rise.
@@ -43,15 +51,16 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
     contact_free: log-odds (N,) of each recording, at its period [s]. The result is at least 0,
     even odds.
     """
-    allowed = _allowed(contact_free, periods, per_minute)
+    allowed = _allowed_alarms(contact_free, periods, per_minute)
     peaks = sorted(
         float(odds[slice(*alarm)].max()) for odds in contact_free for alarm in alarms(odds, 0.0)
     )
+    # the highest peak of one alarm too many
     above = peaks[-allowed - 1] if allowed < len(peaks) else -np.inf
     return max(0.0, float(np.nextafter(above, np.inf)))
 
 
-def _allowed(contact_free: list[Array], periods: list[float], per_minute: float) -> int:
+def _allowed_alarms(contact_free: list[Array], periods: list[float], per_minute: float) -> int:
     """Return how many alarms recordings (N,), each at its period [s], may raise together."""
     pairs = zip(contact_free, periods, strict=True)
     return int(per_minute * sum(len(values) * period for values, period in pairs) / 60)
@@ -111,9 +120,9 @@ def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:
     return [(i, j) for i, j in pairs if shared[i, j]]
 
 
-def overlap(one: Span, other: Span) -> int:
+def overlap(first: Span, second: Span) -> int:
     """Return the number of samples that two stretches share."""
-    return max(0, min(one[1], other[1]) - max(one[0], other[0]))
+    return max(0, min(first[1], second[1]) - max(first[0], second[0]))
 
 
 def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
@@ -124,57 +133,55 @@ def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
     return misses / max(misses[-1], 1), hits / max(hits[-1], 1)
 
 
-def pushes(count: int, period: float) -> tuple[Array, list[Span]]:
+def trial_pushes(count: int, period: float) -> tuple[Array, list[Span]]:
     """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans."""
-    length, every = round(PUSH / period), round((PUSH + PAUSE) / period)
+    length = round(PUSH_DURATION / period)
+    interval = round((PUSH_DURATION + PAUSE_DURATION) / period)
     profile = np.zeros(count)
     shape = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
-    starts = range(every - length, count - length, every)
+    starts = range(interval - length, count - length, interval)
     for start in starts:
         profile[start : start + length] = shape
     return profile, [(start, start + length) for start in starts]
 
 
-def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> tuple[float, float]:
+def smallest_force(force: Array, detected: Mask, probability: float = 0.95) -> tuple[float, float]:
     """Return the force [N] at which a logistic curve over log force reaches the wanted probability,
     and its standard error, by the likelihood's curvature (delta method).
 
-    force: (M,) [N], of trial pushes; found: (M,). Infinite if none was found.
+    force: (M,) [N], of trial pushes; detected: (M,). Infinite if none was found.
     """
-    if not found.any():
+    if not detected.any():
         return np.inf, np.nan
     from scipy.optimize import minimize  # as slow to import as pandas; most recordings need none
 
     x = np.log(force)
-    best = minimize(_cost, np.array([np.median(x[found]), STEEPNESS]), args=(x, found))
+    best = minimize(_cost, np.array([np.median(x[detected]), LOG_STEEPNESS]), args=(x, detected))
     middle, steepness = best.x
-    reach = np.log(wanted / (1 - wanted)) * np.exp(-steepness)
+    # p = 1 / (1 + exp(-e^s (x - m))), solved for x = m + log(p / (1 - p)) e^-s
+    reach = np.log(probability / (1 - probability)) * np.exp(-steepness)
+    # dx/dm = 1, dx/ds = -log(p / (1 - p)) e^-s, and the force is e^x
     slope = np.array([1.0, -reach])
     place = np.exp(middle + reach)
     return float(place), float(place * np.sqrt(slope @ best.hess_inv @ slope))
 
 
-def _cost(parameters: Array, x: Array, found: Mask) -> float:
+def _cost(parameters: Array, x: Array, detected: Mask) -> float:
     """Return the negative log-likelihood, with a weak prior against perfect separation."""
     middle, steepness = parameters
     logit = np.exp(steepness) * (x - middle)
-    likelihood = np.logaddexp(0, np.where(found, -logit, logit)).sum()
-    return float(likelihood + 0.5 * (steepness - STEEPNESS) ** 2)
+    likelihood = np.logaddexp(0, np.where(detected, -logit, logit)).sum()
+    return float(likelihood + 0.5 * (steepness - LOG_STEEPNESS) ** 2)
 
 
-TOUCH, RELEASE = 3.0, 2.0  # N: a contact reaches the first and lasts above the second
-CONTACT = 5.0  # N, above which a sample is in contact
-FREE, CLEAR = 1.0, 0.5  # N, s: a free sample is below this force and this far from any touch
-
-
-def contacts(force: Array, least: float = TOUCH) -> list[Span]:
+def contacts(force: Array, least_force: float = TOUCH_FORCE) -> list[Span]:
     """Return contacts that reach a force. force: (N,) [N], of the sensor, NaN where unknown."""
-    return spans(np.nan_to_num(force), least, RELEASE)
+    return spans(np.nan_to_num(force), least_force, RELEASE_FORCE)
 
 
 def in_contact(force: Array) -> Mask:
     """Return the samples (N,) in contact; force: (N,) [N], of the sensor, NaN where unknown."""
-    return np.asarray(force > CONTACT)
+    return np.asarray(force > CONTACT_FORCE)
 
 
 @dataclass(frozen=True)
@@ -189,7 +196,7 @@ class Felt:
     contacts: int
 
 
-def felt(force: Array, time: Array) -> Felt | None:
+def sensed_contact(force: Array, time: Array) -> Felt | None:
     """Return what a sensor reads, None if it has no reading.
 
     force: (N,) [N], of the sensor, NaN where unknown; time: (N,) [s].
@@ -198,7 +205,7 @@ def felt(force: Array, time: Array) -> Felt | None:
         return None
     peak = int(np.nanargmax(force))
     share = float(in_contact(force).mean())
-    return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT)))
+    return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT_FORCE)))
 
 
 def is_free(force: Array, period: float) -> Mask:
@@ -206,12 +213,9 @@ def is_free(force: Array, period: float) -> Mask:
 
     force: (N,) [N], of the sensor, NaN where unknown; period: [s].
     """
-    reach = 2 * round(CLEAR / period) + 1
-    touched = maximum_filter1d((force >= TOUCH).astype(np.int8), reach, mode="nearest")
-    return np.asarray((force < FREE) & (touched == 0))
-
-
-STEP = 0.5  # N, between the thresholds tried
+    reach = 2 * round(CONTACT_CLEARANCE / period) + 1
+    touched = maximum_filter1d((force >= TOUCH_FORCE).astype(np.int8), reach, mode="nearest")
+    return np.asarray((force < FREE_FORCE) & (touched == 0))
 
 
 def force_alarms(force: Array, threshold: float) -> list[Span]:
@@ -220,7 +224,7 @@ def force_alarms(force: Array, threshold: float) -> list[Span]:
 
     force: (N,) [N], not negative, NaN where unknown; threshold: [N].
     """
-    return spans(np.nan_to_num(force), threshold, threshold * RELEASE / TOUCH)
+    return spans(np.nan_to_num(force), threshold, threshold * RELEASE_FORCE / TOUCH_FORCE)
 
 
 def force_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
@@ -230,23 +234,23 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
     From the largest force downwards, so that an alarm that never ends does not count as few. At
     least what counts as touched at the sensor, 3 N.
     """
-    allowed = _allowed(contact_free, periods, per_minute)
+    allowed = _allowed_alarms(contact_free, periods, per_minute)
     largest = max(float(np.nan_to_num(force).max()) for force in contact_free)
-    lowest = max(TOUCH, np.ceil(largest / STEP) * STEP + STEP)
-    for threshold in np.arange(lowest, TOUCH - STEP / 2, -STEP):
+    lowest = max(TOUCH_FORCE, np.ceil(largest / THRESHOLD_STEP) * THRESHOLD_STEP + THRESHOLD_STEP)
+    for threshold in np.arange(lowest, TOUCH_FORCE - THRESHOLD_STEP / 2, -THRESHOLD_STEP):
         if sum(len(force_alarms(force, threshold)) for force in contact_free) > allowed:
             break
         lowest = threshold
     return float(lowest)
 
 
-def pushes_above(force: Array, sensed: Array, least: float, period: float) -> tuple[int, int]:
+def pushes_above(force: Array, sensed: Array, least_force: float, period: float) -> tuple[int, int]:
     """Return how many pushes reach a force at the sensor, and how many of them have an alarm of
     their own at this threshold.
 
-    force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least: [N];
-    period: [s].
+    force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least_force:
+    [N]; period: [s].
     """
-    pushes = spans(np.nan_to_num(np.abs(sensed)), least, RELEASE)
-    found = compare(force_alarms(np.abs(force), least), pushes, period)
-    return found.contacts, found.found
+    pushes = spans(np.nan_to_num(np.abs(sensed)), least_force, RELEASE_FORCE)
+    detection = compare(force_alarms(np.abs(force), least_force), pushes, period)
+    return detection.contacts, detection.found

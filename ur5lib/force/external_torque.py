@@ -1,21 +1,34 @@
 """The external torque on the joints, and the state of motion of each joint."""
 
+from enum import IntEnum
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
-from ur5lib.timeseries.trajectories import SLOW
+from ur5lib.timeseries.trajectories import REST_SPEED
 
 States = NDArray[np.int8]
 
-MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
-STATES = 5
-TARED = STATES  # as STILL, where a tare counts
-STOP = 0.4  # s; a joint that is slow for a shorter time reverses
-RELAXING = 1.0  # s, for which friction relaxes after a stop
-REACH = 0.25  # s, over which a low-pass at 2 Hz spreads the friction of a reversal
+MIN_STOP_DURATION = 0.4  # s; a joint that is slow for a shorter time reverses
+RELAXATION_TIME = 1.0  # s, for which friction relaxes after a stop
+LOWPASS_REACH = 0.25  # s, over which a low-pass at 2 Hz spreads the friction of a reversal
+
+
+class JointState(IntEnum):
+    """The state of motion of a joint, on which the uncertainty of its friction depends."""
+
+    MOVING = 0
+    REVERSING = 1  # near a change of direction
+    SETTLING = 2  # stopped for less than RELAXATION_TIME, or about to start
+    RESTING = 3  # while another joint moves
+    STILL = 4  # while all joints rest
+    TARED = 5  # as STILL, where a tare counts
+
+
+FITTED_STATE_COUNT = len(JointState) - 1  # all but TARED, which follows from STILL
 
 
 def external_torque(torque_constant: Array, current: Array, modelled: Array) -> Array:
@@ -44,21 +57,17 @@ def without_edges(values: Array, segment: Labels, samples: int) -> Array:
 
 
 def joint_states(qd: Array, segment: Labels, period: float) -> States:
-    """Return the state (N, 6) of each joint, on which the uncertainty of its friction depends.
-
-    MOVING; REVERSING, near a change of direction; SETTLING, stopped for less than a second or about
-    to start; RESTING while another joint moves; STILL while all joints rest. qd: (N, 6) [rad/s];
-    period: [s].
-    """
-    states = np.full(qd.shape, MOVING, np.int8)
+    """Return the `JointState` (N, 6) of each joint; qd: (N, 6) [rad/s]; period: [s]."""
+    states = np.full(qd.shape, JointState.MOVING, np.int8)
     for rows in unbroken(segment):
-        slow, own = np.abs(qd[rows]) < SLOW, states[rows]
-        stopped = binary_opening(slow, np.ones((max(1, round(STOP / period)), 1)))
-        relaxing = stopped & _near(~stopped, RELAXING, period)
-        own[_near(slow & ~stopped, REACH, period)] = REVERSING
-        own[_near(relaxing, REACH, period)] = SETTLING
-        own[stopped & ~relaxing] = RESTING
-        own[(own == RESTING).all(axis=1)] = STILL
+        slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
+        # a joint that is slow only for a moment has not stopped
+        stopped = binary_opening(slow, np.ones((max(1, round(MIN_STOP_DURATION / period)), 1)))
+        relaxing = stopped & _within_reach(~stopped, RELAXATION_TIME, period)
+        stretch[_within_reach(slow & ~stopped, LOWPASS_REACH, period)] = JointState.REVERSING
+        stretch[_within_reach(relaxing, LOWPASS_REACH, period)] = JointState.SETTLING
+        stretch[stopped & ~relaxing] = JointState.RESTING
+        stretch[(stretch == JointState.RESTING).all(axis=1)] = JointState.STILL
     return states
 
 
@@ -68,27 +77,29 @@ def past_states(qd: Array, segment: Labels, period: float) -> States:
     A joint about to start still counts as at rest, and one that slows down counts as REVERSING
     until it has stopped.
     """
-    states = np.full(qd.shape, MOVING, np.int8)
+    states = np.full(qd.shape, JointState.MOVING, np.int8)
     for rows in unbroken(segment):
-        slow, own = np.abs(qd[rows]) < SLOW, states[rows]
-        stopped = ~_recent(~slow, STOP, period)
-        own[_recent(slow, 2 * REACH, period)] = REVERSING
-        own[stopped] = np.where(_recent(~stopped, RELAXING, period), SETTLING, RESTING)[stopped]
-        own[(own == RESTING).all(axis=1)] = STILL
+        slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
+        stopped = ~_within_past(~slow, MIN_STOP_DURATION, period)
+        stretch[_within_past(slow, 2 * LOWPASS_REACH, period)] = JointState.REVERSING
+        stretch[stopped] = np.where(
+            _within_past(~stopped, RELAXATION_TIME, period), JointState.SETTLING, JointState.RESTING
+        )[stopped]
+        stretch[(stretch == JointState.RESTING).all(axis=1)] = JointState.STILL
     return states
 
 
-def _recent(where: Mask, seconds: float, period: float) -> Mask:
+def _within_past(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples up to some seconds after one in the mask."""
     window = round(seconds / period) + 1
     return maximum_filter1d(where, window, axis=0, origin=(window - 1) // 2, mode="constant")
 
 
-def _near(where: Mask, seconds: float, period: float) -> Mask:
+def _within_reach(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples within some seconds of one in the mask."""
     return maximum_filter1d(where, 2 * round(seconds / period) + 1, axis=0, mode="nearest")
 
 
 def is_still(states: States) -> Mask:
     """Return the samples (N,) in which no joint moves, and no tare counts."""
-    return np.asarray((states == STILL).all(axis=1))
+    return np.asarray((states == JointState.STILL).all(axis=1))

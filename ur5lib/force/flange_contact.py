@@ -16,12 +16,13 @@ from ur5lib.force.contact_prior import wrench_covariance
 from ur5lib.force.gate import diagonal, log_density
 from ur5lib.timeseries.arrays import Array
 
-SURE = 0.95  # least probability of the other links, where a contact at the flange is excluded
-STEP = 0.1  # m, largest distance of neighbouring places along a link
-TOOL = 0.2  # m, beyond the flange, of which link 6 may be touched
-SURFACE = 0.05  # m, of a link's surface from the line between its frames
-LOSS = 0.15  # of the contact's torque on a joint, lost or gained in its gears, standard deviation
-SAMPLES = 20  # of a contact that are used; more add no information
+# Least probability of the other links, from which on a contact at the flange is excluded.
+MIN_PROBABILITY_ELSEWHERE = 0.95
+PLACE_SPACING = 0.1  # m, largest distance of neighbouring places along a link
+TOOL_LENGTH = 0.2  # m, beyond the flange, of which link 6 may be touched
+SURFACE_DISTANCE = 0.05  # m, of a link's surface from the line between its frames
+GEAR_LOSS_STD = 0.15  # of the contact's torque on a joint, lost or gained in its gears
+MAX_CONTACT_SAMPLES = 20  # that are used; more add no information
 
 
 def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:
@@ -32,17 +33,17 @@ def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:
     """
     last = origin.shape[1] - 1
     ends = {link: (origin[:, link - 1], origin[:, link]) for link in range(1, last)}
-    ends[last] = origin[:, last], origin[:, last] + TOOL * rotation[:, last, :, 2]
-    return {link: _along(*both) for link, both in ends.items()}
+    ends[last] = origin[:, last], origin[:, last] + TOOL_LENGTH * rotation[:, last, :, 2]
+    return {link: _part_middles(*endpoints) for link, endpoints in ends.items()}
 
 
-def _along(first: Array, last: Array) -> list[Array]:
-    """Return the middles of equal parts of a line, each at most STEP long."""
-    count = int(np.ceil(np.linalg.norm(last - first, axis=1).max() / STEP - 1e-9))
+def _part_middles(first: Array, last: Array) -> list[Array]:
+    """Return the middles of equal parts of a line, each at most PLACE_SPACING long."""
+    count = int(np.ceil(np.linalg.norm(last - first, axis=1).max() / PLACE_SPACING - 1e-9))
     return [first + (k + 0.5) / count * (last - first) for k in range(count)]
 
 
-def lever(rotation: Array, origin: Array, link: int, point: Array) -> Array:
+def place_jacobian(rotation: Array, origin: Array, link: int, point: Array) -> Array:
     """Return J_g (n, 6, k) of a point (n, 3) [m] of a link: [z × (p - o); z] of joints up to it.
 
     rotation, origin: as for `places`; columns of joints beyond the link are zero.
@@ -58,7 +59,7 @@ def flange_probability(
     levers: Mapping[int, Sequence[Array]],
     noise: Array,
     sizes: Sequence[float],
-    loss: float = LOSS,
+    loss: float = GEAR_LOSS_STD,
 ) -> float:
     """Return the probability that one contact is on the last link, all equal beforehand.
 
@@ -69,11 +70,11 @@ def flange_probability(
     """
     loaded = noise + diagonal((loss * torque) ** 2)
     # a surface beside the place adds a moment
-    wrenches = [wrench_covariance(size, SURFACE) for size in sizes]
+    wrenches = [wrench_covariance(size, SURFACE_DISTANCE) for size in sizes]
     # log p(τ | link), up to a constant: the mean over its places and the sizes
     evidence = []
     for places in levers.values():
         covariances = [loaded + J.mT @ wrench @ J for J in places for wrench in wrenches]
-        each = [log_density(torque, covariance).mean() for covariance in covariances]
-        evidence.append(logsumexp(each) - np.log(len(places)))
+        log_densities = [log_density(torque, covariance).mean() for covariance in covariances]
+        evidence.append(logsumexp(log_densities) - np.log(len(places)))
     return float(softmax(evidence)[[*levers].index(max(levers))])

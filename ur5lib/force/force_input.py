@@ -6,12 +6,13 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.force.external_torque import REVERSING, States, joint_states
+from ur5lib.force.external_torque import JointState, States, joint_states
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-MEAN = 0.5  # of what dry friction may take of a contact at rest: anything from nothing to all
+# Mean share that dry friction takes of a contact at rest: anything from nothing to all.
+MEAN_STICTION = 0.5
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,10 @@ class Gears:
 
         states: of the joints (N, 6). Unknown friction counts as none.
         """
-        moves = states <= REVERSING
+        moves = states <= JointState.REVERSING
         loss, friction = (
-            np.where(moves, np.nan_to_num(own), 0.0) for own in (self.loss, self.friction)
+            np.where(moves, np.nan_to_num(friction_values), 0.0)
+            for friction_values in (self.loss, self.friction)
         )
         return replace(self, load=np.nan_to_num(self.load), loss=loss, friction=friction)
 
@@ -65,13 +67,13 @@ class Gears:
         return self.load - motor * share, share
 
 
-def held(torque: Array, breakaway: Array, share: float) -> Array:
+def mean_stiction_torque(torque: Array, breakaway: Array, share: float) -> Array:
     """Return the mean of what dry friction takes of a contact's torque (N, 6) [Nm] at rest.
 
     Friction opposes the contact and takes anything between nothing and a share of the breakaway
     torque (6,) [Nm]: half of that on average, and of a smaller torque a part in proportion.
     """
-    return MEAN * share * breakaway * np.tanh(torque / breakaway)
+    return MEAN_STICTION * share * breakaway * np.tanh(torque / breakaway)
 
 
 @dataclass(frozen=True)
@@ -96,13 +98,13 @@ class ForceInput:
         """Return the standard deviation (N, 6) [Nm] of an estimated load's torque, 0 without."""
         return np.zeros(self.states.shape) if self.doubt is None else np.nan_to_num(self.doubt)
 
-    def thinned(self, every: int, rows: Labels | slice) -> Self:
+    def thinned(self, stride: int, rows: Labels | slice) -> Self:
         """Return the run at some rows, of which every so many-th was taken."""
         return replace(
             self,
             **{name: getattr(self, name)[rows] for name in ("q", "qd", "torque", "states")},
             segment=self.segment[rows],
-            period=every * self.period,
+            period=stride * self.period,
             doubt=None if self.doubt is None else self.doubt[rows],
             gears=None if self.gears is None else self.gears.at(rows),
         )

@@ -14,11 +14,17 @@ from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Mask
-from ur5lib.timeseries.metrics import MAD
+from ur5lib.timeseries.metrics import STD_PER_MAD
 
-STRETCH = 0.1  # s
-DRAWS, TOGETHER = 600, 3  # candidates; stretches for each where one does not determine it
-CONDITION = 1e-3  # of singular values: poorly determined combinations of parameters stay small
+QUIET_STRETCH_DURATION = 0.1  # s
+CANDIDATE_COUNT = 600
+STRETCHES_PER_CANDIDATE = 3  # where one does not determine it
+SINGULAR_VALUE_CUTOFF = 1e-3  # poorly determined combinations of parameters stay small
+MAX_FIT_ROUNDS = 20  # of fitting and excluding contacts; fewer suffice
+CONTACT_DEVIATIONS = 4.0  # standard deviations of a free reading: beyond, a sample is in contact
+REPEATABILITY = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm: of a reading after a push
+FREE_CLEARANCE = 0.25  # s, of a free sample from any contact
+COMPARED_SAMPLES = 2_000  # on which parameters are compared
 
 
 def agreement(parameters: Array, terms: Array, reading: Array, tolerance: Array) -> Mask:
@@ -31,7 +37,7 @@ def agreement(parameters: Array, terms: Array, reading: Array, tolerance: Array)
     return agrees
 
 
-def drawn(values: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+def random_subset(values: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """Return at most `count` of the indices, drawn at random from a fixed seed.
 
     A regular choice could coincide with a period of the signal.
@@ -50,15 +56,15 @@ def quiet_stretches(
     compared. Returns the stretches' middle rows (S,), their means (S, 6), and the median of their
     standard deviations (6,).
     """
-    length = max(2, round(STRETCH / period))
+    length = max(2, round(QUIET_STRETCH_DURATION / period))
     count = len(reading) // length
     parts = reading[: count * length].reshape(count, length, reading.shape[1])
     std = parts.std(axis=1)
     unrest = np.square(std / scale).mean(axis=1)
     # the quieter half, rounded up, of the stretches without NaN
-    known = np.flatnonzero(np.isfinite(unrest))
-    order = np.argsort(unrest[known], kind="stable")
-    quiet = known[order[: -(-len(known) // 2)]]
+    finite = np.flatnonzero(np.isfinite(unrest))
+    order = np.argsort(unrest[finite], kind="stable")
+    quiet = finite[order[: -(-len(finite) // 2)]]
     noise = np.median(std[quiet], axis=0) if len(quiet) else np.zeros(reading.shape[1])
     return quiet * length + length // 2, parts[quiet].mean(axis=1), noise
 
@@ -73,91 +79,92 @@ def candidates(terms: Array, reading: Array, scale: Array, together: int) -> Arr
     if not len(terms):
         return np.zeros((0, terms.shape[2]))
     if together == 1:
-        chosen = drawn(stretches, DRAWS)[:, None]
+        drawn_stretches = random_subset(stretches, CANDIDATE_COUNT)[:, None]
     else:
-        chosen = np.random.default_rng(0).choice(stretches, (DRAWS, together))
-    rows = (terms[chosen] / scale[:, None]).reshape(len(chosen), -1, terms.shape[2])
-    values = (reading[chosen] / scale).reshape(len(chosen), -1, 1)
-    return (np.linalg.pinv(rows, rcond=CONDITION) @ values)[..., 0]
+        drawn_stretches = np.random.default_rng(0).choice(stretches, (CANDIDATE_COUNT, together))
+    rows = (terms[drawn_stretches] / scale[:, None]).reshape(
+        len(drawn_stretches), -1, terms.shape[2]
+    )
+    values = (reading[drawn_stretches] / scale).reshape(len(drawn_stretches), -1, 1)
+    return (np.linalg.pinv(rows, rcond=SINGULAR_VALUE_CUTOFF) @ values)[..., 0]
 
 
 Fit = tuple[Array, Mask, Array]  # parameters (P,), free samples (N,), their noise (6,)
 
-ROUNDS = 20  # of fitting and excluding contacts; fewer suffice
-OUTSIDE = 4.0  # standard deviations of a free reading: beyond, a sample is in contact
-REPEATS = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm: repeatability after a push
-CLEAR = 0.25  # s, distance of a free sample from any contact
-JUDGED = 2_000  # samples for the comparison of parameters
-
 
 @dataclass(frozen=True)
-class Record:
+class SensorReadings:
     """Readings (N, 6), their terms (N, 6, P), which are complete (N,), and their period [s].
 
-    known: inverse variances (P,) of a prior about zero, 0 for none.
+    prior_precision: inverse variances (P,) of a prior about zero, 0 for none.
     """
 
     reading: Array
     terms: Array
     measured: Mask
     period: float
-    known: Array | float = 0.0
+    prior_precision: Array | float = 0.0
 
     @property
     def repeats(self) -> Array:
-        """Return REPEATS of the components that are read."""
-        return REPEATS[: self.reading.shape[1]]
+        """Return REPEATABILITY of the components that are read."""
+        return REPEATABILITY[: self.reading.shape[1]]
 
     def agreement(self, parameters: Array, tolerance: Array) -> Mask:
         """Return which of J samples, drawn once, agree with each of the offsets (K, P): (K, J)."""
-        rows = drawn(np.flatnonzero(self.measured), JUDGED)
+        rows = random_subset(np.flatnonzero(self.measured), COMPARED_SAMPLES)
         return agreement(parameters, self.terms[rows], self.reading[rows], tolerance)
 
 
-def settle(record: Record, free: Mask, weight: Array) -> Fit:
+def settle(record: SensorReadings, is_free: Mask, weight: Array) -> Fit:
     """Alternate the fit and the selection of free samples until the selection stays the same.
 
-    Returns the parameters (P,), the free samples (N,), and their noise (6,), at least REPEATS.
+    Returns the parameters (P,), the free samples (N,), and their noise (6,), at least
+    REPEATABILITY.
     """
-    for _ in range(ROUNDS):
-        parameters, residual = fit(record, free, weight)
-        noise = np.maximum(MAD * np.median(np.abs(residual[free]), axis=0), record.repeats)
+    for _ in range(MAX_FIT_ROUNDS):
+        parameters, residual = fit(record, is_free, weight)
+        noise = np.maximum(
+            STD_PER_MAD * np.median(np.abs(residual[is_free]), axis=0), record.repeats
+        )
         quiet = free_samples(residual, noise, record.measured, record.period)
-        if (quiet == free).all() or not quiet.any():
+        if (quiet == is_free).all() or not quiet.any():
             break
-        free, weight = quiet, np.ones(len(quiet))
-    return parameters, free, noise
+        is_free, weight = quiet, np.ones(len(quiet))
+    return parameters, is_free, noise
 
 
 def free_samples(residual: Array, noise: Array, measured: Mask, period: float) -> Mask:
     """Return samples (N,) within 4 standard deviations and away from any that is not."""
-    inside = (np.abs(residual) <= OUTSIDE * noise).all(axis=1) | ~measured
-    reach = 2 * round(CLEAR / period) + 1
+    inside = (np.abs(residual) <= CONTACT_DEVIATIONS * noise).all(axis=1) | ~measured
+    reach = 2 * round(FREE_CLEARANCE / period) + 1
     return minimum_filter1d(inside, reach, mode="constant", cval=1) & measured
 
 
-def least_deviations(record: Record) -> Array:
+def least_deviations(record: SensorReadings) -> Array:
     """Return weights (N,) of least squares that minimise absolute deviations (Schlossmacher 1973).
 
     The fit is robust to contacts that fill less than half of the time.
     """
     weight = np.ones(len(record.reading))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_FIT_ROUNDS):
         _, residual = fit(record, record.measured, weight)
+        # w = 1 / √|r|, so that Σ w² r² = Σ |r|
         weight = 1 / np.sqrt(np.maximum(np.linalg.norm(residual / record.repeats, axis=1), 1.0))
     return weight
 
 
-def fit(record: Record, free: Mask, weight: Array) -> tuple[Array, Array]:
-    """Fit the free samples by weighted least squares, forces and moments in units of REPEATS.
+def fit(record: SensorReadings, is_free: Mask, weight: Array) -> tuple[Array, Array]:
+    """Fit the free samples by weighted least squares, forces and moments in units of REPEATABILITY.
 
     Returns the parameters (P,) and the residuals of all readings (N, 6).
     """
-    scale = weight[free, None] / record.repeats
-    scaled = record.terms[free] * scale[..., None]
+    scale = weight[is_free, None] / record.repeats
+    scaled = record.terms[is_free] * scale[..., None]
     rows = scaled.reshape(-1, scaled.shape[2])
-    values = (record.reading[free] * scale).ravel()
-    normal = rows.T @ rows + record.known * np.eye(rows.shape[1])
+    values = (record.reading[is_free] * scale).ravel()
+    # (Xᵀ W X + Λ) θ = Xᵀ W y
+    normal = rows.T @ rows + record.prior_precision * np.eye(rows.shape[1])
     parameters = np.linalg.pinv(normal, hermitian=True) @ (rows.T @ values)
     return parameters, record.reading - record.terms @ parameters
 

@@ -13,13 +13,21 @@ import numpy as np
 
 from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import STILL, States, finite_rows
+from ur5lib.force.external_torque import JointState, States, finite_rows
 from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.kalman import Gaussians
 
-LEAST = 1e-300  # of a state's probability, so that no evidence makes all of them vanish
+MIN_STATE_PROBABILITY = 1e-300  # so that no evidence makes those of all states vanish
+# Factor on the background's covariance in each round: small at first, so that possible contacts do
+# not become part of the background.
+BACKGROUND_COVARIANCE_FACTORS = (0.0, 0.5, 1.0, 1.0, 1.0, 1.0)
+# Probability of contact above which a sample is no measurement of the background, and its weight.
+EXCLUSION_PROBABILITY = 0.5
+CONTACT_SAMPLE_WEIGHT = 1e-4
+MIN_REST_STD = 0.3  # of a joint at rest, in breakaway torques
+FAST_LOAD_ERROR_SHARE = 0.3  # of a load's error, which changes within half a push
 
 
 def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
@@ -31,44 +39,35 @@ def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
     """
     likelihood = np.exp(evidence - evidence.max(axis=1, keepdims=True))
     # both directions at once, the second from the last sample to the first
-    both = np.stack([likelihood, likelihood[::-1]], axis=1)
+    likelihoods = np.stack([likelihood, likelihood[::-1]], axis=1)
     steps, starts = np.stack([transitions.T, transitions]), np.stack([start, np.ones_like(start)])
-    forward, backward = _predicted(both, steps, starts).swapaxes(0, 1)
-    weight = np.maximum(forward * likelihood * backward[::-1], LEAST)
+    forward, backward = _weights_before(likelihoods, steps, starts).swapaxes(0, 1)
+    weight = np.maximum(forward * likelihood * backward[::-1], MIN_STATE_PROBABILITY)
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
 
-def _predicted(likelihood: Array, steps: Array, start: Array) -> Array:
+def _weights_before(likelihood: Array, steps: Array, start: Array) -> Array:
     """Return the weight (N, ..., K) of each state before each sample, from a start (..., K).
 
     likelihood: (N, ..., K); steps: (..., K, K), from a state (column) to the next (row).
     """
     predicted = np.empty_like(likelihood)
-    for t, seen in enumerate(likelihood):
+    for t, likelihoods in enumerate(likelihood):
         predicted[t] = start
         # α_t+1(j) = Σ_i a_ij p(x_t | i) α_t(i); backwards, β_t-1(i) = Σ_j a_ij p(x_t | j) β_t(j)
-        following = np.matvec(steps, seen * start) / np.vecdot(seen, start)[..., None]
-        start = np.maximum(following, LEAST)
+        following = np.matvec(steps, likelihoods * start) / np.vecdot(likelihoods, start)[..., None]
+        start = np.maximum(following, MIN_STATE_PROBABILITY)
     return predicted
 
 
 def log_odds(probability: Array) -> Array:
     """Return the log-odds of probabilities (N,), finite also for 0 and 1."""
-    known = np.clip(probability, 1e-15, 1 - 1e-15)
-    return np.log(known) - np.log1p(-known)
-
-
-# Factor on the background's covariance in each round: small at first, so that possible contacts do
-# not become part of the background.
-ROUNDS = (0.0, 0.5, 1.0, 1.0, 1.0, 1.0)
-LEFT_OUT = 0.5  # probability of contact above which a sample is no measurement of the background
-HELD = 0.3  # of the breakaway torque: least standard deviation of a joint at rest
-CERTAIN = 1e-4  # weight of a sample in contact as a measurement of the background
-QUICK = 0.3  # share of a load's error that changes within half a push
+    clipped = np.clip(probability, 1e-15, 1 - 1e-15)
+    return np.log(clipped) - np.log1p(-clipped)
 
 
 @dataclass(frozen=True)
-class Noise:
+class TorqueVariances:
     """Variances (N, n) [Nm²] of the external torque other than that of a contact.
 
     quick: of the fast error; spread: of the background and the fast error together; hidden: of the
@@ -82,15 +81,17 @@ class Noise:
     still: Mask
 
     @classmethod
-    def of(cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array) -> "Noise":
+    def of(
+        cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array
+    ) -> "TorqueVariances":
         """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
-        still = states >= STILL
-        held = np.where(still, HELD * model.breakaway, 0.0) ** 2
-        taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
+        still = states >= JointState.STILL
+        rest_variance = np.where(still, MIN_REST_STD * model.breakaway, 0.0) ** 2
+        absorbed = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
         return cls(
-            quick=model.variance(model.change, states) + QUICK * doubt**2,
-            spread=model.variance(model.spread, states) + held + doubt**2,
-            hidden=taken**2,
+            quick=model.variance(model.change, states) + FAST_LOAD_ERROR_SHARE * doubt**2,
+            spread=model.variance(model.spread, states) + rest_variance + doubt**2,
+            hidden=absorbed**2,
             still=still,
         )
 
@@ -113,7 +114,7 @@ class Observations:
     posed: Mask
     states: States
     period: float
-    noise: Noise
+    noise: TorqueVariances
     model: ResidualModel
     prior: ContactPrior
     gears: Gears
@@ -131,7 +132,7 @@ class Observations:
             posed=posed,
             states=run.states,
             period=run.period,
-            noise=Noise.of(run.states, model, prior, run.load_std()),
+            noise=TorqueVariances.of(run.states, model, prior, run.load_std()),
             model=model,
             prior=prior,
             gears=gears.where_moving(run.states),
@@ -158,72 +159,92 @@ class Observations:
             yield contact[0, 0] * by_force + contact[-1, -1] * by_moment
 
 
-def find_contacts(seen: Observations) -> tuple[Array, Gaussians]:
+def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     """Return the probability (N,) of contact in a stretch without a gap, and the background."""
-    period, noise, prior = seen.period, seen.noise, seen.prior
-    known = finite_rows(seen.torque)
-    filled = np.where(known[:, None], seen.torque, 0.0)
-    free = seen.free_covariances()
-    transitions, start = chain(len(free), len(prior.bank()), period, prior)
-    slow = held = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
-    for left, share in zip(reversed(range(len(ROUNDS))), ROUNDS, strict=True):
+    period, noise, prior = observations.period, observations.noise, observations.prior
+    measured_rows = finite_rows(observations.torque)
+    filled = np.where(measured_rows[:, None], observations.torque, 0.0)
+    free_covariances = observations.free_covariances()
+    transitions, start = state_chain(len(free_covariances), len(prior.bank()), period, prior)
+    slow = rest_background = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
+    last_round = len(BACKGROUND_COVARIANCE_FACTORS) - 1
+    for number, share in enumerate(BACKGROUND_COVARIANCE_FACTORS):
         # log p(τ | state), and 0 where τ is unknown
-        without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
+        free_evidence = [
+            log_density(filled - rest_background.mean, c + share * rest_background.covariance)
+            for c in free_covariances
+        ]
         # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
         residual = filled - slow.mean
-        besides = diagonal(noise.quick + noise.hidden) + share * slow.covariance
-        during = [
-            log_density(residual, besides + contact) for contact in seen.contact_covariances()
+        contact_noise = diagonal(noise.quick + noise.hidden) + share * slow.covariance
+        contact_evidence = [
+            log_density(residual, contact_noise + contact)
+            for contact in observations.contact_covariances()
         ]
-        evidence = np.stack([*without, *during], axis=1)  # (N, S)
-        evidence *= seen.worth * known[:, None]
+        evidence = np.stack([*free_evidence, *contact_evidence], axis=1)  # (N, S)
+        evidence *= observations.worth * measured_rows[:, None]
         # p(contact) = Σ p(state | all τ) over the states in contact
         weight = posterior(evidence, transitions, start)  # (N, S)
-        contact = weight[:, len(free) :].sum(axis=1)  # (N,)
+        contact = weight[:, len(free_covariances) :].sum(axis=1)  # (N,)
         # background given all τ, each weighted by the probability of a free arm
-        measured = measurement_noise(free, weight, contact) / seen.worth
+        measured = measurement_noise(free_covariances, weight, contact) / observations.worth
         # a push at rest may renew the background: it changes what stiction holds
         renewed = noise.still * contact[:, None] / prior.duration
-        rate = seen.model.rate[seen.states]
-        given = seen.torque, measured, noise.spread
-        scaled = -seen.gears.friction, prior.friction_std
-        slow = smooth(*given, np.exp(-period * (rate + renewed)), *scaled)
+        rate = observations.model.rate[observations.states]
+        smoother_inputs = observations.torque, measured, noise.spread
+        scaled = -observations.gears.friction, prior.friction_std
+        slow = smooth(*smoother_inputs, np.exp(-period * (rate + renewed)), *scaled)
         # without a push it stays: the background of the free states, of which the next round asks
-        held = slow
-        if left and noise.still.any():
-            held = smooth(*given, np.exp(-period * rate), *scaled)
+        rest_background = slow
+        if number < last_round and noise.still.any():
+            rest_background = smooth(*smoother_inputs, np.exp(-period * rate), *scaled)
     return contact, slow
 
 
-def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Array) -> Array:
+def measurement_noise(
+    free_covariances: Array | Sequence[Array], weight: Array, contact: Array
+) -> Array:
     """Return the covariance (N, n, n) of the torque as a measurement of the background.
 
     Σ p(free state) cov / p(free); in contact, the sample hardly counts.
     """
-    share = weight[:, : len(free)] + 1e-12
+    share = weight[:, : len(free_covariances)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)
-    mean = sum(own[:, None, None] * c for own, c in zip(share.T, free, strict=True))
-    free_weight = np.where(contact > LEFT_OUT, CERTAIN, np.maximum(1 - contact, CERTAIN))
+    # Σ p(k) cov_k over the free states k
+    mean = sum(
+        state_weight[:, None, None] * c
+        for state_weight, c in zip(share.T, free_covariances, strict=True)
+    )
+    free_weight = np.where(
+        contact > EXCLUSION_PROBABILITY,
+        CONTACT_SAMPLE_WEIGHT,
+        np.maximum(1 - contact, CONTACT_SAMPLE_WEIGHT),
+    )
     return np.asarray(mean / free_weight[:, None, None])
 
 
-def chain(free: int, contacts: int, period: float, prior: ContactPrior) -> tuple[Array, Array]:
+def state_chain(
+    free_states: int, contact_states: int, period: float, prior: ContactPrior
+) -> tuple[Array, Array]:
     """Return transition (S, S) and start (S,) probabilities of the states.
 
-    They are `free` ones, undisturbed and then hunting, and some contacts; period: [s].
+    They are `free_states` ones, undisturbed and then hunting, and some contacts; period: [s].
     free → contact → hunting → free; a free arm rarely hunts, and one that hunts may be touched.
     """
+    # probabilities per sample of leaving a state
     begins, ends = period / prior.pause, period / prior.duration
     settles, wanders = period / prior.settling, period * prior.unprovoked
-    hunting = free - 1
-    steps = np.zeros((free + contacts, free + contacts))
-    steps[:free, free:] = begins / contacts
-    steps[0, 0], steps[0, 1:free] = 1 - begins - wanders, wanders / hunting
-    steps[1:free, 1:free] = np.eye(hunting) * (1 - begins - settles)
-    steps[1:free, 0] = settles
-    steps[free:, free:] = np.eye(contacts) * (1 - ends)
-    steps[free:, 1:free] = ends / hunting
-    return steps, np.array([0.6, *[0.3 / hunting] * hunting, *[0.1 / contacts] * contacts])
+    hunting = free_states - 1
+    steps = np.zeros((free_states + contact_states, free_states + contact_states))
+    steps[:free_states, free_states:] = begins / contact_states
+    steps[0, 0], steps[0, 1:free_states] = 1 - begins - wanders, wanders / hunting
+    steps[1:free_states, 1:free_states] = np.eye(hunting) * (1 - begins - settles)
+    steps[1:free_states, 0] = settles
+    steps[free_states:, free_states:] = np.eye(contact_states) * (1 - ends)
+    steps[free_states:, 1:free_states] = ends / hunting
+    return steps, np.array(
+        [0.6, *[0.3 / hunting] * hunting, *[0.1 / contact_states] * contact_states]
+    )
 
 
 def diagonal(variance: Array) -> Array:
@@ -237,12 +258,12 @@ def log_density(x: Array, covariance: Array) -> Array:
     p(x) = p(x_1) p(x_2 | x_1) ..., of all samples at once: one variable after the other is
     eliminated. x: (N, n), or (n,) of all; covariance: (N, n, n).
     """
-    left = np.broadcast_to(x, covariance.shape[:-1]).T.copy()  # (n, N)
+    remainder = np.broadcast_to(x, covariance.shape[:-1]).T.copy()  # (n, N)
     within = np.moveaxis(covariance, 0, -1).copy()  # (n, n, N)
     density = np.zeros(len(covariance))
     for k, variance in enumerate(np.einsum("iin->in", within)):
-        density -= (left[k] ** 2 / variance + np.log(variance)) / 2
+        density -= (remainder[k] ** 2 / variance + np.log(variance)) / 2
         share = within[k + 1 :, k] / variance
-        left[k + 1 :] -= share * left[k]
+        remainder[k + 1 :] -= share * remainder[k]
         within[k + 1 :, k + 1 :] -= share[:, None] * within[k, k + 1 :]
     return density

@@ -5,14 +5,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.robots.friction import GEARS
+from ur5lib.robots.friction import GEAR_EFFICIENCY_STD
 from ur5lib.timeseries.arrays import Array
 
-SHORTEST = 2.0  # s; in a shorter contact, a load and a push cannot be distinguished
-EDGE = 0.5  # s at both ends, while it is taken up or put down
-EXPLAINED = 0.95  # share of the contact's squared torque that a weight must explain
-LEVER = 0.15  # m, how far from the flange a load's centre of mass usually is
-PRIOR_WEIGHT = 1e-2  # of that assumption, in samples per sample
+MIN_GRASP_DURATION = 2.0  # s; in a shorter contact, a load and a push cannot be distinguished
+HANDLING_DURATION = 0.5  # s at both ends, while it is taken up or put down
+MIN_SHARE_EXPLAINED_BY_LOAD = 0.95  # of the contact's squared torque
+USUAL_LOAD_LEVER = 0.15  # m, how far from the flange a load's centre of mass usually is
+LEVER_PRIOR_WEIGHT = 1e-2  # of that assumption, in samples per sample
 
 
 class Grasped(NamedTuple):
@@ -30,26 +30,28 @@ def grasped_load(
     torque: of the contact alone, (n, 6) [Nm]; regressor: (n, 6, 4), the joint torque per mass [kg]
     and first moment [kg m]; deviation: (6,) [Nm], standard deviation of the background, constant
     over the contact; period: [s]. Least squares of τ = −Y θ, with a prior on the first moments of
-    LEVER times the mass.
+    USUAL_LOAD_LEVER times the mass.
     """
-    edge = round(EDGE / period)
+    edge = round(HANDLING_DURATION / period)
     inner = slice(edge, len(torque) - edge)
-    known = finite_rows(torque[inner])
-    if known.sum() * period < SHORTEST - 2 * EDGE:
+    finite = finite_rows(torque[inner])
+    if finite.sum() * period < MIN_GRASP_DURATION - 2 * HANDLING_DURATION:
         return None
-    seen = torque[inner][known] / deviation
-    terms = -regressor[inner][known] / deviation[:, None]
+    target = torque[inner][finite] / deviation
+    terms = -regressor[inner][finite] / deviation[:, None]
     columns = terms.reshape(-1, 4)
-    information, right = columns.T @ columns, columns.T @ seen.ravel()
+    information, right = columns.T @ columns, columns.T @ target.ravel()
     mass = right[0] / information[0, 0]
-    held = len(seen) * np.array([0.0, 1, 1, 1]) / max(LEVER * abs(mass), 1e-3) ** 2
-    information += np.diag(PRIOR_WEIGHT * held)
+    lever_precision = (
+        len(target) * np.array([0.0, 1, 1, 1]) / max(USUAL_LOAD_LEVER * abs(mass), 1e-3) ** 2
+    )
+    information += np.diag(LEVER_PRIOR_WEIGHT * lever_precision)
     parameters = np.linalg.solve(information, right)
-    residual = seen - terms @ parameters
-    if (residual**2).sum() > (1 - EXPLAINED) * (seen**2).sum():
+    residual = target - terms @ parameters
+    if (residual**2).sum() > (1 - MIN_SHARE_EXPLAINED_BY_LOAD) * (target**2).sum():
         return None
     # change of θ per standard deviation of each joint's background
     common = np.linalg.solve(information, terms.sum(axis=0).T)  # (4, 6)
     mass = float(parameters[0])
-    error = float(np.hypot(np.linalg.norm(common[0]), GEARS * mass))
+    error = float(np.hypot(np.linalg.norm(common[0]), GEAR_EFFICIENCY_STD * mass))
     return Grasped(mass, error) if mass > 3 * error else None

@@ -13,8 +13,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
-MISSED_TO = 2.0  # κ: deviations up to which most contacts are missed
-HALVINGS = 30  # of an interval that contains a quantile
+MISSED_DEVIATIONS = 2.0  # κ: deviations up to which most contacts are missed
+BISECTION_STEPS = 30  # of an interval that contains a quantile
 
 
 def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tuple[Array, Array]:
@@ -30,32 +30,39 @@ def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tupl
     return np.sqrt(variance / usual), variance
 
 
-def probability_while_shut(missed: Array, found: Mask, period: float, prior: ContactPrior) -> Array:
+def probability_while_shut(
+    missed: Array, in_contact: Mask, period: float, prior: ContactPrior
+) -> Array:
     """Return the probability (N, 6) of a contact along each axis at samples of a shut gate.
 
-    It is c m / (c m + 1 - c). missed: m (N, 6), shares of contacts that are missed; found: (N,),
-    samples in contacts; period: [s]. The share c of time in contact is that of the run together
-    with one usual contact and pause: where some contacts are found, more are missed. Each axis
-    reckons with contacts along it alone, since no direction is known.
+    It is c m / (c m + 1 - c). missed: m (N, 6), shares of contacts that are missed; in_contact:
+    (N,), samples in contacts; period: [s]. The share c of time in contact is that of the run
+    together with one usual contact and pause: where some contacts are found, more are missed. Each
+    axis reckons with contacts along it alone, since no direction is known.
     """
-    contact, whole = prior.duration / period, (prior.duration + prior.pause) / period
-    seen = (1 - missed[:, :3]).mean(axis=1).sum()
-    share = min(1.0, float((found.sum() + contact) / (seen + whole)))
+    contact, cycle = prior.duration / period, (prior.duration + prior.pause) / period
+    # c = (s + n) / (d + m): s samples in contact, d detectable on average, n and m of one cycle
+    detectable = (1 - missed[:, :3]).mean(axis=1).sum()
+    share = min(1.0, float((in_contact.sum() + contact) / (detectable + cycle)))
     return share * missed / (share * missed + 1 - share)
 
 
-def mixture_std(probability: Array, missed: Array, free: Array) -> Array:
+def mixture_std(probability: Array, missed_variance: Array, free_variance: Array) -> Array:
     """Return the standard deviation (N, K) whose ± 1.96 is the 95 % band of a mixture.
 
     With a probability (N, K) the value is that of a missed contact, otherwise that of a free arm;
-    missed, free: variances (N, K) and (K,) of both, whose means are zero.
+    missed_variance, free_variance: variances (N, K) and (K,) of both, whose means are zero.
     """
-    contact, rest = np.sqrt(missed), np.broadcast_to(np.sqrt(free), missed.shape)
-    low, high = NORMAL95 * np.minimum(contact, rest), NORMAL95 * np.maximum(contact, rest)
-    for _ in range(HALVINGS):
+    missed_std, free_std = (
+        np.sqrt(missed_variance),
+        np.broadcast_to(np.sqrt(free_variance), missed_variance.shape),
+    )
+    low = NORMAL95 * np.minimum(missed_std, free_std)
+    high = NORMAL95 * np.maximum(missed_std, free_std)
+    for _ in range(BISECTION_STEPS):
         middle = (low + high) / 2
         # P(|x| > middle) of both
-        outside = probability * erfc(middle / contact / np.sqrt(2))
-        outside += (1 - probability) * erfc(middle / rest / np.sqrt(2))
+        outside = probability * erfc(middle / missed_std / np.sqrt(2))
+        outside += (1 - probability) * erfc(middle / free_std / np.sqrt(2))
         low, high = np.where(outside > 0.05, middle, low), np.where(outside > 0.05, high, middle)
     return high / NORMAL95

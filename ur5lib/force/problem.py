@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import TARED, finite_rows, is_still, past_states
+from ur5lib.force.external_torque import JointState, finite_rows, is_still, past_states
 from ur5lib.force.force_input import ForceInput, force_input
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.wrench_estimate import (
@@ -43,7 +43,7 @@ class Problem(NamedTuple):
         if not self.model.usual:
             return self
         states = self.input.states.copy()
-        states[tared & is_still(states)] = TARED
+        states[tared & is_still(states)] = JointState.TARED
         return Problem(replace(self.input, states=states), self.model.with_tare())
 
     def pushed(self, torque: Array) -> "Problem":

@@ -9,28 +9,22 @@ from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtri, stdtrit
 
 from ur5lib.errors import RefusalError, Remark
-from ur5lib.force.external_torque import (
-    MOVING,
-    RELAXING,
-    RESTING,
-    REVERSING,
-    SETTLING,
-    STATES,
-    STILL,
-    States,
-)
+from ur5lib.force.external_torque import FITTED_STATE_COUNT, RELAXATION_TIME, JointState, States
 from ur5lib.timeseries.arrays import Array
 
-SHORT, LONG = 0.5, 2.0  # s: half the duration of a push by hand, and twice its duration
-SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, limits of the background's rate of renewal
-ENOUGH = 5  # paths, from which on the gate is as unsure as the bands
-LEAST = 1e-3  # Nm, least standard deviation
+SHORT_LAG = 0.5  # s: half the duration of a push by hand
+LONG_LAG = 2.0  # s: twice its duration
+MIN_RENEWAL_RATE = 1 / 30  # 1/s, of the background
+MAX_RENEWAL_RATE = 2.0  # 1/s
+GATE_PATHS = 5  # from which on the gate is as unsure as the bands
+MIN_TORQUE_STD = 1e-3  # Nm
 # Of a joint that rests since a tare: most standard deviation of its background, in breakaway
-# torques, and rate of renewal [1/s], which is that of a joint that nobody touches.
-CREEP, LASTING = 0.15, 1e-3
+# torques, and rate of renewal, which is that of a joint that nobody touches.
+TARED_SPREAD_SHARE = 0.15
+TARED_RENEWAL_RATE = 1e-3  # 1/s
 
 
-class Stretch(NamedTuple):
+class TorqueStretch(NamedTuple):
     """External torque (N, n) [Nm] and joint states (N, n) without a gap; period: [s]."""
 
     torque: Array
@@ -43,9 +37,9 @@ class ResidualModel:
     """External torque without contact: a background (Ornstein-Uhlenbeck) and a fast error.
 
     spread, change: (S, n) [Nm], by joint state, of n joints: standard deviations of the sum, and of
-    the fast error, which changes within SHORT; rate: (S,) [1/s], at which the background renews;
-    independent: [s], between independent values of the fast error; breakaway: (n,) [Nm], up to
-    which dry friction holds a joint at rest; doubt: factor on bands of forces, beside the
+    the fast error, which changes within SHORT_LAG; rate: (S,) [1/s], at which the background
+    renews; independent: [s], between independent values of the fast error; breakaway: (n,) [Nm], up
+    to which dry friction holds a joint at rest; doubt: factor on bands of forces, beside the
     deviations, since few paths hardly show how paths differ; constants_doubt: (n,), relative
     standard deviations of the torque constants that the torques come from; sensed: whether the
     torques are those of sensors at the links, behind the gears; usual: whether it is that of other
@@ -76,8 +70,8 @@ class ResidualModel:
         σ² + share max(0, σ_usual² - σ²), of all standard deviations.
         """
 
-        def mixed(own: Array, other: Array) -> Array:
-            return np.sqrt(own**2 + share * np.maximum(0.0, other**2 - own**2))
+        def mixed(std: Array, usual_std: Array) -> Array:
+            return np.sqrt(std**2 + share * np.maximum(0.0, usual_std**2 - std**2))
 
         return replace(
             self,
@@ -87,23 +81,24 @@ class ResidualModel:
 
     def with_tare(self) -> "ResidualModel":
         """Return the model with the state TARED: as STILL, but with a background that stays."""
-        spread = np.minimum(self.spread[STILL], CREEP * self.breakaway)
-        change = np.minimum(self.change[STILL], spread)
+        spread = np.minimum(self.spread[JointState.STILL], TARED_SPREAD_SHARE * self.breakaway)
+        change = np.minimum(self.change[JointState.STILL], spread)
         return replace(
             self,
             spread=np.vstack([self.spread, spread]),
             change=np.vstack([self.change, change]),
-            rate=np.append(self.rate, LASTING),
+            rate=np.append(self.rate, TARED_RENEWAL_RATE),
         )
 
     def of_few_paths(self, paths: int) -> "ResidualModel":
         """Return the model with Student's t for a number of paths, in deviations and bands.
 
-        The deviations, which a contact has to exceed, grow as for at least ENOUGH paths: with those
-        for one path, hardly any push would be found. The rest goes into the bands.
+        The deviations, which a contact has to exceed, grow as for at least GATE_PATHS paths: with
+        those for one path, hardly any push would be found. The rest goes into the bands.
         """
+        # what the deviations do not take goes into the bands
         factor = few_paths(paths)
-        inside = min(factor, few_paths(ENOUGH))
+        inside = min(factor, few_paths(GATE_PATHS))
         return replace(self.wider(inside), doubt=factor / inside)
 
 
@@ -122,7 +117,7 @@ class Residuals:
 
 
 def fit_residual_model(
-    stretches: Sequence[Stretch], cutoff: float, breakaway: Array
+    stretches: Sequence[TorqueStretch], cutoff: float, breakaway: Array
 ) -> ResidualModel:
     """Fit the residual model to contact-free stretches by moments.
 
@@ -133,19 +128,24 @@ def fit_residual_model(
     moves.
     """
     # E[x²], and the variogram at both lags
-    short, long = ([_differences(one, lag) for one in stretches] for lag in (SHORT, LONG))
+    short, long = (
+        [_differences(stretch, lag) for stretch in stretches] for lag in (SHORT_LAG, LONG_LAG)
+    )
     joints = len(breakaway)
-    whole, near, far = (_moments(each, joints) for each in (stretches, short, long))  # (S, n) each
-    if not np.isfinite(far).any():
-        raise RefusalError("short recordings", seconds=LONG)
-    still = (np.flatnonzero(np.isnan(whole[MOVING])) + 1).tolist()
+    # (S, n) each
+    mean_square, short_variogram, long_variogram = (
+        _moments(parts, joints) for parts in (stretches, short, long)
+    )
+    if not np.isfinite(long_variogram).any():
+        raise RefusalError("short recordings", seconds=LONG_LAG)
+    still = (np.flatnonzero(np.isnan(mean_square[JointState.MOVING])) + 1).tolist()
     if still:
         raise RefusalError("still joints", joints=still)
-    change = np.sqrt(_filled(near))
+    change = np.sqrt(_filled_moments(short_variogram))
     return ResidualModel(
-        spread=np.maximum(np.sqrt(_filled(whole)), change),
+        spread=np.maximum(np.sqrt(_filled_moments(mean_square)), change),
         change=change,
-        rate=_rates((far - near) / whole / (LONG - SHORT)),
+        rate=_rates((long_variogram - short_variogram) / mean_square / (LONG_LAG - SHORT_LAG)),
         independent=1 / (2 * cutoff),
         breakaway=breakaway,
     )
@@ -160,41 +160,44 @@ def few_paths(paths: int) -> float:
 
 
 def _rates(growth: Array) -> Array:
-    """Return the median over the joints, (S,) [1/s]; SLOWEST for a state without data.
+    """Return the median over the joints, (S,) [1/s]; MIN_RENEWAL_RATE for a state without data.
 
     A joint that stops has a new, random friction torque, so while settling and resting the
     background renews within a second; there are too few stops for the median to show it.
     """
-    known = [row[np.isfinite(row)] for row in growth]
-    rates = [np.clip(np.median(r), SLOWEST, FASTEST) if len(r) else SLOWEST for r in known]
-    stopped = np.isin(np.arange(len(rates)), (SETTLING, RESTING))
-    return np.where(stopped, np.maximum(rates, 1 / RELAXING), rates)
+    rates_by_state = [row[np.isfinite(row)] for row in growth]
+    rates = [
+        np.clip(np.median(r), MIN_RENEWAL_RATE, MAX_RENEWAL_RATE) if len(r) else MIN_RENEWAL_RATE
+        for r in rates_by_state
+    ]
+    stopped = np.isin(np.arange(len(rates)), (JointState.SETTLING, JointState.RESTING))
+    return np.where(stopped, np.maximum(rates, 1 / RELAXATION_TIME), rates)
 
 
-def _differences(stretch: Stretch, seconds: float) -> Stretch:
+def _differences(stretch: TorqueStretch, seconds: float) -> TorqueStretch:
     """Return (x(t + h) - x(t)) / sqrt 2, in the least certain state of the joint in between."""
     lag = max(1, round(seconds / stretch.period))
     torque, states = stretch.torque, stretch.states
     middle = slice(lag // 2, lag // 2 + max(0, len(torque) - lag))
-    for state in (REVERSING, SETTLING):  # passed within the lag
+    for state in (JointState.REVERSING, JointState.SETTLING):  # passed within the lag
         inside = (stretch.states == state).astype(np.uint8)
         states = np.where(maximum_filter1d(inside, lag + 1, axis=0) > 0, state, states)
     change = (torque[lag:] - torque[: max(0, len(torque) - lag)]) / np.sqrt(2)
-    return Stretch(change, states[middle], stretch.period)
+    return TorqueStretch(change, states[middle], stretch.period)
 
 
-def _moments(stretches: Sequence[Stretch], joints: int) -> Array:
+def _moments(stretches: Sequence[TorqueStretch], joints: int) -> Array:
     """Return mean squares (S, n) over time by state and joint; NaN for a state without data."""
-    total, seconds = np.zeros((2, STATES, joints))
+    total, seconds = np.zeros((2, FITTED_STATE_COUNT, joints))
     for torque, states, period in stretches:
-        for state in range(STATES):
-            here = (states == state) & np.isfinite(torque)
-            total[state] += period * (np.where(here, torque, 0.0) ** 2).sum(axis=0)
-            seconds[state] += period * here.sum(axis=0)
+        for state in range(FITTED_STATE_COUNT):
+            in_state = (states == state) & np.isfinite(torque)
+            total[state] += period * (np.where(in_state, torque, 0.0) ** 2).sum(axis=0)
+            seconds[state] += period * in_state.sum(axis=0)
     return np.where(seconds > 0, total / np.maximum(seconds, 1e-9), np.nan)
 
 
-def _filled(moments: Array) -> Array:
+def _filled_moments(moments: Array) -> Array:
     """Return the moments with the joint's largest in place of NaN, and at least LEAST²."""
     largest = np.nanmax(moments, axis=0)
-    return np.maximum(np.where(np.isfinite(moments), moments, largest), LEAST**2)
+    return np.maximum(np.where(np.isfinite(moments), moments, largest), MIN_TORQUE_STD**2)

@@ -8,11 +8,11 @@ import numpy as np
 from ur5lib.errors import Remark, remark
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.free_fit import (
-    OUTSIDE,
-    REPEATS,
-    TOGETHER,
+    CONTACT_DEVIATIONS,
+    REPEATABILITY,
+    STRETCHES_PER_CANDIDATE,
     Fit,
-    Record,
+    SensorReadings,
     agreement,
     candidates,
     covariance,
@@ -23,11 +23,21 @@ from ur5lib.force.free_fit import (
 )
 from ur5lib.timeseries.arrays import Array, Mask
 
-MOST = 20_000  # samples for a fit
-# An offset is doubtful if fewer samples agree with it than this share of all, if another has more
-# than this share of its samples, or if fewer samples are free.
-MAJORITY, RIVAL, FEWEST = 0.5, 0.5, 100
-TURNED = 0.2  # std of gravity's unit vector in sensor axes: below, weight and bias are inseparable
+MAX_OFFSET_SAMPLES = 20_000  # for a fit
+# An offset is doubtful if fewer samples agree with it than the first share of all, if another has
+# more than the second share of its samples, or if fewer samples are free.
+MIN_AGREEING_SHARE = 0.5
+MAX_RIVAL_SHARE = 0.5
+MIN_FREE_SAMPLES = 100
+# Of gravity's unit vector in sensor axes: below, weight and bias are inseparable.
+MIN_DIRECTION_STD = 0.2
+# Correlation of sensor and estimate along an axis: 0.55 to 1 on six recordings, three of them real,
+# and of opposite sign if the sensor is turned.
+OPPOSITE_CORRELATION = -0.5
+MIN_AXIS_RMS = 1.0  # N, along an axis that is judged
+# Of the squared force: along weaker axes, the estimate is mostly cross-talk.
+MIN_AXIS_POWER_SHARE = 0.05
+NEGATIVE_MASS_TOLERANCE = 0.01  # kg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +79,7 @@ class SensorOffset(Offset):
         return np.concatenate([force, moment], axis=1) + self.bias
 
 
-def sensed(reading: Array) -> slice:
+def measured_columns(reading: Array) -> slice:
     """Return the columns of a reading (N, 6) that were measured: a sensor may lack the moments."""
     return slice(3 if np.isnan(reading[:, 3:]).all() else 6)
 
@@ -87,65 +97,72 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     fit with which more samples agree is returned. Long records are thinned.
     """
     # the record, thinned; the weight counts only if the arm turns
-    reading = reading[:, sensed(reading)]
-    repeats = REPEATS[: reading.shape[1]]
-    every = max(1, -(-len(reading) // MOST))
+    reading = reading[:, measured_columns(reading)]
+    repeats = REPEATABILITY[: reading.shape[1]]
+    stride = max(1, -(-len(reading) // MAX_OFFSET_SAMPLES))
     measured = finite_rows(reading)
-    weighed = _turns(pull[measured])
-    terms = _terms(pull[::every], weighed, reading.shape[1])
-    record = Record(reading[::every], terms, measured[::every], every * period)
+    weighed = _arm_turns(pull[measured])
+    terms = _terms(pull[::stride], weighed, reading.shape[1])
+    record = SensorReadings(reading[::stride], terms, measured[::stride], stride * period)
     # candidates from quiet stretches
     middle, means, noise = quiet_stretches(reading, period, repeats)
-    together = TOGETHER if weighed else 1
-    tried = candidates(_terms(pull[middle], weighed, reading.shape[1]), means, repeats, together)
-    tolerance = OUTSIDE * np.maximum(noise, repeats)
+    together = STRETCHES_PER_CANDIDATE if weighed else 1
+    offsets = candidates(_terms(pull[middle], weighed, reading.shape[1]), means, repeats, together)
+    tolerance = CONTACT_DEVIATIONS * np.maximum(noise, repeats)
     # both fits, and the one with which more samples agree
     fits = [
         settle(record, record.measured, least_deviations(record)),
-        *_settled_agreement(record, tried, tolerance),
+        *_settled_agreement(record, offsets, tolerance),
     ]
     agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
-    parameters, free, noise = fits[agree.sum(axis=1).argmax()]
-    tolerance = np.maximum(tolerance, OUTSIDE * noise)
+    parameters, is_free, noise = fits[agree.sum(axis=1).argmax()]
+    tolerance = np.maximum(tolerance, CONTACT_DEVIATIONS * noise)
     # who agrees with it, and who of the others with one of the candidates
-    agree = record.agreement(np.concatenate([parameters[None], tried]), tolerance)
+    agree = record.agreement(np.concatenate([parameters[None], offsets]), tolerance)
     rival = (agree & ~agree[0]).mean(axis=1).max()
-    offset = _offset(record, parameters, free, float(agree[0].mean()), float(rival))
-    if every > 1:  # free samples of the whole record
+    offset = _offset(record, parameters, is_free, float(agree[0].mean()), float(rival))
+    if stride > 1:  # free samples of the whole record
         untouched = offset.reading(pull)[:, : reading.shape[1]]
-        found = free_samples(reading - untouched, noise, measured, period)
-        offset = replace(offset, free=found)
+        free_of_all = free_samples(reading - untouched, noise, measured, period)
+        offset = replace(offset, free=free_of_all)
     return offset
 
 
-def offset_doubt(offset: SensorOffset, each: float = 1.0) -> Remark | None:
+def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
     """Return why the bias is doubtful and may be a push; None if most samples agree with it.
 
-    each: samples (N,) of the offset for each of the sensor's own, more than one of a slow sensor.
+    repeats: samples (N,) of the offset for each of the sensor's own, more than one of a slow
+    sensor.
     """
-    agreeing, rival, free = offset.agreeing, offset.rival, round(offset.free.sum() / each)
-    if rival > RIVAL * agreeing:
+    agreeing = offset.agreeing
+    rival = offset.rival
+    free_readings = round(offset.free.sum() / repeats)
+    if rival > MAX_RIVAL_SHARE * agreeing:
         return remark("two biases", share=agreeing, other=rival)
-    if agreeing < MAJORITY:
+    if agreeing < MIN_AGREEING_SHARE:
         return remark("disputed bias", share=agreeing)
-    return remark("few free samples", count=free) if free < FEWEST else None
+    return (
+        remark("few free samples", count=free_readings)
+        if free_readings < MIN_FREE_SAMPLES
+        else None
+    )
 
 
-def _settled_agreement(record: Record, tried: Array, tolerance: Array) -> Iterator[Fit]:
+def _settled_agreement(record: SensorReadings, offsets: Array, tolerance: Array) -> Iterator[Fit]:
     """Yield the fit that starts from the samples that agree with the best candidate of (K, 10)."""
-    if len(tried):
-        best = record.agreement(tried, tolerance).sum(axis=1).argmax()
-        free = agreement(tried[[best]], record.terms, record.reading, tolerance)[0]
-        if free.any():
-            yield settle(record, free, np.ones(len(free)))
+    if len(offsets):
+        best = record.agreement(offsets, tolerance).sum(axis=1).argmax()
+        is_free = agreement(offsets[[best]], record.terms, record.reading, tolerance)[0]
+        if is_free.any():
+            yield settle(record, is_free, np.ones(len(is_free)))
 
 
-def _turns(pull: Array) -> bool:
+def _arm_turns(pull: Array) -> bool:
     """Return whether the arm turns enough to separate weight from bias."""
     if not len(pull):
         return False
     down = pull / np.linalg.norm(pull, axis=1, keepdims=True)
-    return bool(np.std(down, axis=0).max() > TURNED)
+    return bool(np.std(down, axis=0).max() > MIN_DIRECTION_STD)
 
 
 def _terms(pull: Array, weighed: bool, components: int) -> Array:
@@ -162,15 +179,16 @@ def _terms(pull: Array, weighed: bool, components: int) -> Array:
 
 
 def _offset(
-    record: Record, parameters: Array, free: Mask, agreeing: float, rival: float
+    record: SensorReadings, parameters: Array, is_free: Mask, agreeing: float, rival: float
 ) -> SensorOffset:
     """Return the fitted parameters (10,) with their standard errors."""
-    terms = record.terms[free]
-    residual = record.reading[free] - record.terms[free] @ parameters
+    terms = record.terms[is_free]
+    residual = record.reading[is_free] - record.terms[is_free] @ parameters
     noise = residual.std(axis=0)
     deviation = np.sqrt(np.diag(covariance(terms, residual, noise)).clip(0))
-    told = record.terms.any(axis=(0, 1))  # not by a sensor without moments, or an arm that rests
-    value, std = (np.where(told, x, np.nan) for x in (parameters, deviation))
+    # not by a sensor without moments, or an arm that rests
+    observable = record.terms.any(axis=(0, 1))
+    value, std = (np.where(observable, x, np.nan) for x in (parameters, deviation))
     return SensorOffset(
         bias=value[4:],
         bias_std=std[4:],
@@ -181,7 +199,7 @@ def _offset(
         noise=np.pad(noise, (0, 6 - len(noise)), constant_values=np.nan),
         agreeing=agreeing,
         rival=rival,
-        free=free,
+        free=is_free,
     )
 
 
@@ -197,13 +215,13 @@ def wrench_of_environment(reading: Array, rotation: Array) -> Array:
     return np.concatenate(halves, axis=1)[..., 0]
 
 
-def bias(reading: Array, time: Array, window: float) -> Array:
+def initial_bias(reading: Array, time: Array, window: float) -> Array:
     """Return the mean reading over the first `window` seconds, which must be free of contact.
 
     reading: (N, 6), sensor frame; time: (N,) [s]. Returns (6,) [N, Nm]: the sensor's bias and, at
     this orientation, the weight of its tool.
     """
-    measured = finite_rows(reading[:, sensed(reading)])
+    measured = finite_rows(reading[:, measured_columns(reading)])
     first = time[measured].min()
     return reading[measured & (time <= first + window)].mean(axis=0)
 
@@ -219,30 +237,24 @@ def move_to_frame_6(wrench: Array, rotation: Array, position: Array) -> Array:
     return np.concatenate([force, moment + np.cross(lever, force)], axis=1)
 
 
-# Correlation of sensor and estimate along an axis: 0.55 to 1 on six recordings, three of them real,
-# and of opposite sign if the sensor is turned.
-OPPOSITE = -0.5
-LEAST = 1.0  # N, root mean square along an axis that is judged
-SHARE = 0.05  # of the squared force: along weaker axes, the estimate is mostly cross-talk
-LIGHTEST = 0.01  # kg
-
-
 def opposite_axes(sensor: Array, estimate: Array, rotation: Array) -> list[str]:
     """Return the axes of frame 6 along which sensor and estimate from currents are opposite.
 
     sensor, estimate: forces on the arm, (N, 3) [N], base axes; rotation: R_6, (N, 3, 3). Axes
     with hardly any force are not judged.
     """
-    both = finite_rows(sensor) & finite_rows(estimate)
-    if not both.any():
+    finite = finite_rows(sensor) & finite_rows(estimate)
+    if not finite.any():
         return []
     read, estimated = (
-        np.einsum("nji,nj->ni", rotation[both], force[both]) for force in (sensor, estimate)
+        np.einsum("nji,nj->ni", rotation[finite], force[finite]) for force in (sensor, estimate)
     )
     power, estimated_power = (read**2).mean(axis=0), (estimated**2).mean(axis=0)
-    acts = (power > LEAST**2) & (power > SHARE * power.sum())
+    acts = (power > MIN_AXIS_RMS**2) & (power > MIN_AXIS_POWER_SHARE * power.sum())
     # correlation without subtracting the means
-    opposite = (read * estimated).mean(axis=0) < OPPOSITE * np.sqrt(power * estimated_power)
+    opposite = (read * estimated).mean(axis=0) < OPPOSITE_CORRELATION * np.sqrt(
+        power * estimated_power
+    )
     return [axis for axis, wrong in zip("xyz", acts & opposite, strict=True) if wrong]
 
 
@@ -251,6 +263,6 @@ def mounting_doubt(offset: SensorOffset, opposite: list[str]) -> Remark | None:
     reasons = []
     if opposite:
         reasons.append(remark("opposite force", axes=opposite))
-    if offset.mass < -max(LIGHTEST, 3 * offset.mass_std):
+    if offset.mass < -max(NEGATIVE_MASS_TOLERANCE, 3 * offset.mass_std):
         reasons.append(remark("negative weight", mass=offset.mass, std=offset.mass_std))
     return remark("turned sensor", reasons=reasons) if reasons else None

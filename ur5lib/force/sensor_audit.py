@@ -18,73 +18,84 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.force.detection import contacts
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.free_fit import REPEATS, Record, least_deviations, settle
+from ur5lib.force.free_fit import REPEATABILITY, SensorReadings, least_deviations, settle
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
-BLOCKS = (
-    100  # many more than terms, however short the recording; otherwise the error is undetermined
-)
-SLOW = np.exp(-1 / np.geomspace(1, 2 * BLOCKS, 7))  # ρ, all equally likely a priori
-SHARES = np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0])  # g, likewise
-DEPENDENT = 1e-6  # singular value, relative to the largest, of linearly dependent terms
+# Many more blocks than terms, however short the recording: otherwise the error is undetermined.
+ERROR_BLOCKS = 100
+# Correlations ρ of neighbouring blocks, and shares g of the slow part, all equally likely a priori.
+BLOCK_CORRELATIONS = np.exp(-1 / np.geomspace(1, 2 * ERROR_BLOCKS, 7))
+SLOW_SHARES = np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0])
+RANK_TOLERANCE = 1e-6  # singular value, relative to the largest, of linearly dependent terms
+MAX_AUDIT_SAMPLES = 5_000  # for a fit
+SECONDS_PER_MINUTE = 60.0
+UNIT_PULL = np.ones((1, 3))
+# Columns of the parameters.
+RESPONSE_COLUMNS = slice(0, 18)
+BIAS_COLUMNS = slice(18, 24)
+DRIFT_COLUMNS = slice(24, 30)
+# Expected before any reading: a tool that weighs what it should, within a share of it and a mass,
+# or of unknown mass where none is declared; little drift; an inertia as of small tools.
+DECLARED_MASS_SHARE_STD = 0.3
+DECLARED_MASS_STD = 0.3  # kg
+UNDECLARED_MASS_STD = 3.0  # kg
+CENTER_DISTANCE_STD = 0.2  # m, of the tool's centre of mass from the sensor
+DRIFT_STD = np.array([5.0] * 3 + [0.5] * 3)  # N/min, Nm/min
+INERTIA_STD = 0.02  # kg m²
+TURN_STD = 1.0  # rad
+SCALE_STD = 0.3
+FREE_MASS_STD = 10.0  # kg
+SPAN_BEFORE_CONTACT = np.array([-1.25, -0.25])  # s, from its start
+SPAN_AFTER_CONTACT = np.array([0.25, 1.25])  # s, from its end
 
 
 def slow_covariance(
-    terms: Array, residual: Array, time: Array, weight: float, known: Array
+    terms: Array, residual: Array, time: Array, weight: float, prior_precision: Array
 ) -> Array:
     """Return the covariance (P, P) of θ = (w XᵀX + K)⁻¹ w Xᵀ y, whose errors may be slow.
 
     terms: X (N, P) of one component; residual: (N,), y - X θ; time: (N,) [s], increasing; weight:
-    w; known: K, inverse variances (P,) of a prior about zero. With blocks of n samples, H = n w XᵀX
-    + K and V the covariance of block means, it is H⁻¹ (n w)² Xᵀ V X H⁻¹ + H⁻¹ K H⁻¹.
+    w; prior_precision: K, inverse variances (P,) of a prior about zero. With blocks of n samples, H
+    = n w XᵀX + K and V the covariance of block means, it is H⁻¹ (n w)² Xᵀ V X H⁻¹ + H⁻¹ K H⁻¹.
     """
     share = (time - time[0]) / np.ptp(time)
-    number = np.minimum(np.floor(BLOCKS * share), BLOCKS - 1)
+    number = np.minimum(np.floor(ERROR_BLOCKS * share), ERROR_BLOCKS - 1)
     block, place, count = np.unique(number, return_inverse=True, return_counts=True)
     means = np.zeros((len(block), terms.shape[1] + 1))
     np.add.at(means, place, np.column_stack([terms, residual]))
     means /= count[:, None]
-    X, left, scale = means[:, :-1], means[:, -1], count * weight
-    inverse = np.linalg.pinv((X.T * scale) @ X + np.diag(known), hermitian=True)
+    X, block_residual, scale = means[:, :-1], means[:, -1], count * weight
+    # H⁻¹ and H⁻¹ n w Xᵀ
+    inverse = np.linalg.pinv((X.T * scale) @ X + np.diag(prior_precision), hermitian=True)
     gain = inverse @ (X.T * scale)
-    V = _expected(X, left, block)
-    return np.asarray(gain @ V @ gain.T + inverse @ np.diag(known) @ inverse)
+    V = _block_covariance(X, block_residual, block)
+    return np.asarray(gain @ V @ gain.T + inverse @ np.diag(prior_precision) @ inverse)
 
 
-def _expected(X: Array, left: Array, block: Array) -> Array:
+def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
     """Return the covariance (M, M) of block means: the mean over ρ and g, weighted by likelihood.
 
     The likelihood is that of what the regression leaves (restricted, Harville 1974). A variance S/ν
     of ν degrees of freedom is expected as S/(ν-2).
     """
     vectors, values, _ = np.linalg.svd(X)
-    rank = int((values > DEPENDENT * values[0]).sum())
-    other = vectors[:, rank:]  # what X does not explain
-    freedom = other.shape[1]
-    seen, apart = other.T @ left, np.abs(block[:, None] - block)
-    log, found = list[float](), list[Array]()
-    for slow in SLOW:
-        for share in SHARES:
-            V = share * slow**apart + (1 - share) * np.eye(len(block))
-            within = other.T @ V @ other
-            S = max(float(seen @ np.linalg.solve(within, seen)), np.finfo(float).tiny)
-            log.append(-np.linalg.slogdet(within)[1] / 2 - freedom / 2 * np.log(S))
-            found.append(V * S / max(freedom - 2, 1))
-    odds = np.exp(np.array(log) - max(log))
-    return np.asarray(np.tensordot(odds / odds.sum(), np.stack(found), axes=1))
-
-
-MOST = 5_000  # samples for a fit
-MINUTE = 60.0  # s
-ONES = np.ones((1, 3))
-RESPONSE, BIAS, DRIFT = slice(0, 18), slice(18, 24), slice(24, 30)  # of the parameters
-# Expected before any reading: a tool that weighs what it should, within SHARE and LIGHT, else
-# nothing, within HEAVY; little drift; an inertia as of small tools.
-SHARE, LIGHT, HEAVY, AWAY = 0.3, 0.3, 3.0, 0.2  # 1, kg, kg, m
-DRIFTS, INERTIA = np.array([5.0] * 3 + [0.5] * 3), 0.02  # N/min, Nm/min; kg m²
-TURN, SCALE, MASS = 1.0, 0.3, 10.0  # rad, 1, kg
-BEFORE, AFTER = np.array([-1.25, -0.25]), np.array([0.25, 1.25])  # s, from a contact's start, end
+    rank = int((values > RANK_TOLERANCE * values[0]).sum())
+    complement = vectors[:, rank:]  # what X does not explain
+    freedom = complement.shape[1]
+    projected, distance = complement.T @ block_residual, np.abs(block[:, None] - block)
+    log_likelihoods, covariances = list[float](), list[Array]()
+    for slow in BLOCK_CORRELATIONS:
+        for share in SLOW_SHARES:
+            V = share * slow**distance + (1 - share) * np.eye(len(block))
+            within = complement.T @ V @ complement
+            # S = eᵀ V⁻¹ e; p ∝ |V|^(-1/2) S^(-ν/2)
+            S = max(float(projected @ np.linalg.solve(within, projected)), np.finfo(float).tiny)
+            log_likelihoods.append(-np.linalg.slogdet(within)[1] / 2 - freedom / 2 * np.log(S))
+            covariances.append(V * S / max(freedom - 2, 1))
+    # Σ p V S / (ν - 2) / Σ p
+    odds = np.exp(np.array(log_likelihoods) - max(log_likelihoods))
+    return np.asarray(np.tensordot(odds / odds.sum(), np.stack(covariances), axes=1))
 
 
 @dataclass(frozen=True)
@@ -106,7 +117,7 @@ class FreeReading:
     def std(self) -> tuple[Array, Array]:
         """Return standard errors of bias and drift, (6,) each."""
         deviation = np.sqrt(np.diag(self.covariance))
-        return deviation[BIAS], deviation[DRIFT]
+        return deviation[BIAS_COLUMNS], deviation[DRIFT_COLUMNS]
 
 
 @dataclass(frozen=True)
@@ -136,50 +147,64 @@ def fit_free_reading(
     and spin: α (N, 3) [rad/s²], axes of frame 6; time: (N,) [s]; period: [s]; tool: as declared.
     Least squares under a wide prior: what the motion does not determine stays undetermined.
     """
-    every = slice(None, None, max(1, -(-len(reading) // MOST)))
+    stride = slice(None, None, max(1, -(-len(reading) // MAX_AUDIT_SAMPLES)))
     measured = finite_rows(reading) & finite_rows(pull)
     middle = np.median(reading[measured], axis=0)  # of a sensor that was never zeroed
-    minutes = (time - time[0]) / MINUTE
-    terms = _terms(pull[every], spin[every], minutes[every])
+    minutes = (time - time[0]) / SECONDS_PER_MINUTE
+    terms = _terms(pull[stride], spin[stride], minutes[stride])
     expected, spread = _expectation(tool)
-    known = 1 / spread**2
-    unexpected = reading[every] - middle - terms @ expected
-    thin = Record(unexpected, terms, measured[every], every.step * period, known)
-    found, free, _ = settle(thin, thin.measured, least_deviations(thin))
-    left = (unexpected - terms @ found)[free]
-    response, bias, drift, inertia = np.split(expected + found, [18, 24, 30])
+    prior_precision = 1 / spread**2
+    unexpected = reading[stride] - middle - terms @ expected
+    thin = SensorReadings(
+        unexpected, terms, measured[stride], stride.step * period, prior_precision
+    )
+    correction, is_free, _ = settle(thin, thin.measured, least_deviations(thin))
+    free_residual = (unexpected - terms @ correction)[is_free]
+    response, bias, drift, inertia = np.split(expected + correction, [18, 24, 30])
     residual = reading - middle - bias - pull @ response.reshape(6, 3).T - np.outer(minutes, drift)
     residual[:, 3:] -= spin @ inertia.reshape(3, 3).T
     return FreeReading(
         response=response.reshape(6, 3),
         bias=middle + bias,
         drift=drift,
-        covariance=_covariance(terms[free], left, time[every][free], known)[:30, :30],
+        covariance=_covariance(
+            terms[is_free], free_residual, time[stride][is_free], prior_precision
+        )[:30, :30],
         residual=residual,
-        seconds=float(free.sum() * thin.period),
+        seconds=float(is_free.sum() * thin.period),
     )
 
 
-def _covariance(terms: Array, left: Array, time: Array, known: Array) -> Array:
+def _covariance(terms: Array, residual: Array, time: Array, prior_precision: Array) -> Array:
     """Return the covariance (39, 39) of the parameters; no two components share one of them."""
-    found = np.zeros((39, 39))
-    for component, repeats in enumerate(REPEATS):
-        own = np.flatnonzero(np.abs(_terms(ONES, ONES, ONES[:, 0]))[0, component])
-        part = terms[:, component][:, own], left[:, component], time
-        found[np.ix_(own, own)] = slow_covariance(*part, repeats**-2, known[own])
-    return found
+    covariance = np.zeros((39, 39))
+    for component, repeats in enumerate(REPEATABILITY):
+        columns = np.flatnonzero(
+            np.abs(_terms(UNIT_PULL, UNIT_PULL, UNIT_PULL[:, 0]))[0, component]
+        )
+        part = terms[:, component][:, columns], residual[:, component], time
+        covariance[np.ix_(columns, columns)] = slow_covariance(
+            *part, repeats**-2, prior_precision[columns]
+        )
+    return covariance
 
 
 def _expectation(tool: Payload | None) -> tuple[Array, Array]:
     """Return what is expected of the parameters (39,), and the standard deviations of that."""
     mass, center = (tool.mass, np.array(tool.center_of_mass)) if tool else (0.0, np.zeros(3))
     expected = np.zeros(39)
-    expected[RESPONSE] = response_of(
+    expected[RESPONSE_COLUMNS] = response_of(
         np.concatenate([np.zeros(3), np.ones(3), [mass], mass * center])
     ).ravel()
-    about = SHARE * mass + LIGHT if tool else HEAVY
-    free = np.full(6, np.inf)
-    spread = [np.full(9, about), np.full(9, about * AWAY), free, DRIFTS, np.full(9, INERTIA)]
+    about = DECLARED_MASS_SHARE_STD * mass + DECLARED_MASS_STD if tool else UNDECLARED_MASS_STD
+    undetermined = np.full(6, np.inf)
+    spread = [
+        np.full(9, about),
+        np.full(9, about * CENTER_DISTANCE_STD),
+        undetermined,
+        DRIFT_STD,
+        np.full(9, INERTIA_STD),
+    ]
     return expected, np.concatenate(spread)
 
 
@@ -203,25 +228,32 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
     response's covariance, under wide priors.
     """
     start = np.concatenate([np.zeros(3), np.ones(3), [known_mass or 0.0], np.zeros(3)])
-    widths = (0.0, MASS) if known_mass is None else (SCALE, 0.0)
-    width = np.concatenate([[TURN] * 3, [widths[0]] * 3, [widths[1]], [MASS * AWAY] * 3])
-    free = width > 0
-    values, vectors = np.linalg.eigh(reading.covariance[RESPONSE, RESPONSE])
+    widths = (0.0, FREE_MASS_STD) if known_mass is None else (SCALE_STD, 0.0)
+    width = np.concatenate(
+        [[TURN_STD] * 3, [widths[0]] * 3, [widths[1]], [FREE_MASS_STD * CENTER_DISTANCE_STD] * 3]
+    )
+    is_fitted = width > 0
+    values, vectors = np.linalg.eigh(reading.covariance[RESPONSE_COLUMNS, RESPONSE_COLUMNS])
+    # W with Wᵀ W = C⁻¹ of the response
     whiten = vectors.T / np.sqrt(np.maximum(values, 1e-12 * values.max()))[:, None]
 
     def misfit(moved: Array) -> Array:
         parameters = start.copy()
-        parameters[free] += moved * width[free]
-        apart = whiten @ (response_of(parameters) - reading.response).ravel()
-        return np.concatenate([apart, moved])
+        parameters[is_fitted] += moved * width[is_fitted]
+        difference = whiten @ (response_of(parameters) - reading.response).ravel()
+        return np.concatenate([difference, moved])
 
-    found = least_squares(misfit, np.zeros(free.sum()))
+    solution = least_squares(misfit, np.zeros(is_fitted.sum()))
     std = np.zeros(10)
-    std[free] = width[free] * np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
-    start[free] += width[free] * found.x
+    # cov = (Jᵀ J)⁻¹, in units of the widths
+    std[is_fitted] = width[is_fitted] * np.sqrt(
+        np.diag(np.linalg.inv(solution.jac.T @ solution.jac))
+    )
+    start[is_fitted] += width[is_fitted] * solution.x
     turn, scale, (mass,), moment = np.split(start, [3, 6, 7])
     turn_std, scale_std, (mass_std,), moment_std = np.split(std, [3, 6, 7])
     center = moment / mass if mass else np.full(3, np.nan)
+    # c = h / m: σ_c² = (σ_h² + c² σ_m²) / m²
     center_std = np.hypot(moment_std, center * mass_std) / (abs(mass) or np.nan)
     return SensorErrors(
         float(mass), float(mass_std), center, center_std, turn, turn_std, scale, scale_std
@@ -244,15 +276,16 @@ def shifts_after_contacts(reading: FreeReading, time: Array) -> Array:
     """
     force = np.linalg.norm(reading.residual[:, :3], axis=1)
     touched = np.zeros(len(force), dtype=bool)
-    for first, last in (found := contacts(force)):
+    for first, last in (spans := contacts(force)):
         touched[first:last] = True
-    free = np.where(touched[:, None], np.nan, reading.residual)
+    free_residual = np.where(touched[:, None], np.nan, reading.residual)
     shifts = [
-        _mean_in(free, time, time[last - 1] + AFTER) - _mean_in(free, time, time[first] + BEFORE)
-        for first, last in found
+        _mean_in(free_residual, time, time[last - 1] + SPAN_AFTER_CONTACT)
+        - _mean_in(free_residual, time, time[first] + SPAN_BEFORE_CONTACT)
+        for first, last in spans
     ]
-    known = np.array(shifts).reshape(-1, 6)
-    return known[np.isfinite(known).all(axis=1)]
+    complete_shifts = np.array(shifts).reshape(-1, 6)
+    return complete_shifts[np.isfinite(complete_shifts).all(axis=1)]
 
 
 def _mean_in(values: Array, time: Array, span: Array) -> Array:

@@ -8,7 +8,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 Limits = list[tuple[float, float]]
 
-KINDS = ("shoulder", "elbow", "wrist")
+SINGULARITY_KINDS = ("shoulder", "elbow", "wrist")
 
 
 def manipulability(jacobian: Array) -> Array:
@@ -30,6 +30,7 @@ def singular_distances(robot: Robot, q: Array) -> Array:
     """
     dh = robot.denavit_hartenberg
     second, third, fourth = q[:, 1], q[:, 1] + q[:, 2], q[:, 1:4].sum(axis=1)
+    # a2 c2 + a3 c23 + d5 s234, up to signs that do not matter here
     reach = dh[1].a * np.cos(second) + dh[2].a * np.cos(third) + dh[4].d * np.sin(fourth)
     return np.abs(np.stack([reach, np.sin(q[:, 2]), np.sin(q[:, 4])], axis=1))
 
@@ -48,4 +49,6 @@ def singular_shares(robot: Robot, q: Array, singular: Mask) -> dict[str, float]:
     """
     stretched = sum(abs(link.a) for link in robot.denavit_hartenberg)
     kind = np.argmin(singular_distances(robot, q) / [stretched, 1, 1], axis=1)
-    return {name: float((singular & (kind == i)).mean()) for i, name in enumerate(KINDS)}
+    return {
+        name: float((singular & (kind == i)).mean()) for i, name in enumerate(SINGULARITY_KINDS)
+    }

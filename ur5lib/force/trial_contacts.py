@@ -6,12 +6,20 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.force.detection import PAUSE, PUSH, Span, alarms, overlap, pushes
-from ur5lib.force.external_torque import STILL, States
+from ur5lib.force.detection import (
+    PAUSE_DURATION,
+    PUSH_DURATION,
+    Span,
+    alarms,
+    overlap,
+    trial_pushes,
+)
+from ur5lib.force.external_torque import JointState, States
 from ur5lib.force.force_input import Gears
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-LEAST, MOST = 5.0, 100.0  # N, of trial pushes
+MIN_TRIAL_FORCE = 5.0  # N, of trial pushes
+MAX_TRIAL_FORCE = 100.0  # N
 
 
 @dataclass(frozen=True)
@@ -29,7 +37,7 @@ class Trials:
     def joined(cls, parts: list[Self]) -> Self:
         """Return the trials of several recordings."""
         names = ("force", "axis", "speed", "found")
-        return cls(*(np.concatenate([getattr(own, name) for own in parts]) for name in names))
+        return cls(*(np.concatenate([getattr(trials, name) for trials in parts]) for name in names))
 
     def within(self, low: float, high: float) -> "Trials":
         """Return the trials at speeds from `low` to below `high` [m/s]."""
@@ -39,8 +47,8 @@ class Trials:
         """Return the trials along one axis."""
         return self._where(self.axis == axis)
 
-    def _where(self, chosen: Mask) -> "Trials":
-        return Trials(self.force[chosen], self.axis[chosen], self.speed[chosen], self.found[chosen])
+    def _where(self, rows: Mask) -> "Trials":
+        return Trials(self.force[rows], self.axis[rows], self.speed[rows], self.found[rows])
 
 
 def felt_push(
@@ -48,19 +56,23 @@ def felt_push(
     time: Array,
     states: States,
     gears: Gears | None,
-    most: Array,
+    largest_friction: Array,
     random: np.random.Generator,
 ) -> Array:
     """Return what the motors feel of the torque (N, 6) [Nm] of pushes: less what friction bears.
 
     In motion, gears lose a part of it; at rest, dry friction bears a share of what it can, drawn
-    for each push and joint. time: (N,) [s]; most: (6,) [Nm], that friction bears.
+    for each push and joint. time: (N,) [s]; largest_friction: (6,) [Nm], that friction bears.
     """
-    push = (time // (PUSH + PAUSE)).astype(np.int64)
-    bears = random.uniform(size=(push.max(initial=0) + 1, len(most)))[push] * most
+    push = (time // (PUSH_DURATION + PAUSE_DURATION)).astype(np.int64)
+    # dry friction bears anything between nothing and all that it can
+    bears = (
+        random.uniform(size=(push.max(initial=0) + 1, len(largest_friction)))[push]
+        * largest_friction
+    )
     resting = torque - np.clip(torque, -bears, bears)
     moving = torque if gears is None else gears.where_moving(states).felt(torque)
-    return np.where(states == STILL, resting, moving)
+    return np.where(states == JointState.STILL, resting, moving)
 
 
 def try_each_place(
@@ -78,19 +90,22 @@ def try_each_place(
     (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: alarms of the recording itself,
     during which no push is tried; random: deals out peaks and axes.
     """
-    profile, places = pushes(len(jacobian), period)
+    profile, places = trial_pushes(len(jacobian), period)
     means = [float(speed[slice(*place)].mean()) for place in places]
-    free = [
+    free_places = [
         (place, mean)
         for place, mean in zip(places, means, strict=True)
         if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
     ]
-    peaks = random.permutation(np.geomspace(LEAST, MOST, len(free)))
-    axes = random.permutation((random.integers(3) + np.arange(len(free))) % 3)
+    # sizes evenly in their logarithm; axes as evenly as possible
+    peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, MAX_TRIAL_FORCE, len(free_places)))
+    axes = random.permutation((random.integers(3) + np.arange(len(free_places))) % 3)
     force = np.zeros((len(profile), 3))
-    for (place, _), peak, axis in zip(free, peaks, axes, strict=True):
+    for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):
         force[slice(*place), axis] = peak * profile[slice(*place)]
     torque = np.matvec(jacobian[:, :3].mT, force)
-    answers = alarms(log_odds_of(torque), threshold) if free else []
-    found = [any(overlap(alarm, place) for alarm in answers) for place, _ in free]
-    return Trials(peaks, axes, np.array([mean for _, mean in free]), np.array(found, bool))
+    answers = alarms(log_odds_of(torque), threshold) if free_places else []
+    detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
+    return Trials(
+        peaks, axes, np.array([mean for _, mean in free_places]), np.array(detected, bool)
+    )

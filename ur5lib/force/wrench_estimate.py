@@ -13,29 +13,30 @@ from scipy.ndimage import binary_dilation
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import (
-    Wrench,
+    ContactWrench,
     contact_wrench,
     least_squares_wrench,
     static_wrench,
 )
 from ur5lib.force.detection import Span, spans
 from ur5lib.force.external_torque import is_still
-from ur5lib.force.force_input import MEAN, ForceInput, held
+from ur5lib.force.force_input import MEAN_STICTION, ForceInput, mean_stiction_torque
 from ur5lib.force.gate import Observations, diagonal, find_contacts, log_odds
 from ur5lib.force.missed_contacts import (
-    MISSED_TO,
+    MISSED_DEVIATIONS,
     missed_contacts,
     mixture_std,
     probability_while_shut,
 )
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.sampling import STEP, interpolated
-from ur5lib.timeseries.segments import marked, unbroken
+from ur5lib.timeseries.sampling import THINNED_STEP, interpolated
+from ur5lib.timeseries.segments import inside_spans, unbroken
 
-OPENS, CLOSES = 0.5, 0.1  # probability that a contact reaches, and above which it lasts
-MARGIN = 0.15  # s, by which a contact is extended at both ends
-INSIDE = 0.999  # least probability inside a contact
+OPENING_PROBABILITY = 0.5  # that a contact reaches
+CLOSING_PROBABILITY = 0.1  # above which it lasts
+CONTACT_MARGIN = 0.15  # s, by which a contact is extended at both ends
+MIN_PROBABILITY_INSIDE = 0.999  # of a contact
 
 
 class StretchEstimate(NamedTuple):
@@ -55,12 +56,13 @@ class AtAllSamples:
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
 
-    def __get__(self, whole: "WrenchEstimate", owner: type) -> Array:
+    def __get__(self, estimates: "WrenchEstimate", owner: type) -> Array:
         parts = []
-        for rows, own in whole.stretches:
-            thinned: Array = getattr(own, self._name)
-            at, known = np.arange(rows.stop - rows.start), whole.every * np.arange(len(thinned))
-            columns = interpolated(at, known, thinned.reshape(len(thinned), -1))
+        for rows, estimate in estimates.stretches:
+            thinned: Array = getattr(estimate, self._name)
+            at = np.arange(rows.stop - rows.start)
+            thinned_at = estimates.every * np.arange(len(thinned))
+            columns = interpolated(at, thinned_at, thinned.reshape(len(thinned), -1))
             parts.append(columns.reshape(len(at), *thinned.shape[1:]))
         return np.concatenate(parts)
 
@@ -89,8 +91,8 @@ class WrenchEstimate:
 
 def used_rows(segment: Labels, period: float) -> Labels:
     """Return the rows (M,) of the samples that an estimate uses, from the first of each stretch."""
-    every = thinning(period)
-    return np.concatenate([np.arange(rows.start, rows.stop, every) for rows in unbroken(segment)])
+    stride = thinning(period)
+    return np.concatenate([np.arange(rows.start, rows.stop, stride) for rows in unbroken(segment)])
 
 
 def estimate_wrench(
@@ -104,98 +106,108 @@ def estimate_wrench(
     run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
     none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown.
     """
-    # every stretch on its own, thinned to STEP
-    every, found, start = thinning(run.period), [], 0
+    # every stretch on its own, thinned to THINNED_STEP
+    stride, estimates, start = thinning(run.period), [], 0
     for rows in unbroken(run.segment):
-        thin = slice(rows.start, rows.stop, every)
-        part = run.thinned(every, thin)
+        thin = slice(rows.start, rows.stop, stride)
+        part = run.thinned(stride, thin)
         end = start + len(part.states)
-        seen = Observations.of(part, jacobian[start:end], model, prior)
+        observations = Observations.of(part, jacobian[start:end], model, prior)
         start = end
-        own = _estimate(seen)
-        for quantity in own:
-            quantity[~seen.posed] = np.nan
-        found.append((rows, own))
-    return WrenchEstimate(found, every)
+        estimate = _estimate(observations)
+        for quantity in estimate:
+            quantity[~observations.posed] = np.nan
+        estimates.append((rows, estimate))
+    return WrenchEstimate(estimates, stride)
 
 
 def thinning(period: float) -> int:
     """Return the number of samples from one that is used to the next; period: [s]."""
-    return max(1, round(STEP / period))
+    return max(1, round(THINNED_STEP / period))
 
 
-def _estimate(seen: Observations) -> StretchEstimate:
+def _estimate(observations: Observations) -> StretchEstimate:
     """Estimate the wrench of one stretch, at the thinned samples."""
-    torque, period, noise = seen.torque, seen.period, seen.noise
-    model, prior = seen.model, seen.prior
+    torque, period, noise = observations.torque, observations.period, observations.noise
+    model, prior = observations.model, observations.prior
     # p(contact), the background b, and the spans of contacts
-    probability, background = find_contacts(seen)
+    probability, background = find_contacts(observations)
     contacts = contact_spans(probability, period)
-    inside = marked(contacts, len(torque))
-    likely = np.where(inside, np.maximum(probability, INSIDE), probability)  # (n,)
+    inside = inside_spans(contacts, len(torque))
+    likely = np.where(inside, np.maximum(probability, MIN_PROBABILITY_INSIDE), probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
-    carried, share = seen.gears.contact_torque(torque - background.mean)
-    carried += noise.still * held(carried, model.breakaway, prior.stiction)
-    hidden = np.where(noise.still, 1 - MEAN**2, 1.0) * noise.hidden
+    carried, share = observations.gears.contact_torque(torque - background.mean)
+    carried += noise.still * mean_stiction_torque(carried, model.breakaway, prior.stiction)
+    hidden = np.where(noise.still, 1 - MEAN_STICTION**2, 1.0) * noise.hidden
     slow = np.linalg.diagonal(background.covariance)
     covariance = diagonal(share**2 * (noise.quick + slow + hidden))  # S
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
     if model.sensed:  # at the links: no gear takes part of a contact
         prior = replace(prior, load_friction=0.0)
     lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
-    chosen, plain = (Wrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
+    map_estimate, least_squares = (ContactWrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
     for span in contacts:
         part = slice(*span)
-        own = carried[part], seen.jacobian[part], covariance[part]
-        found = contact_wrench(*own, seen.worth, period, lossy)
-        chosen.mean[part], chosen.variance[part] = found
-        plain.mean[part], plain.variance[part] = least_squares_wrench(*own)
+        samples = carried[part], observations.jacobian[part], covariance[part]
+        posterior_wrench = contact_wrench(*samples, observations.worth, period, lossy)
+        map_estimate.mean[part], map_estimate.variance[part] = posterior_wrench
+        least_squares.mean[part], least_squares.variance[part] = least_squares_wrench(*samples)
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
-    shut = _std_while_shut(seen, probability, inside)
-    wrench = likely[:, None] * chosen.mean
-    second = model.doubt**2 * chosen.variance + chosen.mean**2
+    shut = _std_while_shut(observations, probability, inside)
+    wrench = likely[:, None] * map_estimate.mean
+    second = model.doubt**2 * map_estimate.variance + map_estimate.mean**2
     second = likely[:, None] * second + (1 - likely[:, None]) * shut**2
     std = np.sqrt(np.maximum(second - wrench**2, 0.0))
     return StretchEstimate(
         wrench=wrench,
-        std=np.hypot(np.where(inside[:, None], std, shut), _slow_press(seen, background.mean)),
+        std=np.hypot(
+            np.where(inside[:, None], std, shut), _slow_press(observations, background.mean)
+        ),
         log_odds=log_odds(probability),
         background=background.mean,
-        least_squares=plain.mean,
-        least_squares_std=np.sqrt(plain.variance),
+        least_squares=least_squares.mean,
+        least_squares_std=np.sqrt(least_squares.variance),
     )
 
 
 def contact_spans(probability: Array, period: float) -> list[Span]:
-    """Return the contacts of a probability (N,), extended by MARGIN at both ends; period: [s]."""
-    found = marked(spans(probability, OPENS, CLOSES), len(probability))
-    reach = np.ones(2 * round(MARGIN / period) + 1, bool)
-    return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
+    """Return the contacts of a probability (N,), each longer by CONTACT_MARGIN at both ends.
+
+    period: [s].
+    """
+    in_contact = inside_spans(
+        spans(probability, OPENING_PROBABILITY, CLOSING_PROBABILITY), len(probability)
+    )
+    reach = np.ones(2 * round(CONTACT_MARGIN / period) + 1, bool)
+    return spans(binary_dilation(in_contact, reach).astype(float), 0.5, 0.5)
 
 
-def _slow_press(seen: Observations, background: Array) -> Array:
+def _slow_press(observations: Observations, background: Array) -> Array:
     """Return the wrench (n, 6) of a slow press that would explain the background (n, 6) [Nm].
 
     It is doubt where the whole arm rests, unless contact-free recordings or a tare show what the
     background is; zero elsewhere.
     """
-    resting = seen.model.usual & is_still(seen.states)
+    resting = observations.model.usual & is_still(observations.states)
     wrench = np.zeros((len(background), 6))
     if resting.any():
-        std = np.sqrt(seen.noise.spread[resting])
-        wrench[resting], _ = static_wrench(background[resting], std, seen.jacobian[resting])
-    return seen.model.doubt * wrench
+        std = np.sqrt(observations.noise.spread[resting])
+        wrench[resting], _ = static_wrench(background[resting], std, observations.jacobian[resting])
+    return observations.model.doubt * wrench
 
 
-def _std_while_shut(seen: Observations, likely: Array, inside: Mask) -> Array:
+def _std_while_shut(observations: Observations, contact_probability: Array, inside: Mask) -> Array:
     """Return the standard deviation (n, 6) whose ± 1.96 is the 95 % band where the gate is shut.
 
     The band is that of a mixture of a free arm, with a force that does not count as contact, and a
-    missed contact. likely: probability of contact by the gate (n,); inside: the contacts (n,).
+    missed contact. contact_probability: probability of contact by the gate (n,); inside: the
+    contacts (n,).
     """
-    model, prior = seen.model, seen.prior
-    hidden = (model.doubt * MISSED_TO) ** 2 * seen.noise.hiding()
-    share, variance = missed_contacts(seen.jacobian, hidden, prior)
-    probability = probability_while_shut(share, inside, seen.period, prior)
-    free = np.diagonal(prior.when_free())
-    return mixture_std(np.maximum(probability, likely[:, None]), variance, free)
+    model, prior = observations.model, observations.prior
+    hidden = (model.doubt * MISSED_DEVIATIONS) ** 2 * observations.noise.hiding()
+    share, variance = missed_contacts(observations.jacobian, hidden, prior)
+    probability = probability_while_shut(share, inside, observations.period, prior)
+    free_variance = np.diagonal(prior.when_free())
+    return mixture_std(
+        np.maximum(probability, contact_probability[:, None]), variance, free_variance
+    )

@@ -12,8 +12,8 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-STRETCH = 5  # postures in a row that may have been reached in like ways
-FEW = 5  # stretches; with fewer, single postures are resampled
+POSTURES_PER_STRETCH = 5  # in a row, which may have been reached in like ways
+MIN_STRETCHES = 5  # with fewer, single postures are resampled
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,14 @@ class AtRest:
         if not recordings:
             return None
         torque, current = (
-            np.concatenate([values - values.mean(axis=0) for values in each])
-            for each in zip(*recordings, strict=True)
+            np.concatenate([values - values.mean(axis=0) for values in quantity])
+            for quantity in zip(*recordings, strict=True)
         )
-        sizes = [len(own) for own, _ in recordings]
+        sizes = [len(torques) for torques, _ in recordings]
         return cls(torque, current, np.repeat(np.arange(len(sizes)), sizes))
 
     def stretches(self) -> Labels:
         """Return labels (M,) of a bootstrap's units: stretches, or postures if these are few."""
         posture = np.arange(len(self.record))
-        stretch = posture // STRETCH
-        return stretch if stretch[-1] + 1 >= FEW else posture
+        stretch = posture // POSTURES_PER_STRETCH
+        return stretch if stretch[-1] + 1 >= MIN_STRETCHES else posture

@@ -16,14 +16,19 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 
 Blocks = Iterable[tuple[Array, Array]]
 
-LINK = ("m", "m c_x", "m c_y", "m c_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
-OF_JOINT = len(LINK) + 1  # parameters: those of its link, and the rotor inertia
+LINK_PARAMETERS = ("m", "m c_x", "m c_y", "m c_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
+PARAMETERS_PER_JOINT = len(LINK_PARAMETERS) + 1  # those of its link, and the rotor inertia
 # Standard deviations of the prior around the published model.
-MASS_WIDTH, MOMENT_WIDTH, INERTIA_WIDTH, ROTOR_WIDTH = 0.5, 0.1, 0.05, 2.0  # kg, kg m, kg m²
-DEPENDENT = 1e-9  # of the largest column: rank tolerance, between rounding and independent columns
-MOST_BLOCKS = 100
-FINEST = 1e-6  # Nm: the last digit of a logged torque
-LARGEST_SHARE = 0.01  # of a variance from the prior, if determined: a tenth of the prior's width
+MASS_WIDTH = 0.5  # kg
+MOMENT_WIDTH = 0.1  # kg m
+INERTIA_WIDTH = 0.05  # kg m²
+ROTOR_WIDTH = 2.0  # kg m²
+# Of the largest column: rank tolerance, between rounding and independent columns.
+RANK_TOLERANCE = 1e-9
+MAX_BLOCKS = 100
+TORQUE_DIGIT = 1e-6  # Nm: the last digit of a logged torque
+# Of a determined parameter's variance, from the prior: a tenth of the prior's width.
+MAX_PRIOR_VARIANCE_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,7 @@ class Stack:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class InertialEstimate:
     """The estimate of π from data and prior.
 
     parameters: (P,); scatter: (K, P), V of the covariance Vᵀ V from the jackknife over blocks;
@@ -89,10 +94,10 @@ class Estimate:
 
     def determined(self, groups: Array) -> Mask:
         """Return which of groups π the data determine, (B,): a small error, not from the prior."""
-        before = np.linalg.norm(groups * self.width, axis=1)
+        prior_std = np.linalg.norm(groups * self.width, axis=1)
         share = prior_share(groups, self.spread, self.width)
-        narrow = self.standard_errors(groups) <= np.sqrt(LARGEST_SHARE) * before
-        return narrow & (share <= LARGEST_SHARE)
+        narrow = self.standard_errors(groups) <= np.sqrt(MAX_PRIOR_VARIANCE_SHARE) * prior_std
+        return narrow & (share <= MAX_PRIOR_VARIANCE_SHARE)
 
 
 def base_parameters(regressor: Array) -> BaseParameters:
@@ -103,29 +108,29 @@ def base_parameters(regressor: Array) -> BaseParameters:
     Khalil does, which keeps the groups short.
     """
     rows = _triangle(regressor.reshape(-1, regressor.shape[2]))
-    tolerance = DEPENDENT * np.linalg.norm(rows, axis=0).max()
+    tolerance = RANK_TOLERANCE * np.linalg.norm(rows, axis=0).max()
     # a column is kept if it raises the rank
-    kept: list[int] = []
+    independent: list[int] = []
     for column in range(rows.shape[1]):
-        if np.linalg.matrix_rank(rows[:, [*kept, column]], tol=tolerance) > len(kept):
-            kept.append(column)
+        if np.linalg.matrix_rank(rows[:, [*independent, column]], tol=tolerance) > len(independent):
+            independent.append(column)
     # Y = Y_kept groups
-    groups = np.linalg.lstsq(rows[:, kept], rows, rcond=None)[0].astype(np.float64)  # (B, P)
-    groups[np.abs(groups) < DEPENDENT] = 0.0
-    return BaseParameters(np.array(kept), groups)
+    groups = np.linalg.lstsq(rows[:, independent], rows, rcond=None)[0].astype(np.float64)  # (B, P)
+    groups[np.abs(groups) < RANK_TOLERANCE] = 0.0
+    return BaseParameters(np.array(independent), groups)
 
 
 def parameter_names(count: int) -> list[str]:
     """Return the names of π (P,), P = count: those of the links, then the rotor inertias."""
-    joints = range(1, count // OF_JOINT + 1)
-    links = [f"{name} of link {k}" for k in joints for name in LINK]
+    joints = range(1, count // PARAMETERS_PER_JOINT + 1)
+    links = [f"{name} of link {k}" for k in joints for name in LINK_PARAMETERS]
     return [*links, *(f"rotor inertia of joint {k}" for k in joints)]
 
 
 def prior_width(count: int) -> Array:
     """Return the standard deviations of the prior of π (P,), P = count."""
     link = [MASS_WIDTH, *[MOMENT_WIDTH] * 3, *[INERTIA_WIDTH] * 6]
-    joints = count // OF_JOINT
+    joints = count // PARAMETERS_PER_JOINT
     return np.array([*link * joints, *[ROTOR_WIDTH] * joints])
 
 
@@ -133,7 +138,7 @@ def stack(blocks: Blocks) -> Stack:
     """Accumulate regressors (N, n, P) and torques (N, n) [Nm], block by block.
 
     Errors within a block may be correlated, those of different blocks count as independent: one or
-    two seconds per block suffice. Rows with NaN are excluded. Memory is bounded: beyond MOST_BLOCKS
+    two seconds per block suffice. Rows with NaN are excluded. Memory is bounded: beyond MAX_BLOCKS
     blocks, the shortest neighbours are merged. Raises RefusalError if no row remains.
     """
     factors: list[Array] = []
@@ -142,11 +147,12 @@ def stack(blocks: Blocks) -> Stack:
         rows = np.concatenate([regressor, torque[..., None]], axis=2)
         rows = rows[np.isfinite(rows).all(axis=(1, 2))]
         if len(rows):
-            own = rows.swapaxes(0, 1)
-            full = np.zeros((len(own), *own.shape[2:] * 2))  # a full factor of short blocks, too
-            factors.append(_triangle(np.concatenate([full, own], axis=1)))
+            by_joint = rows.swapaxes(0, 1)
+            # a full factor of short blocks, too
+            full = np.zeros((len(by_joint), *by_joint.shape[2:] * 2))
+            factors.append(_triangle(np.concatenate([full, by_joint], axis=1)))
             samples.append(len(rows))
-        if len(samples) > MOST_BLOCKS:
+        if len(samples) > MAX_BLOCKS:
             i = int(np.argmin(np.add(samples[:-1], samples[1:])))
             factors[i : i + 2] = [_triangle(np.concatenate(factors[i : i + 2], axis=1))]
             samples[i : i + 2] = [sum(samples[i : i + 2])]
@@ -160,13 +166,13 @@ def _triangle(rows: Array) -> Array:
     return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
 
 
-def total(data: Stack) -> Array:
+def total_factors(data: Stack) -> Array:
     """Return the triangular factors (n, P + 1, P + 1) of all rows of each joint."""
     rows = data.factors.swapaxes(0, 1)
     return _triangle(rows.reshape(len(rows), -1, rows.shape[-1]))
 
 
-def identify(data: Stack, prior: Array, width: Array) -> Estimate:
+def identify(data: Stack, prior: Array, width: Array) -> InertialEstimate:
     """Fit π by weighted least squares with ridge regression towards a prior.
 
     prior, width: (P,), mean and standard deviation of π before the data. The weights are the
@@ -175,7 +181,7 @@ def identify(data: Stack, prior: Array, width: Array) -> Estimate:
     """
     if len(data.samples) < 2:
         raise RefusalError("one block")
-    rows, count = total(data), data.samples.sum()
+    rows, count = total_factors(data), data.samples.sum()
     # alternate π and the noise of each joint, n - tr(S Sᵀ Yᵀ Y) / σ² degrees of freedom
     noise = _noise(rows, prior, np.full(len(rows), count))
     for _ in range(10):
@@ -183,11 +189,11 @@ def identify(data: Stack, prior: Array, width: Array) -> Estimate:
         spent = (np.linalg.norm(rows[..., :-1] @ spread, axis=(1, 2)) / noise) ** 2
         noise = _noise(rows, parameters, count - spent)
     parameters, spread = solve(rows, noise, prior, width)
-    scatter = _scatter(data.factors / noise[:, None, None], parameters, spread, width)
-    # of n samples rounded by up to half a digit, |Σ g_k ε_k| <= √n |g| FINEST / 2; this is the
-    # standard deviation of an error that is anywhere between these bounds
-    _, rounding = solve(rows, np.full(len(rows), np.sqrt(count / 12) * FINEST), prior, width)
-    return Estimate(parameters, scatter, spread, rounding, width, noise)
+    scatter = _jackknife_changes(data.factors / noise[:, None, None], parameters, spread, width)
+    # of n samples rounded by up to half a digit, |Σ g_k ε_k| <= √n |g| TORQUE_DIGIT / 2; this is
+    # the standard deviation of an error that is anywhere between these bounds
+    _, rounding = solve(rows, np.full(len(rows), np.sqrt(count / 12) * TORQUE_DIGIT), prior, width)
+    return InertialEstimate(parameters, scatter, spread, rounding, width, noise)
 
 
 def torque_error(blocks: Blocks, parameters: Array) -> Array:
@@ -202,6 +208,7 @@ def solve(rows: Array, noise: Array, prior: Array, width: Array) -> tuple[Array,
 
     rows: (n, P + 1, P + 1); noise: (n,) [Nm]; prior, width: (P,). QR of [Y τ; 1 π₀] / [σ; width].
     """
+    # ridge: rows of a prior as if they were measured
     weighted = (rows / noise[:, None, None]).reshape(-1, rows.shape[-1])
     ridge = np.column_stack([np.diag(1 / width), prior / width])
     factor = _triangle(np.concatenate([weighted, ridge]))[:-1]
@@ -219,10 +226,10 @@ def prior_share(groups: Array, spread: Array, width: Array) -> Array:
 def _noise(rows: Array, parameters: Array, freedom: Array) -> Array:
     """Return the standard deviation (n,) of the residuals, with degrees of freedom (n,)."""
     residual = np.linalg.norm(rows @ np.append(-parameters, 1.0), axis=1)
-    return np.maximum(residual / np.sqrt(np.maximum(freedom, 1.0)), FINEST)
+    return np.maximum(residual / np.sqrt(np.maximum(freedom, 1.0)), TORQUE_DIGIT)
 
 
-def _scatter(factors: Array, parameters: Array, spread: Array, width: Array) -> Array:
+def _jackknife_changes(factors: Array, parameters: Array, spread: Array, width: Array) -> Array:
     """Return the changes (K, P) of the estimate without each block (jackknife), and the prior's.
 
     With A the rows of a block times S, and e its residuals, the change is S (1 - AᵀA)⁻¹ Aᵀ e.

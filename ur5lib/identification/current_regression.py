@@ -18,44 +18,51 @@ from ur5lib.identification.currents import (
     torque_constants,
     unseen_difference,
 )
-from ur5lib.identification.estimation import Estimate, beside_fuller, estimate_together, physical
+from ur5lib.identification.estimation import (
+    CoefficientEstimate,
+    estimate_together,
+    physical_values,
+    with_fuller_errors,
+)
 from ur5lib.identification.joint_regression import (
-    FEWEST,
-    HELD,
+    HELD_FRICTION_SHARE,
+    MIN_SAMPLES,
     held_current,
     left_out_residuals,
 )
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.regression import DRAWS, spread
+from ur5lib.identification.regression import REPLICATE_COUNT, spread
 from ur5lib.identification.samples import (
-    FEW,
-    Record,
-    Samples,
+    MIN_UNITS,
+    CurrentSamples,
+    JointSamples,
     Smooth,
     apart_from,
     joint_samples,
     record_days,
     record_paths,
 )
-from ur5lib.robots.friction import BASE, CONSIDERED, FITTED
+from ur5lib.robots.friction import BASE_TERMS, CONSIDERED_TERMS, FITTED_TERMS
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 # A torque constant is doubted, or contradicts the known one, where it is off by more than both:
 # prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6 standard
 # deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
-DOUBTED, DOUBTED_RATIO = 3.0, 1.5
-DEVIATIONS, RATIO = 5.0, 1.75
-FOLDS = 10  # of cross-fitting, at most
-
+DOUBTFUL_DEVIATIONS = 3.0
+DOUBTFUL_RATIO = 1.5
+CONTRADICTING_DEVIATIONS = 5.0
+CONTRADICTING_RATIO = 1.75
+MAX_FOLDS = 10  # of cross-fitting
 # Usual errors of a current along a path that no fit has seen, in motion and at rest, relative to
 # Coulomb friction; at rest at least, since dry friction holds a joint anywhere within it.
-UNSEEN_MOVING, UNSEEN_RESTING = 0.25, 1.25
-LEAST_RESTING = 1 / np.sqrt(3)
+UNSEEN_MOVING_ERROR = 0.25
+UNSEEN_RESTING_ERROR = 1.25
+MIN_RESTING_ERROR = 1 / np.sqrt(3)
 
 
 def fit_currents(
-    records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int = 0
+    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int = 0
 ) -> CurrentFit:
     """Fit all joints to contact-free recordings.
 
@@ -76,16 +83,16 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
     fitted: returns the fit under a prior.
     """
     fit = fitted(prior)
-    lost = np.flatnonzero(too_large(fit, prior)).tolist()
-    if not lost:
+    lost_joints = np.flatnonzero(too_large(fit, prior)).tolist()
+    if not lost_joints:
         return fit
-    alone, known = fit.joints, 1 / prior.inverse_constant.mean
-    fit = fitted(replace(prior, pinned=tuple(lost)))
+    contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
+    fit = fitted(replace(prior, pinned=tuple(lost_joints)))
     joints = list(fit.joints)
-    for joint in lost:
-        coefficients = alone[joint].estimate.coefficients
-        found = {"alone": float(1 / coefficients[0]), "known": float(known[joint])}
-        remarks = *joints[joint].remarks, remark("current against constant", **found)
+    for joint in lost_joints:
+        coefficients = contradicted_joints[joint].estimate.coefficients
+        constants = {"alone": float(1 / coefficients[0]), "known": float(known_constants[joint])}
+        remarks = *joints[joint].remarks, remark("current against constant", **constants)
         joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
     return replace(fit, joints=tuple(joints))
 
@@ -93,36 +100,43 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
     """Return what a prior with typical friction expects of each joint, without any motion."""
     if prior.at_rest is None:
-        return CurrentFit(tuple(map(_without_motion, *_of_prior(prior, seed))), 0)
+        return CurrentFit(tuple(map(_fit_without_motion, *_prior_estimates(prior, seed))), 0)
     estimates, units = estimate_together((), prior, seed)
     doubts = [np.cov(estimate.replicates.T) for estimate in estimates]
-    return CurrentFit(tuple(map(_without_motion, estimates, doubts)), units)
+    return CurrentFit(tuple(map(_fit_without_motion, estimates, doubts)), units)
 
 
-def _of_prior(prior: Prior, seed: int) -> tuple[list[Estimate], list[Array]]:
+def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate], list[Array]]:
     """Return a prior as an estimate of each joint, and its covariance (P, P)."""
-    whole = prior.over(BASE)
-    covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
-    drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, DRAWS)
-    size = len(whole.mean) // len(prior.torque_max)
+    joint_prior = prior.over(BASE_TERMS)
+    covariance = np.asarray(np.linalg.inv(joint_prior.precision), dtype=np.float64)
+    replicates = np.random.default_rng(seed).multivariate_normal(
+        joint_prior.mean, covariance, REPLICATE_COUNT
+    )
+    size = len(joint_prior.mean) // len(prior.torque_max)
     shares = np.stack([np.ones(size), *np.zeros((3, size))])  # all is from the prior
-    parts = [slice(start, start + size) for start in range(0, len(whole.mean), size)]
+    parts = [slice(start, start + size) for start in range(0, len(joint_prior.mean), size)]
     estimates = [
-        Estimate(whole.mean[own], shares, drawn[:, own], spread(physical(drawn[:, own])))
-        for own in parts
+        CoefficientEstimate(
+            joint_prior.mean[columns],
+            shares,
+            replicates[:, columns],
+            spread(physical_values(replicates[:, columns])),
+        )
+        for columns in parts
     ]
-    return estimates, [covariance[own, own] for own in parts]
+    return estimates, [covariance[columns, columns] for columns in parts]
 
 
-def _without_motion(estimate: Estimate, doubt: Array) -> JointFit:
+def _fit_without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
     """Return the fit of a joint whose friction is as expected; doubt: (P, P), covariance."""
     coulomb = float(estimate.coefficients[2])
     return JointFit(
-        terms=BASE,
+        terms=BASE_TERMS,
         estimate=estimate,
-        held=HELD * coulomb,
-        band_moving=NORMAL95 * UNSEEN_MOVING * coulomb,
-        band_rest=NORMAL95 * UNSEEN_RESTING * coulomb,
+        held=HELD_FRICTION_SHARE * coulomb,
+        band_moving=NORMAL95 * UNSEEN_MOVING_ERROR * coulomb,
+        band_rest=NORMAL95 * UNSEEN_RESTING_ERROR * coulomb,
         unseen=np.zeros(len(estimate.coefficients)),
         remarks=(),
         doubt=doubt,
@@ -135,73 +149,79 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
     The current then hardly follows the joint's torque. The deviation is that of k, since 1/k
     cannot be far below its known value; one that is less certain than the known k counts as far.
     """
-    inverse, known, std = _beside_known(fit, prior)
-    far = 1 / inverse - 1 / known > DEVIATIONS * std / known**2
-    vague = constants_doubt(fit) / np.abs(inverse) > std / known**2
-    return (inverse <= 0) | ((far | vague) & (inverse < known / RATIO))
+    inverse, known_inverse, std = _inverse_constants(fit, prior)
+    # σ_k = σ_(1/k) k², by the delta method
+    is_far = 1 / inverse - 1 / known_inverse > CONTRADICTING_DEVIATIONS * std / known_inverse**2
+    is_vague = constants_doubt(fit) / np.abs(inverse) > std / known_inverse**2
+    return (inverse <= 0) | ((is_far | is_vague) & (inverse < known_inverse / CONTRADICTING_RATIO))
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
     """Return which torque constants (6,) are far smaller than known: a unit or arm is wrong."""
-    inverse, known, std = _beside_known(fit, prior)
-    return (inverse - known > DEVIATIONS * std) & (inverse > RATIO * known)
+    inverse, known_inverse, std = _inverse_constants(fit, prior)
+    return (inverse - known_inverse > CONTRADICTING_DEVIATIONS * std) & (
+        inverse > CONTRADICTING_RATIO * known_inverse
+    )
 
 
-def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
+def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
     """Return 1/k (6,) [A/Nm] as fitted, as known, and the standard deviation of the latter."""
     return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
 
-def _fit_with(records: Sequence[Record], smooth: Smooth, prior: Prior, seed: int) -> CurrentFit:
+def _fit_with(
+    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int
+) -> CurrentFit:
     """Return the fit under a prior as it is."""
-    fuller = joint_samples(records, smooth, (*FITTED, *CONSIDERED))
-    samples = [own.without(CONSIDERED) for own in fuller]
+    fuller = joint_samples(records, smooth, (*FITTED_TERMS, *CONSIDERED_TERMS))
+    samples = [fuller_joint.without(CONSIDERED_TERMS) for fuller_joint in fuller]
     estimates, units = estimate_together(samples, prior, seed)
-    estimates = [*map(beside_fuller, estimates, estimate_together(fuller, prior, seed)[0])]
-    alone = [prior.of_joint(joint) for joint in range(len(samples))]
-    joints = tuple(map(_joint_fit, samples, alone, estimates))
+    estimates = [*map(with_fuller_errors, estimates, estimate_together(fuller, prior, seed)[0])]
+    joint_priors = [prior.of_joint(joint) for joint in range(len(samples))]
+    joints = tuple(map(_joint_fit, samples, joint_priors, estimates))
     return CurrentFit(joints, units)
 
 
 def fit_without_each_path(
-    records: Sequence[Record], smooth: Smooth, prior: Prior
+    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior
 ) -> list[tuple[list[str], CurrentFit]]:
     """Cross-fit: return fits without some paths and days, each with the recordings that it judges.
 
     A prediction that judges a recording comes from a fit without its path, and without its day if
-    other days have enough paths. There are at most FOLDS fits: of many paths, several are left out
-    together; with a single path, there is none.
+    other days have enough paths. There are at most MAX_FOLDS fits: of many paths, several are left
+    out together; with a single path, there is none.
     """
     path, day = record_paths(records), record_days(records)
     if path.max(initial=0) == 0:
         return []
-    judged: dict[tuple[int, ...], list[str]] = {}  # by the recordings to fit
-    for fold in range(min(FOLDS, path.max() + 1)):
-        out = path % FOLDS == fold
-        kept = tuple(np.flatnonzero(apart_from(out, path, day)).tolist())
+    names_by_fit: dict[tuple[int, ...], list[str]] = {}  # by the recordings to fit
+    for fold in range(min(MAX_FOLDS, path.max() + 1)):
+        out = path % MAX_FOLDS == fold
+        fitted_places = tuple(np.flatnonzero(apart_from(out, path, day)).tolist())
         names = [records[place].name for place in np.flatnonzero(out).tolist()]
-        judged.setdefault(kept, []).extend(names)
+        names_by_fit.setdefault(fitted_places, []).extend(names)
     return [
-        (names, fit_currents([records[place] for place in kept], smooth, prior))
-        for kept, names in judged.items()
+        (names, fit_currents([records[place] for place in fitted_places], smooth, prior))
+        for fitted_places, names in names_by_fit.items()
     ]
 
 
-def _joint_fit(samples: Samples, prior: Prior, estimate: Estimate) -> JointFit:
+def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimate) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
     residual, path, moving = left_out_residuals(samples, prior), samples.path, samples.moving
+    # usual errors are relative to Coulomb friction [A]
     coulomb = max(0.0, float(coefficients[2]))
-    in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING * coulomb)
-    at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING * coulomb)
-    is_left_out = moving.sum() >= FEWEST and len(np.unique(path)) > 1
+    in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING_ERROR * coulomb)
+    at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING_ERROR * coulomb)
+    is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     return JointFit(
-        FITTED,
+        FITTED_TERMS,
         estimate,
         held_current(samples, coefficients),
         NORMAL95 * in_motion,
-        NORMAL95 * max(at_rest, LEAST_RESTING * coulomb),
+        NORMAL95 * max(at_rest, MIN_RESTING_ERROR * coulomb),
         unseen_difference(estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)),
         _remarks(samples, estimate, prior),
         None if is_left_out else np.cov(estimate.replicates.T),
@@ -215,20 +235,25 @@ def unseen_error(residual: Array, path: Labels, usual: float) -> float:
     few paths says little of another, of which a usual error u [A] is known. Too few residuals say
     nothing.
     """
-    if len(residual) < FEWEST:
+    if len(residual) < MIN_SAMPLES:
         return usual
     return float(np.sqrt(np.mean(residual**2) + usual**2 / len(np.unique(path))))
 
 
-def _remarks(samples: Samples, estimate: Estimate, prior: Prior) -> tuple[Remark, ...]:
+def _remarks(
+    samples: JointSamples, estimate: CoefficientEstimate, prior: Prior
+) -> tuple[Remark, ...]:
     """Return the doubts about the fit of a joint."""
     moved = len(np.unique(samples.path[samples.moving]))
     remarks = []
-    if moved < FEW:
+    if moved < MIN_UNITS:
         code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
         remarks.append(remark(code, paths=moved))
-    inverse, known = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
-    away = abs(inverse - known) / float(prior.std()[0])
-    if away > DOUBTED and not known / DOUBTED_RATIO < inverse < known * DOUBTED_RATIO:
-        remarks.append(remark("unlikely constant", deviations=away))
+    inverse, known_inverse = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
+    deviations = abs(inverse - known_inverse) / float(prior.std()[0])
+    if (
+        deviations > DOUBTFUL_DEVIATIONS
+        and not known_inverse / DOUBTFUL_RATIO < inverse < known_inverse * DOUBTFUL_RATIO
+    ):
+        remarks.append(remark("unlikely constant", deviations=deviations))
     return tuple(remarks)

@@ -13,7 +13,7 @@ from ur5lib.identification.prior import (
     torque_constant_prior,
     typical_friction,
 )
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import CurrentSamples
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
@@ -30,14 +30,14 @@ CONTROLLERS = 0.1  # relative, of the controller's ratio
 
 def current_record(
     name: str, signals: Signals, motion: Motion, torques: Torques, model: str
-) -> Record | None:
+) -> CurrentSamples | None:
     """Return motion and currents as measured, and the torque of a link model and the payload.
 
     None where no currents were recorded.
     """
     if signals.actual_current is None:
         return None
-    return Record(
+    return CurrentSamples(
         name=name,
         period=signals.period,
         segment=signals.segment,
@@ -56,7 +56,7 @@ class Smoother:
     order: int
     cutoff: float
 
-    def __call__(self, values: Array, record: Record) -> Array:
+    def __call__(self, values: Array, record: CurrentSamples) -> Array:
         """Return values (N, M), low-passed."""
         rate = 1 / record.period
         return by_segment(zero_phase_lowpass, values, record.segment, rate, self.order, self.cutoff)

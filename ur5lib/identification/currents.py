@@ -9,22 +9,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.errors import Remark
-from ur5lib.identification.estimation import Estimate, physical
+from ur5lib.identification.estimation import CoefficientEstimate, physical_values
 from ur5lib.identification.regression import half_width
-from ur5lib.identification.samples import FEW, Record, Smooth, columns_of, smoothed_moving
+from ur5lib.identification.samples import (
+    MIN_UNITS,
+    CurrentSamples,
+    Smooth,
+    columns_of,
+    smoothed_moving,
+)
 from ur5lib.robots.friction import JointMotion, coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
+MAX_PRIOR_SHARE = 0.5  # above which the data do not determine a parameter
 # Standard deviation of a joint's friction from day to day, relative, where recordings of one day do
 # not show it. On seven dates of a UR10e, it is 0.06 on the most different date and 0.035 on all.
-BETWEEN_DAYS = 0.07
+DAY_TO_DAY_STD = 0.07
 # The same from recording to recording of a day: median of the joints' Coulomb friction on nine
 # recordings of a UR5 0.046, on eight of a UR10e 0.008.
-BETWEEN_RUNS = 0.03
-OTHER_DAYS = 0.1  # by which friction differs in the bands of currents: of another season, too
-LEAST_FRICTION = 0.1  # Nm
+RUN_TO_RUN_STD = 0.03
+SEASONAL_STD = 0.1  # by which friction differs in the bands of currents: of another season, too
+MIN_BREAKAWAY_TORQUE = 0.1  # Nm
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ class JointFit:
     """
 
     terms: tuple[str, ...]
-    estimate: Estimate
+    estimate: CoefficientEstimate
     held: float
     band_moving: float
     band_rest: float
@@ -113,37 +119,37 @@ def constants_doubt(fit: CurrentFit) -> Array:
 def breakaway_torque(fit: CurrentFit) -> Array:
     """Return Coulomb friction (6,) [Nm], up to which dry friction holds a joint.
 
-    Without its load-dependent part; at least LEAST_FRICTION.
+    Without its load-dependent part; at least MIN_BREAKAWAY_TORQUE.
     """
     coulomb = [
-        physical(joint.estimate.coefficients)[joint.names().index("coulomb")]
+        physical_values(joint.estimate.coefficients)[joint.names().index("coulomb")]
         for joint in fit.joints
     ]
-    return np.maximum(np.array(coulomb), LEAST_FRICTION)
+    return np.maximum(np.array(coulomb), MIN_BREAKAWAY_TORQUE)
 
 
-def predict(fit: CurrentFit, record: Record) -> Array:
+def predict(fit: CurrentFit, record: CurrentSamples) -> Array:
     """Predict the current (N, 6) [A] of a motion without contact; ignores the record's current."""
-    return predicted(fit, motions(record))
+    return predicted_currents(fit, motions(record))
 
 
-def motions(record: Record) -> Iterator[JointMotion]:
+def motions(record: CurrentSamples) -> Iterator[JointMotion]:
     """Yield the motion of each joint."""
     yield from map(record.joint, range(record.q.shape[1]))
 
 
-def predicted(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
+def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
     """Predict the currents (N, n) [A] of n joints' motion without contact."""
     currents = [
         columns @ (model.estimate.coefficients if model.alone is None else model.alone)
-        + model.held * held
+        + model.held * held_direction
         for model, motion in zip(fit.joints, joints, strict=True)
-        for columns, held in [columns_of(motion, model.terms)]
+        for columns, held_direction in [columns_of(motion, model.terms)]
     ]
     return np.stack(currents, axis=1)
 
 
-def friction_current(fit: CurrentFit, record: Record) -> Array:
+def friction_current(fit: CurrentFit, record: CurrentSamples) -> Array:
     """Return the part (N, 6) [A] of the predicted current that friction takes in motion."""
     currents = [
         columns_of(motion, model.terms)[0][:, 2:] @ model.estimate.coefficients[2:]
@@ -152,7 +158,7 @@ def friction_current(fit: CurrentFit, record: Record) -> Array:
     return np.stack(currents, axis=1)
 
 
-def load_loss(fit: CurrentFit, record: Record) -> Array:
+def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
     """Return load-dependent friction per Nm that the gears transmit (N, 6), with its sign."""
     loss = np.empty_like(record.q)
     for joint, (model, constant) in enumerate(zip(fit.joints, torque_constants(fit), strict=True)):
@@ -161,16 +167,16 @@ def load_loss(fit: CurrentFit, record: Record) -> Array:
     return loss
 
 
-def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
+def band(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Array:
     """Return half the 95 % band (N, n) [A] of low-passed predictions on a day of its own."""
     moving, at_rest = np.array([(joint.band_moving, joint.band_rest) for joint in fit.joints]).T
     within = np.where(smoothed_moving(record, smooth), moving, at_rest)
-    between = OTHER_DAYS * smooth(friction_current(fit, record), record)
+    between = SEASONAL_STD * smooth(friction_current(fit, record), record)
     doubt = smooth(_coefficients_doubt(fit, record), record)
     return np.hypot(within, NORMAL95 * np.hypot(between, doubt))
 
 
-def _coefficients_doubt(fit: CurrentFit, record: Record) -> Array:
+def _coefficients_doubt(fit: CurrentFit, record: CurrentSamples) -> Array:
     """Return the standard deviation (N, 6) [A] of a prediction by the coefficients' doubt."""
     doubts = np.zeros_like(record.q)
     for joint, (model, motion) in enumerate(zip(fit.joints, motions(record), strict=True)):
@@ -180,18 +186,20 @@ def _coefficients_doubt(fit: CurrentFit, record: Record) -> Array:
     return doubts
 
 
-def unseen_difference(estimate: Estimate, days: int, recordings: int, paths: int) -> Array:
+def unseen_difference(
+    estimate: CoefficientEstimate, days: int, recordings: int, paths: int
+) -> Array:
     """Return by how much parameters (P,) differ from those of all days, a standard deviation.
 
     Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), as far as it was
     told by recordings. A bootstrap over U paths contains the deviations as if each path had a day
     of its own: σ_day² (1 / D - 1 / U) remains.
     """
-    if paths < FEW:  # the bootstrap is over stretches
-        variance = BETWEEN_DAYS**2 / days + BETWEEN_RUNS**2 / recordings
+    if paths < MIN_UNITS:  # the bootstrap is over stretches
+        variance = DAY_TO_DAY_STD**2 / days + RUN_TO_RUN_STD**2 / recordings
     else:
-        variance = BETWEEN_DAYS**2 * max(0.0, 1 / days - 1 / paths)
-    friction = np.abs(physical(estimate.coefficients))
+        variance = DAY_TO_DAY_STD**2 * max(0.0, 1 / days - 1 / paths)
+    friction = np.abs(physical_values(estimate.coefficients))
     friction[:2] = 0.0  # torque constant and offset
     unseen: Array = friction * np.sqrt(variance) * (1 - estimate.prior_share)
     return unseen
@@ -202,14 +210,14 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
     rows = []
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate
-        values = physical(estimate.coefficients)
+        values = physical_values(estimate.coefficients)
         half = half_width(estimate.std_error, fit.units, estimate.prior_share)
         half = np.hypot(half, NORMAL95 * model.unseen)
         columns = (values, model.std_error(), values - half, values + half, *estimate.shares)
-        for name, *own in zip(model.names(), *columns, strict=True):
-            value, error, low, high, prior, arm, day, run = own
+        for name, *numbers in zip(model.names(), *columns, strict=True):
+            value, error, low, high, prior, arm, day, run = numbers
             # of a torque constant, the sign must be determined, too
-            known = bool(prior < UNDETERMINED and (name != "torque_constant" or low > 0))
+            is_determined = bool(prior < MAX_PRIOR_SHARE and (name != "torque_constant" or low > 0))
             shares = prior, arm, day, run
-            rows.append(Parameter(joint, name, value, error, (low, high), *shares, known))
+            rows.append(Parameter(joint, name, value, error, (low, high), *shares, is_determined))
     return rows

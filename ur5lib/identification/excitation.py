@@ -10,18 +10,18 @@ from scipy.linalg import eigh
 
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.base_parameters import (
-    LARGEST_SHARE,
+    MAX_PRIOR_VARIANCE_SHARE,
     BaseParameters,
     Stack,
     prior_share,
     solve,
-    total,
+    total_factors,
 )
 from ur5lib.timeseries.arrays import Array, Mask
 
 Motion = tuple[Array, Array, Array]
 
-GROUPS = {  # of parameters, by the words their names begin with
+PARAMETER_GROUPS = {  # of parameters, by the words their names begin with
     "gravity": "m ",
     "inertia": "I_",
     "rotors": "rotor inertia",
@@ -57,9 +57,9 @@ def candidate_motions(
     q, qd, qdd = random.uniform(-1, 1, (3, count, joints)) * limits
     motions = {"Holding still": (q, 0 * qd, 0 * qdd)}
     for number in (1, 2, joints):
-        for chosen in combinations(range(joints), number):
-            moving = np.isin(np.arange(joints), chosen)
-            several = " and ".join(f"joint {k + 1}" for k in chosen)
+        for moving_joints in combinations(range(joints), number):
+            moving = np.isin(np.arange(joints), moving_joints)
+            several = " and ".join(f"joint {k + 1}" for k in moving_joints)
             name = "all joints" if number == joints else several
             name = f"Moving {name} at up to {speed:g} rad/s and {acceleration:g} rad/s²"
             motions[name] = q, moving * qd, moving * qdd
@@ -75,17 +75,19 @@ def check_excitation(
     `candidate_motions`. A parameter counts as determined if less than a hundredth of its variance
     comes from the prior. A fit may determine less, because its errors are correlated.
     """
-    rows = total(data)
-    before = ~_determined(rows, base, width, noise)
-    after = {
-        motion: _determined(np.concatenate([rows, _rows(regressor)], axis=1), base, width, noise)
+    rows = total_factors(data)
+    undetermined = ~_determined_parameters(rows, base, width, noise)
+    determined = {
+        motion: _determined_parameters(
+            np.concatenate([rows, _rows(regressor)], axis=1), base, width, noise
+        )
         for motion, regressor in candidates.items()
     }
     return Excitation(
         condition=_condition(rows[..., :-1] / noise[:, None, None], base, width),
         combinations=_combinations(rows, base, width, noise),
-        undetermined=[base.parameters[column] for column in base.columns[before]],
-        advice=[*_advice(base, before, after)],
+        undetermined=[base.parameters[column] for column in base.columns[undetermined]],
+        advice=[*_advice(base, undetermined, determined)],
     )
 
 
@@ -94,18 +96,18 @@ def _rows(regressor: Array) -> Array:
     return np.pad(regressor.swapaxes(0, 1), ((0, 0), (0, 0), (0, 1)))
 
 
-def _determined(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
+def _determined_parameters(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
     """Return which base parameters (B,) rows (n, N, P + 1) determine."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
-    return prior_share(base.groups, spread, width) <= LARGEST_SHARE
+    return prior_share(base.groups, spread, width) <= MAX_PRIOR_VARIANCE_SHARE
 
 
 def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array) -> int:
     """Return the number of directions whose variance falls to a hundredth of the prior's."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
-    before, after = base.groups * width, base.groups @ spread
-    ratio = eigh(after @ after.T, before @ before.T, eigvals_only=True)
-    return int(np.sum(ratio <= LARGEST_SHARE))
+    prior_root, posterior_root = base.groups * width, base.groups @ spread
+    ratio = eigh(posterior_root @ posterior_root.T, prior_root @ prior_root.T, eigvals_only=True)
+    return int(np.sum(ratio <= MAX_PRIOR_VARIANCE_SHARE))
 
 
 def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str, float]:
@@ -113,34 +115,34 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
     columns = (weighted * width).reshape(-1, len(width))
     members = {
         group: [column for column in base.columns if base.parameters[column].startswith(beginning)]
-        for group, beginning in GROUPS.items()
+        for group, beginning in PARAMETER_GROUPS.items()
     }
     members["all"] = list(base.columns)
     return {
-        group: float(np.linalg.cond(columns[:, chosen]))
-        for group, chosen in members.items()
-        if chosen
+        group: float(np.linalg.cond(columns[:, columns_of_group]))
+        for group, columns_of_group in members.items()
+        if columns_of_group
     }
 
 
-def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> Iterator[Remark]:
+def _advice(base: BaseParameters, unknown: Mask, determined: dict[str, Mask]) -> Iterator[Remark]:
     """Yield the motion that determines most of the unknown, then the next one."""
-    left = unknown
-    while left.any():
-        motion = max(after, key=lambda name: int(np.sum(left & after[name])))
-        gained = left & after[motion]
+    undetermined = unknown
+    while undetermined.any():
+        motion = max(determined, key=lambda name: int(np.sum(undetermined & determined[name])))
+        gained = undetermined & determined[motion]
         if not gained.any():
-            yield remark("no motion determines", parameters=_by_owner(base, left))
+            yield remark("no motion determines", parameters=_by_owner(base, undetermined))
             return
-        found = {"motion": motion, "parameters": _by_owner(base, gained)}
-        yield remark("motion determines", **found)
-        left = left & ~gained
+        finding = {"motion": motion, "parameters": _by_owner(base, gained)}
+        yield remark("motion determines", **finding)
+        undetermined = undetermined & ~gained
 
 
-def _by_owner(base: BaseParameters, chosen: Mask) -> list[Remark]:
+def _by_owner(base: BaseParameters, members: Mask) -> list[Remark]:
     """Return the chosen base parameters (B,), grouped by link or joint."""
     owners: dict[str, list[str]] = defaultdict(list)
-    for column in base.columns[chosen]:
+    for column in base.columns[members]:
         name, owner = base.parameters[column].split(" of ")
         owners[owner].append(name)
     return [remark("parameters of", names=names, owner=owner) for owner, names in owners.items()]

@@ -10,20 +10,27 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.special import stdtrit
 
-from ur5lib.identification.currents import CurrentFit, motions, predicted, torque_constants
+from ur5lib.identification.currents import CurrentFit, motions, predicted_currents, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
-from ur5lib.identification.samples import STEP, Record, Smooth, blocks, columns_of, smoothed_moving
-from ur5lib.robots.friction import GEARS, JointMotion
+from ur5lib.identification.samples import (
+    INDEPENDENT_STEP,
+    CurrentSamples,
+    Smooth,
+    blocks,
+    columns_of,
+    smoothed_moving,
+)
+from ur5lib.robots.friction import GEAR_EFFICIENCY_STD, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
 
-ROUNDS = 5
-DRAWS = 50
-JOINTS = 0.3  # relative error of a joint's torque under a load: before its scale was estimated
-LEFT = 0.1  # and after
-PARTS = 3  # of a run, each of which must show the load
-DEPENDENT = 1e-9  # of the longest: what is shorter is rounding
-WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
+FRICTION_ROUNDS = 5  # of estimating load and friction in turn
+PAYLOAD_DRAWS = 50  # of the bootstrap
+UNSCALED_TORQUE_ERROR = 0.3  # relative, of a joint's torque under a load: before its scale is known
+SCALED_TORQUE_ERROR = 0.1  # and after
+RUN_PARTS = 3  # each of which must show the load
+AXIS_TOLERANCE = 1e-9  # of the longest principal axis: what is shorter is rounding
+PAYLOAD_PRIOR_STD = 100.0  # kg, kg m
 Maps = Sequence[Array]  # coefficients (P,) of each joint, as fitted or drawn
 
 
@@ -47,7 +54,7 @@ class PayloadEstimate:
 
 
 @dataclass(frozen=True)
-class Load:
+class LoadEstimate:
     """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts."""
 
     mass: float
@@ -57,7 +64,7 @@ class Load:
 
 
 @dataclass(frozen=True)
-class JudgedLoad(Load):
+class JudgedLoad(LoadEstimate):
     """An undeclared load beside the payload that is known, of a mass `configured` [kg].
 
     carried: both masses together [kg]; taken: whether the load is included in the prediction;
@@ -82,13 +89,15 @@ def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
     return np.asarray(factor * np.sqrt(np.maximum(beyond, 0.0)))
 
 
-def judge(payload: PayloadEstimate, spread: float) -> Load:
+def judge(payload: PayloadEstimate, spread: float) -> LoadEstimate:
     """Return the load with its total error; spread: of the mass from run to run [kg]."""
     mass = float(payload.parameters[0])
-    error = float(np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEARS * mass) ** 2))
+    error = float(
+        np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEAR_EFFICIENCY_STD * mass) ** 2)
+    )
     half = error * NORMAL95
     lasting = bool((payload.parts > mass / 2).all())
-    return Load(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
+    return LoadEstimate(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
 
 
 def judged_load(
@@ -105,13 +114,16 @@ def judged_load(
     fit on, whose payload is taken as it was given.
     """
     spread = np.zeros(4)
-    if known := [(own.parameters, own.std_error) for own in unloaded if own.is_known]:
-        values, errors = np.stack(known, axis=1)
+    if estimates := [
+        (estimate.parameters, estimate.std_error) for estimate in unloaded if estimate.is_known
+    ]:
+        values, errors = np.stack(estimates, axis=1)
         spread = run_to_run(values, errors, paths)
     load = judge(payload, float(spread[0]))
     center = center_std = np.full(3, np.nan)
     if load.certain:
         center = payload.parameters[1:] / load.mass
+        # c = h / m: σ_c² = (σ_h² + c² σ_m²) / m²
         moment_std = np.hypot(payload.std_error[1:], spread[1:])
         center_std = np.hypot(moment_std, center * load.std_error) / load.mass
     return JudgedLoad(
@@ -128,18 +140,21 @@ def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
     """Return the relative error (6,) of each joint's torque under a load.
 
     external_torque: (N, 6) [Nm], without the load's torque; load: the load's torque, low-passed
-    alike; count: number of independent values among the samples. The torque constants
-    of joints that carry little are not well known. Least squares with a prior of 0 ± JOINTS.
+    alike; count: number of independent values among the samples. The torque constants of joints
+    that carry little are not well known. Least squares with a prior of 0 ± UNSCALED_TORQUE_ERROR.
     """
-    known = np.isfinite(external_torque + load).all(axis=1)
-    external_torque, load = external_torque[known], load[known]
-    noise = external_torque.var(axis=0) if known.any() else np.ones(load.shape[1])
-    held = noise / JOINTS**2 * len(load) / max(1, count)
-    return np.asarray((external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + held + 1e-12))
+    finite = np.isfinite(external_torque + load).all(axis=1)
+    external_torque, load = external_torque[finite], load[finite]
+    noise = external_torque.var(axis=0) if finite.any() else np.ones(load.shape[1])
+    # g = Σ τ_ext τ / (Σ τ² + N σ² / (n σ_g²)), n independent of N samples
+    prior_weight = noise / UNSCALED_TORQUE_ERROR**2 * len(load) / max(1, count)
+    return np.asarray(
+        (external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + prior_weight + 1e-12)
+    )
 
 
 def estimate_payload(
-    fit: CurrentFit, record: Record, regressor: Array, smooth: Smooth, seed: int = 0
+    fit: CurrentFit, record: CurrentSamples, regressor: Array, smooth: Smooth, seed: int = 0
 ) -> PayloadEstimate:
     """Estimate the payload that `record.torque` does not contain.
 
@@ -147,79 +162,90 @@ def estimate_payload(
     mass comes first. Only joints in motion count: at rest, friction hides a load.
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
-    every = max(1, round(STEP / record.period))
+    stride = max(1, round(INDEPENDENT_STEP / record.period))
     scale = torque_constants(fit) * [joint.band_moving or np.nan for joint in fit.joints]
-    parts = [smooth(column, record)[::every] for column in np.moveaxis(regressor, 2, 0)]
+    parts = [smooth(column, record)[::stride] for column in np.moveaxis(regressor, 2, 0)]
     explained = np.stack(parts, axis=2)
-    moving = smoothed_moving(record, smooth)[::every]
+    moving = smoothed_moving(record, smooth)[::stride]
     rows = moving & np.isfinite(explained).all(axis=2) & np.isfinite(scale)
-    block = np.repeat(blocks(record)[::every, None], rows.shape[1], axis=1)[rows]
+    block = np.repeat(blocks(record)[::stride, None], rows.shape[1], axis=1)[rows]
     columns = (explained / scale[:, None])[rows]
-    axes, along = _axes(columns)
+    axes, along = _principal_axes(columns)
     unloaded = [*motions(record)]
 
-    def solve(maps: Maps, left: Array, start: Array, count: Labels, known: Array) -> Array:
+    def solve(maps: Maps, current: Array, start: Array, count: Labels, prior_mean: Array) -> Array:
         constants = 1 / np.array([coefficients[0] for coefficients in maps])
-        torque = (left * constants / scale)[rows] + columns @ start
-        return np.asarray(axes.T @ _solution(along, torque, block, count, axes @ known))
+        torque = (current * constants / scale)[rows] + columns @ start
+        return np.asarray(axes.T @ _huber_solution(along, torque, block, count, axes @ prior_mean))
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
-    nothing = np.zeros(regressor.shape[2])
+    no_load = np.zeros(regressor.shape[2])
     fitted = [joint.estimate.coefficients for joint in fit.joints]
-    # alternate payload and friction
-    solution = nothing
-    for _ in range(ROUNDS):
-        loaded = _under(unloaded, record.torque + regressor @ solution)
-        left = smooth(record.current - predicted(fit, loaded), record)[::every]
-        solution = solve(fitted, left, solution, once, nothing)
+    solution = no_load  # payload and friction in turn
+    for _ in range(FRICTION_ROUNDS):
+        loaded = _motions_under(unloaded, record.torque + regressor @ solution)
+        unexplained = smooth(record.current - predicted_currents(fit, loaded), record)[::stride]
+        solution = solve(fitted, unexplained, solution, once, no_load)
     # from here on, friction is that under this load: replicates only weight its columns anew
-    loaded = _under(unloaded, record.torque + regressor @ solution)
-    sources = _low_passed(fit, loaded, record, smooth)
+    loaded = _motions_under(unloaded, record.torque + regressor @ solution)
+    sources = _low_passed_columns(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
-    for _ in range(DRAWS):
+    for _ in range(PAYLOAD_DRAWS):
         draw = generator.integers(len(fit.joints[0].estimate.replicates))  # alike for all joints
-        drawn = [joint.estimate.replicates[draw] for joint in fit.joints]
+        drawn_maps = [joint.estimate.replicates[draw] for joint in fit.joints]
         count = generator.multinomial(len(once), once / len(once))
-        known = generator.normal(nothing, WIDE)
-        draws.append(solve(drawn, _unexplained(fit, drawn, sources), solution, count, known))
-    left, chosen = _unexplained(fit, fitted, sources), np.array_split(np.unique(block), PARTS)
-    counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in chosen]
-    parts = [solve(fitted, left, solution, count, nothing)[0] for count in counts]
+        drawn_mean = generator.normal(no_load, PAYLOAD_PRIOR_STD)
+        unexplained = _unexplained_current(fit, drawn_maps, sources)
+        draws.append(solve(drawn_maps, unexplained, solution, count, drawn_mean))
+    unexplained = _unexplained_current(fit, fitted, sources)
+    counts = _counts_by_part(block)
+    parts = [solve(fitted, unexplained, solution, count, no_load)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 
-def _under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion]:
+def _counts_by_part(block: Labels) -> list[Labels]:
+    """Return how often each block counts in each of RUN_PARTS parts of a run: once, or never."""
+    every_block, parts = (
+        np.arange(1 + block.max(initial=0)),
+        np.array_split(np.unique(block), RUN_PARTS),
+    )
+    return [np.isin(every_block, part).astype(np.int64) for part in parts]
+
+
+def _motions_under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion]:
     """Yield the joints' motions under another torque (N, n) [Nm]."""
-    for motion, own in zip(joints, torque.T, strict=True):
-        yield replace(motion, torque=own)
+    for motion, joint_torque in zip(joints, torque.T, strict=True):
+        yield replace(motion, torque=joint_torque)
 
 
-def _low_passed(
-    fit: CurrentFit, joints: Iterable[JointMotion], record: Record, smooth: Smooth
+def _low_passed_columns(
+    fit: CurrentFit, joints: Iterable[JointMotion], record: CurrentSamples, smooth: Smooth
 ) -> list[Array]:
     """Return columns, held and current (n, P + 2) of each joint, low-passed and thinned.
 
     They are NaN, and break the low-pass, where those of any joint are.
     """
-    every, moved = max(1, round(STEP / record.period)), [*joints]
-    known = np.isfinite(record.current - predicted(fit, moved)).all(axis=1)
+    stride, moves = max(1, round(INDEPENDENT_STEP / record.period)), [*joints]
+    finite = np.isfinite(record.current - predicted_currents(fit, moves)).all(axis=1)
     sources = []
-    for motion, model, current in zip(moved, fit.joints, record.current.T, strict=True):
-        own = np.column_stack([*columns_of(motion, model.terms), current])
-        own[~known] = np.nan
-        sources.append(smooth(own, record)[::every].copy())
+    for motion, model, current in zip(moves, fit.joints, record.current.T, strict=True):
+        columns = np.column_stack([*columns_of(motion, model.terms), current])
+        columns[~finite] = np.nan
+        sources.append(smooth(columns, record)[::stride].copy())
     return sources
 
 
-def _unexplained(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) -> Array:
-    """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed`."""
-    each = zip(sources, maps, fit.joints, strict=True)
-    left = [own @ [*-coefficients, -model.held, 1.0] for own, coefficients, model in each]
-    return np.stack(left, axis=1)
+def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) -> Array:
+    """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed_columns`."""
+    joints = zip(sources, maps, fit.joints, strict=True)
+    currents = [
+        columns @ [*-coefficients, -model.held, 1.0] for columns, coefficients, model in joints
+    ]
+    return np.stack(currents, axis=1)
 
 
-def _axes(columns: Array) -> tuple[Array, Array]:
+def _principal_axes(columns: Array) -> tuple[Array, Array]:
     """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (n, P) along
     them, zero for an axis that the data do not tell, as of an arm that moves in a plane.
 
@@ -229,11 +255,13 @@ def _axes(columns: Array) -> tuple[Array, Array]:
     size = columns.shape[1]
     triangle = np.linalg.qr(np.concatenate([columns, np.zeros((size, size))]), mode="r")
     _, length, axes = np.linalg.svd(triangle)
-    return axes, columns @ np.where(length > DEPENDENT * length[0], axes.T, 0.0)
+    return axes, columns @ np.where(length > AXIS_TOLERANCE * length[0], axes.T, 0.0)
 
 
-def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
-    """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean."""
+def _huber_solution(
+    columns: Array, torque: Array, block: Labels, count: Labels, prior_mean: Array
+) -> Array:
+    """Return Huber's estimate from the blocks drawn, by their counts, with a prior's mean (P,)."""
     repeated = np.repeat(np.arange(len(block)), count[block])
-    wide = Normal(known, np.eye(columns.shape[1]) / WIDE**2)
+    wide = Normal(prior_mean, np.eye(columns.shape[1]) / PAYLOAD_PRIOR_STD**2)
     return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients

@@ -9,21 +9,26 @@ import numpy as np
 from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.regression import Normal
-from ur5lib.robots.friction import FITTED, coefficient_names, term_of
+from ur5lib.robots.friction import FITTED_TERMS, coefficient_names, term_of
 from ur5lib.timeseries.arrays import Array
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
 # current: the middle of 0.001 to 0.02 in single recordings of a UR5 and a UR10e. With 0.01, a
 # constant that is known 2.5 times too small was no longer contradicted by 24 s of motion.
-NOISE = 0.005
+CURRENT_NOISE_SHARE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
-FRICTION_AT_REST = 0.05 / np.sqrt(3)
-PINNED = 1e-3  # of its standard deviation: what is left of it where a constant is pinned
+REST_FRICTION_STD = 0.05 / np.sqrt(3)
+PINNED_STD_SHARE = 1e-3  # of its standard deviation: what is left where a constant is pinned
 # Friction of a joint before any recording, mean and standard deviation, near those of the larger of
 # 20 joints of a UR3, a UR5, a UR10 and a UR10e: relative to the motor's largest torque, load
 # friction to the transmitted.
-COULOMB, VISCOUS, LOAD = (0.045, 0.011), (0.06, 0.014), (0.06, 0.04)
-BIAS = 0.007  # standard deviation of the offset, likewise
+COULOMB_PRIOR = (0.045, 0.011)
+VISCOUS_PRIOR = (0.06, 0.014)
+LOAD_PRIOR = (0.06, 0.04)
+OFFSET_STD_SHARE = 0.007  # of the largest torque
+OFFSET_NAME = "offset"
+STANDSTILL_SPEED = 1e-3  # rad/s
+MIN_RATIO_TORQUE = 0.1  # Nm, of which a ratio to the current is taken
 
 
 @dataclass(frozen=True)
@@ -38,12 +43,12 @@ def typical_friction(torque_max: Array) -> dict[str, Typical]:
     """Return Coulomb [Nm], viscous [Nm s/rad] and load friction, and the offset [Nm], of motors
     with these largest torques (n,) [Nm].
     """
-    sized, one = torque_max, np.ones_like(torque_max)
+    largest, ones = torque_max, np.ones_like(torque_max)
     return {
-        "coulomb": Typical(*(share * sized for share in COULOMB)),
-        "viscous": Typical(*(share * sized for share in VISCOUS)),
-        "load": Typical(*(share * one for share in LOAD)),
-        "offset": Typical(0.0 * sized, BIAS * sized),
+        "coulomb": Typical(*(share * largest for share in COULOMB_PRIOR)),
+        "viscous": Typical(*(share * largest for share in VISCOUS_PRIOR)),
+        "load": Typical(*(share * ones for share in LOAD_PRIOR)),
+        "offset": Typical(0.0 * largest, OFFSET_STD_SHARE * largest),
     }
 
 
@@ -65,29 +70,30 @@ class Prior:
     def std(self) -> Array:
         """Return the standard deviation (n,) of each joint's 1/k [A/Nm]."""
         std = np.sqrt(np.diag(np.linalg.inv(self.inverse_constant.precision)))
-        std[[*self.pinned]] *= PINNED
+        std[[*self.pinned]] *= PINNED_STD_SHARE
         return std
 
     def noise(self) -> Array:
         """Return the usual variance (n,) [A²] of an independent sample of the current."""
-        variance: Array = (NOISE * self.torque_max * self.inverse_constant.mean) ** 2
+        variance: Array = (CURRENT_NOISE_SHARE * self.torque_max * self.inverse_constant.mean) ** 2
         return variance
 
     def noise_at_rest(self) -> Array:
         """Return the usual variance (n,) [A²] of the current that holds a posture."""
-        variance: Array = (FRICTION_AT_REST * self.torque_max * self.inverse_constant.mean) ** 2
+        variance: Array = (REST_FRICTION_STD * self.torque_max * self.inverse_constant.mean) ** 2
         return variance
 
     def of_joint(self, joint: int) -> "Prior":
         """Return the prior of one joint, from 0, regardless of the others."""
-        own = slice(joint, joint + 1)
-        inverse = Normal(self.inverse_constant.mean[own], np.diag(self.std()[own] ** -2.0))
+        rows = slice(joint, joint + 1)
+        inverse = Normal(self.inverse_constant.mean[rows], np.diag(self.std()[rows] ** -2.0))
         typical = {
-            name: Typical(known.mean[own], known.std[own]) for name, known in self.typical.items()
+            name: Typical(coefficient.mean[rows], coefficient.std[rows])
+            for name, coefficient in self.typical.items()
         }
-        return Prior(inverse, self.torque_max[own], typical=typical)
+        return Prior(inverse, self.torque_max[rows], typical=typical)
 
-    def over(self, terms: Sequence[str] = FITTED) -> Normal:
+    def over(self, terms: Sequence[str] = FITTED_TERMS) -> Normal:
         """Return the prior of all joints' coefficients.
 
         They are, joint by joint, 1/k [A/Nm], an offset [A], and those of the terms. One without a
@@ -95,22 +101,24 @@ class Prior:
         largest torque.
         """
         inverse = self.inverse_constant.mean
-        names = ["", OFFSET, *coefficient_names(terms)]  # "" of 1/k
-        widths = np.array([_expected(terms, most) for most in self.torque_max])  # (n, P)
+        names = ["", OFFSET_NAME, *coefficient_names(terms)]  # "" of 1/k
+        # (n, P)
+        widths = np.array([_expected_sizes(terms, torque_max) for torque_max in self.torque_max])
         starts = len(names) * np.arange(len(inverse))
         mean, std = np.zeros(widths.size), (inverse[:, None] * widths).ravel()
         vague = np.tile([name not in ("", *self.typical) for name in names], len(inverse))
         precision = np.diag(np.where(vague, std**-2.0, 0.0))
         mean[starts] = inverse
         precision[np.ix_(starts, starts)] += self._inverse_precision()
-        for name, known in self.typical.items():
+        for name, coefficient in self.typical.items():
             # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
             places = starts + names.index(name)
-            value = known.mean * (-1 if name == OFFSET else 1)  # k i = τ + τ_friction - b
+            # k i = τ + τ_friction - b
+            value = coefficient.mean * (-1 if name == OFFSET_NAME else 1)
             difference = np.zeros((len(starts), len(mean)))
             rows = np.arange(len(starts))
             difference[rows, places], difference[rows, starts] = 1.0, -value
-            weight = (known.std * inverse) ** -2.0
+            weight = (coefficient.std * inverse) ** -2.0
             precision += (difference.T * weight) @ difference
             mean[places] = value * inverse
         return Normal(mean, precision)
@@ -119,24 +127,19 @@ class Prior:
         """Return the precision (n, n) of 1/k; that of free joints regardless of the pinned."""
         if not self.pinned:
             return self.inverse_constant.precision
-        free = np.delete(np.arange(len(self.torque_max)), self.pinned)
+        free_joints = np.delete(np.arange(len(self.torque_max)), self.pinned)
         covariance = np.linalg.inv(self.inverse_constant.precision)
         precision = np.diag(self.std() ** -2.0)
-        precision[np.ix_(free, free)] = np.linalg.inv(covariance[np.ix_(free, free)])
+        precision[np.ix_(free_joints, free_joints)] = np.linalg.inv(
+            covariance[np.ix_(free_joints, free_joints)]
+        )
         return precision
 
 
-OFFSET = "offset"
-
-
-def _expected(terms: Sequence[str], torque_max: float) -> list[float]:
+def _expected_sizes(terms: Sequence[str], torque_max: float) -> list[float]:
     """Return how large 1/k, the offset and friction's coefficients are, times k [Nm, ...]."""
-    own = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
-    return [1.0, torque_max, *chain.from_iterable(own)]
-
-
-STILL = 1e-3  # rad/s
-LOADED = 0.1  # Nm; least torque for a ratio
+    by_term = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
+    return [1.0, torque_max, *chain.from_iterable(by_term)]
 
 
 def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
@@ -145,26 +148,31 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
     moment, current: (N, 6) `target_moment` [Nm] and `target_current` [A]; qd: (N, 6) [rad/s].
     At rest, the controller's current contains no friction, so the ratio is constant.
     """
-    rest = (np.abs(qd) < STILL).all(axis=1) & np.isfinite(moment * current).all(axis=1)
+    # at rest, k i = τ without friction
+    standstill = (np.abs(qd) < STANDSTILL_SPEED).all(axis=1) & np.isfinite(moment * current).all(
+        axis=1
+    )
     constants = np.full(moment.shape[1], np.nan)
     for joint in range(len(constants)):
-        loaded = rest & (np.abs(moment[:, joint]) > LOADED) & (current[:, joint] != 0)
-        if loaded.sum() > rest.sum() / 2:
+        loaded = (
+            standstill & (np.abs(moment[:, joint]) > MIN_RATIO_TORQUE) & (current[:, joint] != 0)
+        )
+        if loaded.sum() > standstill.sum() / 2:
             constants[joint] = np.median(moment[loaded, joint] / current[loaded, joint])
     return constants
 
 
 def torque_constant_prior(
-    known: Array, covariance: Array, controller: Array, ratio: float
+    constants: Array, covariance: Array, controller: Array, ratio: float
 ) -> Normal:
     """Return the prior of 1/k [A/Nm] of all joints from values (n,) [Nm/A], NaN if unknown.
 
-    known: at the joint's side of the gear, with the covariance (n, n) of its logarithm; controller:
-    see `standstill_ratio`, with the relative standard deviation `ratio`, joint by joint. They are
-    combined as normal distributions of log k.
+    constants: at the joint's side of the gear, with the covariance (n, n) of its logarithm;
+    controller: see `standstill_ratio`, with the relative standard deviation `ratio`, joint by
+    joint. They are combined as normal distributions of log k.
     """
     precision = np.linalg.inv(covariance)
-    right = precision @ np.log(np.where(np.isfinite(known), known, 1.0))
+    right = precision @ np.log(np.where(np.isfinite(constants), constants, 1.0))
     # the controller's ratio as a measurement of log k
     measured = np.isfinite(controller)
     precision += np.diag(measured / ratio**2)
@@ -183,10 +191,10 @@ def makers_covariance(
     deviation common to joints of one size; spread: of joints of one size from each other. Raises
     RefusalError if a size has neither value.
     """
-    same = np.array([[one == other for other in motors] for one in motors])
-    known = np.isfinite(maker)
-    if not all((known | np.isfinite(controller))[row].any() for row in same):
+    same = np.array([[size == other_size for other_size in motors] for size in motors])
+    has_constant = np.isfinite(maker)
+    if not all((has_constant | np.isfinite(controller))[row].any() for row in same):
         raise RefusalError("unknown constant")
-    wide = np.where(known, shared, 10.0)  # without a manufacturer's value, any constant
+    wide = np.where(has_constant, shared, 10.0)  # without a manufacturer's value, any constant
     covariance: Array = same * np.outer(wide, wide) + np.eye(len(motors)) * spread**2
     return covariance

@@ -11,12 +11,12 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.metrics import MAD, NORMAL95
+from ur5lib.timeseries.metrics import NORMAL95, STD_PER_MAD
 
-HUBER = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
-ROUNDS = 10
-# Blocks of the data that the usual noise counts as.
-USUAL = 3.0
+HUBER_LIMIT = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
+REWEIGHTING_ROUNDS = 10
+USUAL_NOISE_BLOCKS = 3.0  # blocks of the data that the usual noise counts as
+REPLICATE_COUNT = 500  # of the bootstrap
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def regress(
     """
     weight, noise = np.ones(len(target)), _positive(float(target @ target) / max(1, len(target)))
     coefficients = prior.mean
-    for _ in range(ROUNDS if len(target) else 0):
+    for _ in range(REWEIGHTING_ROUNDS if len(target) else 0):
         # (Xᵀ W X / σ² + Λ) β = Xᵀ W y / σ² + Λ β₀
         information = columns.T @ (columns * weight[:, None]) / noise  # (P, P)
         right = columns.T @ (target * weight) / noise  # (P,)
@@ -72,29 +72,26 @@ def posterior_mean(information: Array, right: Array, prior: Normal) -> Array:
 
 def huber_weight(residual: Array) -> Array:
     """Return Huber's weights (n,) of residuals (n,), scaled by their median absolute deviation."""
-    scale = _positive(MAD * float(np.median(np.abs(residual))))
-    return np.minimum(1.0, HUBER * scale / np.maximum(np.abs(residual), scale))
+    scale = _positive(STD_PER_MAD * float(np.median(np.abs(residual))))
+    return np.minimum(1.0, HUBER_LIMIT * scale / np.maximum(np.abs(residual), scale))
 
 
 def noise_of_one(residual: Array, block: Labels, expected: float = np.nan) -> float:
     """Return the variance of independent samples whose block sums vary as much as these do.
 
     A fit of P coefficients leaves nothing of P blocks. An expected variance therefore counts as
-    USUAL further blocks of mean length; NaN for none.
+    USUAL_NOISE_BLOCKS further blocks of mean length; NaN for none.
     """
-    found, count = float(np.sum(np.bincount(block, residual) ** 2)), float(len(residual))
+    squares, count = float(np.sum(np.bincount(block, residual) ** 2)), float(len(residual))
     if np.isfinite(expected):
         blocks = int(np.count_nonzero(np.bincount(block)))
-        further = USUAL * count / max(1, blocks)
-        found, count = found + further * expected, count + further
-    return found / count
+        further = USUAL_NOISE_BLOCKS * count / max(1, blocks)
+        squares, count = squares + further * expected, count + further
+    return squares / count
 
 
 def _positive(variance: float) -> float:
     return max(variance, 1e-12)
-
-
-DRAWS = 500
 
 
 def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, count: int) -> Array:
@@ -110,23 +107,23 @@ def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, cou
 
 
 def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """Return how often each block occurs in each of DRAWS draws of whole units, (DRAWS, n).
+    """Return how often each block occurs in draws of whole units, (REPLICATE_COUNT, n).
 
     unit_of_block: (n,) labels of recordings, or of longer stretches; negative for no block.
     """
     units, place = np.unique(unit_of_block, return_inverse=True)
-    known = units >= 0
-    counts = np.zeros((DRAWS, len(units)))
-    counts[:, known] = _draw(int(known.sum()), generator)
+    is_unit = units >= 0
+    counts = np.zeros((REPLICATE_COUNT, len(units)))
+    counts[:, is_unit] = _draw(int(is_unit.sum()), generator)
     return counts[:, place]
 
 
 def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """Return how often each block occurs in each draw of blocks within their units, (DRAWS, n)."""
-    counts = np.zeros((DRAWS, len(unit_of_block)))
+    """Return how often each block occurs in draws of blocks within units, (REPLICATE_COUNT, n)."""
+    counts = np.zeros((REPLICATE_COUNT, len(unit_of_block)))
     for unit in np.unique(unit_of_block[unit_of_block >= 0]):
-        own = unit_of_block == unit
-        counts[:, own] = _draw(int(own.sum()), generator)
+        in_unit = unit_of_block == unit
+        counts[:, in_unit] = _draw(int(in_unit.sum()), generator)
     return counts
 
 
@@ -139,10 +136,12 @@ def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
 
 
 def _draw(count: int, generator: np.random.Generator) -> Array:
-    """Return how often each of `count` items occurs in DRAWS draws with replacement."""
+    """Return how often each of `count` items occurs in REPLICATE_COUNT draws with replacement."""
     if not count:
-        return np.zeros((DRAWS, 0))
-    return generator.multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(float)
+        return np.zeros((REPLICATE_COUNT, 0))
+    return generator.multinomial(count, np.full(count, 1 / count), size=REPLICATE_COUNT).astype(
+        float
+    )
 
 
 def spread(replicates: Array) -> Array:

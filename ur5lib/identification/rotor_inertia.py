@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from ur5lib.identification.regression import HUBER
+from ur5lib.identification.regression import HUBER_LIMIT
 from ur5lib.timeseries.arrays import Array
 
-PARTS = 8  # into which a single recording is divided
+RECORDING_PARTS = 8  # into which a single recording is divided
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,10 @@ def fit_rotor_inertia(
     is wrong. Such errors are similar throughout a motion and differ between motions, so the
     standard errors are a jackknife over recordings, or over parts of a single one.
     """
-    recordings = [np.stack(one, axis=2) for one in zip(residual, qd, qdd, strict=True)]
-    parts = recordings if len(recordings) > 1 else np.array_split(recordings[0], PARTS)
+    recordings = [
+        np.stack(quantities, axis=2) for quantities in zip(residual, qd, qdd, strict=True)
+    ]
+    parts = recordings if len(recordings) > 1 else np.array_split(recordings[0], RECORDING_PARTS)
     without = [_fit(parts[:k] + parts[k + 1 :]) for k in range(len(parts))]
     std_error = np.sqrt((len(parts) - 1) * np.var(without, axis=0))
     return RotorFit(Terms(*_fit(parts)), Terms(*std_error))
@@ -68,5 +70,5 @@ def _fit_joint(samples: Array) -> Array:
         return np.full(terms.shape[1], np.nan)
     start = np.linalg.lstsq(terms, residual)[0]
     deviation = np.abs(residual - terms @ start).mean()  # a median would be that of rest
-    scale = HUBER * np.sqrt(np.pi / 2) * deviation
+    scale = HUBER_LIMIT * np.sqrt(np.pi / 2) * deviation
     return least_squares(lambda x: (terms @ x - residual) / scale, start, loss="huber").x

@@ -12,26 +12,26 @@ from typing import Any
 import numpy as np
 
 from ur5lib.robots.friction import (
-    FITTED,
-    USUAL,
+    FITTED_TERMS,
+    USUAL_TEMPERATURE,
     JointMotion,
     coefficient_names,
     friction_columns,
     friction_direction,
-    resting,
+    rest_factor,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.segments import BLOCK, DEAD_ZONE, starts
+from ur5lib.timeseries.segments import BLOCK_DURATION, DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
-STEP = 0.1  # s between samples
-FEW = 5  # paths, or stretches; with fewer, smaller parts are resampled
-STRETCH = 5  # blocks
-LEAST_PATHS = 3  # as many as README asks for
+INDEPENDENT_STEP = 0.1  # s, between samples that count as independent
+MIN_UNITS = 5  # paths, or stretches; with fewer, smaller parts are resampled
+BLOCKS_PER_STRETCH = 5
+MIN_PATHS = 3  # as many as README asks for
 
 
 @dataclass(frozen=True)
-class Record:
+class CurrentSamples:
     """A contact-free recording on a uniform grid.
 
     period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
@@ -62,16 +62,16 @@ class Record:
         """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
         direction = friction_direction(q, self.segment)
-        warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL
+        warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         return JointMotion(q, qd, torque, direction, warmth)
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.
-Smooth = Callable[[Array, Record], Array]
+Smooth = Callable[[Array, CurrentSamples], Array]
 
 
 @dataclass(frozen=True)
-class Samples:
+class JointSamples:
     """Samples of one joint from all recordings.
 
     columns: (n, P), of the torque, an offset, and the terms; held: (n,), direction of
@@ -98,53 +98,61 @@ class Samples:
         new = self.moving | (np.diff(self.record, prepend=0) != 0)
         return np.cumsum(new)
 
-    def without(self, last: Sequence[str]) -> "Samples":
+    def without(self, last: Sequence[str]) -> "JointSamples":
         """Return the samples without the last terms."""
         terms = self.terms[: -len(last)]
         return replace(
             self, terms=terms, columns=self.columns[:, : 2 + len(coefficient_names(terms))]
         )
 
-    def where(self, rows: Mask) -> "Samples":
+    def where(self, rows: Mask) -> "JointSamples":
         """Return the samples in a mask."""
         names = ("columns", "held", "current", "moving", "block", "record", "path", "day", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
 def joint_samples(
-    records: Sequence[Record], smooth: Smooth, terms: Sequence[str] = FITTED
-) -> list[Samples]:
+    records: Sequence[CurrentSamples], smooth: Smooth, terms: Sequence[str] = FITTED_TERMS
+) -> list[JointSamples]:
     """Return samples of joints 1 to 6, with the columns of these terms of friction."""
     labels = [blocks(record) for record in records]
     # from recording to recording, labels go on at a whole stretch, so that none contains two
-    firsts = np.cumsum([0, *(-(-(own[-1] + 1) // STRETCH) * STRETCH for own in labels[:-1])])
-    each = [
-        _record_samples(record, smooth, tuple(terms), first + own)
-        for record, own, first in zip(records, labels, firsts, strict=True)
+    firsts = np.cumsum(
+        [
+            0,
+            *(
+                -(-(block_labels[-1] + 1) // BLOCKS_PER_STRETCH) * BLOCKS_PER_STRETCH
+                for block_labels in labels[:-1]
+            ),
+        ]
+    )
+    thinned = [
+        _record_samples(record, smooth, tuple(terms), first + block_labels)
+        for record, block_labels, first in zip(records, labels, firsts, strict=True)
     ]
     paths, days = record_paths(records), record_days(records)
     joints = []
-    for joint in range(len(each[0])):
-        rows = [samples[joint] for samples in each]
+    for joint in range(len(thinned[0])):
+        rows = [samples[joint] for samples in thinned]
         record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
         columns, held, current, moving, block = (
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
         path = paths[record]
         # the largest parts of which there are enough
-        parts = (path, block // STRETCH)
-        unit = next((part for part in parts if len(np.unique(part)) >= FEW), block)
-        rest = held, current, moving, block, record, path, days[record], unit
-        joints.append(Samples(tuple(terms), columns, *rest))
+        parts = (path, block // BLOCKS_PER_STRETCH)
+        unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), block)
+        remaining = held, current, moving, block, record, path, days[record], unit
+        joints.append(JointSamples(tuple(terms), columns, *remaining))
     return joints
 
 
-def record_paths(records: Sequence[Record]) -> Labels:
+def record_paths(records: Sequence[CurrentSamples]) -> Labels:
     """Return labels (R,) of recordings by their trajectory."""
-    return group_by_path([passed(record) for record in records])
+    return group_by_path([recorded_path(record) for record in records])
 
 
-def record_days(records: Sequence[Record]) -> Labels:
+def record_days(records: Sequence[CurrentSamples]) -> Labels:
     """Return labels (R,) of recordings by their day."""
     return np.unique([record.day for record in records], return_inverse=True)[1].astype(np.int64)
 
@@ -152,21 +160,21 @@ def record_days(records: Sequence[Record]) -> Labels:
 def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
     """Return what shares neither path nor day with the samples or recordings of a mask (n,).
 
-    out: (n,), whole paths; path, day: (n,) labels. If less than LEAST_PATHS would remain, what
+    out: (n,), whole paths; path, day: (n,) labels. If less than MIN_PATHS would remain, what
     shares no path.
     """
-    other = ~out & ~np.isin(day, day[out])
-    return other if len(np.unique(path[other])) >= LEAST_PATHS else ~out
+    on_other_days = ~out & ~np.isin(day, day[out])
+    return on_other_days if len(np.unique(path[on_other_days])) >= MIN_PATHS else ~out
 
 
-def passed(record: Record) -> PathStates:
+def recorded_path(record: CurrentSamples) -> PathStates:
     """Return the states on the path of a recording."""
     return path_of(record.q, record.qd, record.period)
 
 
 def path_of(q: Array, qd: Array, period: float) -> PathStates:
     """Return the states on the path of a motion (N, n) [rad, rad/s]; period: [s]."""
-    return PathStates.from_motion(q, qd, max(1, round(STEP / period)))
+    return PathStates.from_motion(q, qd, max(1, round(INDEPENDENT_STEP / period)))
 
 
 def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]:
@@ -175,10 +183,10 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]
     """
     ones = np.ones_like(motion.torque)
     columns = np.column_stack([motion.torque, ones, friction_columns(motion, terms)])
-    return columns, motion.direction * resting(motion.qd)
+    return columns, motion.direction * rest_factor(motion.qd)
 
 
-def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
+def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
     """Return where each joint moves, (N, 6), throughout the reach of the low-pass."""
     moving = (np.abs(record.qd) > DEAD_ZONE).astype(float)
     moving[~np.isfinite(record.qd)] = np.nan
@@ -186,34 +194,34 @@ def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
 
 
 def _record_samples(
-    record: Record,
+    record: CurrentSamples,
     smooth: Smooth,
     terms: tuple[str, ...],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Mask, Labels]]:
     """Return columns, held, current, moving and block of each joint, low-passed and thinned."""
-    every = max(1, round(STEP / record.period))
-    moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::every].copy())
+    stride = max(1, round(INDEPENDENT_STEP / record.period))
+    moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::stride].copy())
     joints = []
     for joint in range(record.q.shape[1]):
         key = smooth, terms, joint
-        smoothed = record.once(key, partial(_smoothed, record, *key, every))
-        kept = np.isfinite(smoothed).all(axis=1)
-        columns, (held, current) = smoothed[kept, :-2], smoothed[kept, -2:].T
-        joints.append((columns, held, current, moving[kept, joint], block[::every][kept]))
+        smoothed = record.once(key, partial(_smoothed_columns, record, *key, stride))
+        finite = np.isfinite(smoothed).all(axis=1)
+        columns, (held, current) = smoothed[finite, :-2], smoothed[finite, -2:].T
+        joints.append((columns, held, current, moving[finite, joint], block[::stride][finite]))
     return joints
 
 
-def _smoothed(
-    record: Record, smooth: Smooth, terms: Sequence[str], joint: int, every: int
+def _smoothed_columns(
+    record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, stride: int
 ) -> Array:
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""
     motion = record.joint(joint)
     sources = (*columns_of(motion, terms), record.current[:, joint])
-    return smooth(np.column_stack(sources), record)[::every].copy()
+    return smooth(np.column_stack(sources), record)[::stride].copy()
 
 
-def blocks(record: Record) -> Labels:
-    """Return labels (N,) of blocks of BLOCK seconds within segments."""
-    running = np.arange(len(record.segment)) // max(1, round(BLOCK / record.period))
+def blocks(record: CurrentSamples) -> Labels:
+    """Return labels (N,) of blocks of BLOCK_DURATION seconds within segments."""
+    running = np.arange(len(record.segment)) // max(1, round(BLOCK_DURATION / record.period))
     return np.cumsum(starts(record.segment) | starts(running)) - 1

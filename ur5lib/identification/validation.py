@@ -6,11 +6,14 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from ur5lib.identification.joint_regression import FEWEST, regress_samples
+from ur5lib.identification.joint_regression import MIN_SAMPLES, regress_samples
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Record, Smooth, joint_samples
+from ur5lib.identification.samples import CurrentSamples, Smooth, joint_samples
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
+
+SPEED_BINS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
+MIN_SHARE_IN_BAND = 0.9  # of the samples of a bin, in the 95 % band
 
 
 @dataclass(frozen=True)
@@ -39,16 +42,16 @@ def coefficients_of_constants(
     return torques / torque_constant[:, None]
 
 
-def least_squares_coefficients(records: Sequence[Record]) -> Array:
+def least_squares_coefficients(records: Sequence[CurrentSamples]) -> Array:
     """Fit coefficients (6, 4) by plain least squares to all samples, as a baseline."""
     columns = np.concatenate([_baseline_columns(record.torque, record.qd) for record in records])
     current = np.concatenate([record.current for record in records])
-    known = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
-    joints = zip(columns[known].swapaxes(0, 1), current[known].T, strict=True)
+    finite = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
+    joints = zip(columns[finite].swapaxes(0, 1), current[finite].T, strict=True)
     return np.stack([np.linalg.lstsq(*joint)[0] for joint in joints])
 
 
-def baseline_current(record: Record, coefficients: Array) -> Array:
+def baseline_current(record: CurrentSamples, coefficients: Array) -> Array:
     """Return the current (N, 6) [A] with the friction of Equation 6.4: Coulomb and viscous.
 
     coefficients: (6, 4) of torque [A/Nm], offset [A], direction [A] and velocity [A s/rad].
@@ -60,22 +63,25 @@ def baseline_current(record: Record, coefficients: Array) -> Array:
     )
 
 
-def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
+def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
     """Score a predicted current (N, 6) [A]; half_band: (N, 6) [A], of the low-passed current."""
     error = record.current - predicted
     slow = smooth(error, record)
     measured = smooth(record.current, record)
-    known = np.isfinite(slow) & np.isfinite(half_band)
+    finite = np.isfinite(slow) & np.isfinite(half_band)
     return Scores(
         rmse=np.sqrt(_mean(error**2)),
         rmse_lowpassed=np.sqrt(_mean(slow**2)),
         mae=_mean(np.abs(slow)),
+        # the share of the low-passed variance that is explained
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
-        coverage=_mean(np.where(known, np.abs(slow) <= half_band, np.nan)),
+        coverage=_mean(np.where(finite, np.abs(slow) <= half_band, np.nan)),
     )
 
 
-def explained(records: Sequence[Record], predicted: Sequence[Array], smooth: Smooth) -> Array:
+def explained_share(
+    records: Sequence[CurrentSamples], predicted: Sequence[Array], smooth: Smooth
+) -> Array:
     """Return the share (6,) of the low-passed currents' variance that predictions explain.
 
     1 - Σ (i - î)² / Σ (i - ī)² over the samples of all recordings, ī their mean: negative where a
@@ -83,12 +89,14 @@ def explained(records: Sequence[Record], predicted: Sequence[Array], smooth: Smo
     """
     measured = np.concatenate([smooth(record.current, record) for record in records])
     pairs = zip(records, predicted, strict=True)
-    error = np.concatenate([smooth(record.current - own, record) for record, own in pairs])
-    known = np.where(np.isfinite(error), measured, np.nan)
-    return 1 - _mean(error**2) / np.nanvar(known, axis=0)
+    error = np.concatenate(
+        [smooth(record.current - prediction, record) for record, prediction in pairs]
+    )
+    measured_rows = np.where(np.isfinite(error), measured, np.nan)
+    return 1 - _mean(error**2) / np.nanvar(measured_rows, axis=0)
 
 
-def fitted_on_tested_on(records: Sequence[Record], smooth: Smooth, prior: Prior) -> Array:
+def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
     """Return the RMSE [A] in motion, (R, R, 6), of a fit to one recording, tested on another.
 
     NaN if a joint does not move in both.
@@ -97,8 +105,8 @@ def fitted_on_tested_on(records: Sequence[Record], smooth: Smooth, prior: Prior)
     for joint, samples in enumerate(joint_samples(records, smooth)):
         moving = samples.where(samples.moving)
         for fitted in np.unique(moving.record):
-            own = moving.where(moving.record == fitted)
-            fit = regress_samples(own, prior.of_joint(joint))
+            one_recording = moving.where(moving.record == fitted)
+            fit = regress_samples(one_recording, prior.of_joint(joint))
             error = (moving.current - moving.columns @ fit.coefficients) ** 2
             for tested in np.unique(moving.record):
                 table[fitted, tested, joint] = np.sqrt(error[moving.record == tested].mean())
@@ -113,21 +121,17 @@ def _baseline_columns(torque: Array, qd: Array) -> Array:
 
 def _mean(values: Array) -> Array:
     """Return the mean of each column's finite values; NaN if there are none."""
-    known = np.isfinite(values)
-    count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
-    mean: Array = np.where(known, values, 0.0).sum(axis=0) / count
+    finite = np.isfinite(values)
+    count = np.where(finite.any(axis=0), finite.sum(axis=0), np.nan)
+    mean: Array = np.where(finite, values, 0.0).sum(axis=0) / count
     return mean
-
-
-SPEEDS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
-WANTED = 0.9  # share of samples within the 95 % band
 
 
 @dataclass(frozen=True)
 class ShareBySpeed:
-    """Share of a joint's errors within their band, and samples, (B,), between speeds `SPEEDS`.
+    """Share of a joint's errors within their band, and samples, (B,), between speeds `SPEED_BINS`.
 
-    NaN in bins with less than FEWEST samples.
+    NaN in bins with less than MIN_SAMPLES samples.
     """
 
     share: Array
@@ -135,8 +139,10 @@ class ShareBySpeed:
 
     def rows(self) -> Iterator[tuple[float, float, float, float]]:
         """Yield the ends of each bin, its share and its samples."""
-        for (low, high), *known in zip(pairwise(SPEEDS), self.share, self.samples, strict=True):
-            yield low, high, *known
+        for (low, high), *bin_values in zip(
+            pairwise(SPEED_BINS), self.share, self.samples, strict=True
+        ):
+            yield low, high, *bin_values
 
     def suffices(self) -> tuple[float, float]:
         """Return the speeds [rad/s] from which and up to which every bin holds the wanted share.
@@ -144,23 +150,25 @@ class ShareBySpeed:
         Infinite where the fastest known bin does, too. Of several such ranges, the one with most
         samples; NaN without any.
         """
-        known = np.flatnonzero(np.isfinite(self.share))
+        known_bins = np.flatnonzero(np.isfinite(self.share))
         runs = [
             [int(place) for place in run]
-            for enough, run in groupby(known, lambda place: self.share[place] >= WANTED)
+            for enough, run in groupby(
+                known_bins, lambda place: self.share[place] >= MIN_SHARE_IN_BAND
+            )
             if enough
         ]
         if not runs:
             return np.nan, np.nan
         best = max(runs, key=lambda run: self.samples[run].sum())
-        high = np.inf if best[-1] == known[-1] else float(SPEEDS[best[-1] + 1])
-        return float(SPEEDS[best[0]]), high
+        high = np.inf if best[-1] == known_bins[-1] else float(SPEED_BINS[best[-1] + 1])
+        return float(SPEED_BINS[best[0]]), high
 
 
 def share_by_speed(speed: Array, inside: Mask) -> ShareBySpeed:
     """Return the share of samples within their band by speed; speed, inside: (N,) [rad/s]."""
-    place, count = np.digitize(speed, SPEEDS) - 1, len(SPEEDS) - 1
+    place, count = np.digitize(speed, SPEED_BINS) - 1, len(SPEED_BINS) - 1
     samples = np.bincount(place, minlength=count)
-    held = np.bincount(place, weights=inside, minlength=count)
-    share = np.where(samples >= FEWEST, held / np.maximum(samples, 1), np.nan)
+    inside_count = np.bincount(place, weights=inside, minlength=count)
+    share = np.where(samples >= MIN_SAMPLES, inside_count / np.maximum(samples, 1), np.nan)
     return ShareBySpeed(share, samples.astype(np.float64))

@@ -10,17 +10,17 @@ import numpy as np
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
 from ur5lib.importing.spellings import kind_of_joints, place_of, quantity
-from ur5lib.recordings.entries import OPPOSITE
+from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.rosbag import JOINTS, joint_order
 from ur5lib.timeseries.arrays import Array
 
-NAMELESS = "column "  # and its number: a column of a table without a header
+NAMELESS_PREFIX = "column "  # and its number: a column of a table without a header
 JOINTS_OF_UR = 6
-MORE_JOINTS = (7, 8, 9)  # a gripper's fingers among them
+OTHER_JOINT_COUNTS = (7, 8, 9)  # a gripper's fingers among them
 
 
 @dataclass(frozen=True)
-class Block:
+class ColumnBlock:
     """Columns of a file that belong together.
 
     names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
@@ -35,7 +35,7 @@ class Block:
     joints: int = JOINTS_OF_UR
     stated: str = ""
 
-    def scaled(self, factors: Array | float) -> "Block":
+    def scaled(self, factors: Array | float) -> "ColumnBlock":
         """Return the block with each column multiplied by a factor."""
         before = np.array(self.factors or [1.0] * self.rows.shape[1])
         return replace(self, rows=self.rows * factors, factors=tuple(before * factors))
@@ -43,8 +43,8 @@ class Block:
     def unit(self) -> str | list[float] | None:
         """Return the unit of the file's numbers as a study has it, None for SI."""
         whole = [float(f"{factor:.7g}") for factor in self.factors or (1.0,)]
-        known = {1.0: None, -1.0: OPPOSITE, 1e-3: "mA"}
-        return known.get(whole[0], whole) if len({*whole}) == 1 else whole
+        unit_names = {1.0: None, -1.0: OPPOSITE_SIGN, 1e-3: "mA"}
+        return unit_names.get(whole[0], whole) if len({*whole}) == 1 else whole
 
     @property
     def title(self) -> str:
@@ -53,7 +53,7 @@ class Block:
 
     def is_nameless(self) -> bool:
         """Return whether the block is from a table without a header."""
-        return self.names[0].startswith(NAMELESS) and not self.stated
+        return self.names[0].startswith(NAMELESS_PREFIX) and not self.stated
 
     def stem(self) -> str:
         """Return the name of its quantity, a path in the file, without the joints' numbers."""
@@ -100,7 +100,7 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
     return [renamed.get(column, column) for column in columns]
 
 
-def joints_of(path: Path, blocks: Sequence[Block]) -> int:
+def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
     """Return of how many joints a file's blocks hold the positions: six, or more by their names.
 
     Raises InputError where they are more than an arm's.
@@ -108,7 +108,7 @@ def joints_of(path: Path, blocks: Sequence[Block]) -> int:
     counts = {
         block.rows.shape[1]: block.title for block in blocks if kind_of_joints(block.stem()) == "q"
     }
-    more = max((count for count in counts if count in MORE_JOINTS), default=JOINTS_OF_UR)
+    more = max((count for count in counts if count in OTHER_JOINT_COUNTS), default=JOINTS_OF_UR)
     if JOINTS_OF_UR in counts:
         return JOINTS_OF_UR
     if more > MOST_JOINTS:

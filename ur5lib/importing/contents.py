@@ -8,29 +8,29 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.channels import columns as columns_of
+from ur5lib.checks.checked import described
 from ur5lib.errors import InputError, some
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
-    NAMELESS,
-    Block,
+    NAMELESS_PREFIX,
+    ColumnBlock,
     grouped,
     joints_of,
     with_names,
 )
-from ur5lib.importing.clocks import ROWS, Clocks, clocks_of, equally_spaced
-from ur5lib.importing.spellings import NAMES_OF_JOINTS
+from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
+from ur5lib.importing.spellings import NAME_COLUMN
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
-from ur5lib.recordings.checked import described
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
-from ur5lib.recordings.entries import SKIPPED, expand
+from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
 
-TABLE = "table-csv"
-LIMIT = 1e9  # in any unit of a channel; larger numbers are none
-AGAIN = " again "  # and its number: a column whose name is taken
-NIST = [  # the columns of NIST's UR5 degradation measurements, which have no header in their files
+TABLE_FORMAT = "table-csv"
+MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
+REPEATED_INFIX = " again "  # and its number: a column whose name is taken
+NIST_COLUMNS = [  # of NIST's UR5 degradation measurements, whose files have no header
     "time",
     *("target_q", "actual_q", "target_qd", "actual_qd", "target_current", "actual_current"),
     *("target_qdd", "target_moment", "joint_control_output"),
@@ -39,7 +39,7 @@ NIST = [  # the columns of NIST's UR5 degradation measurements, which have no he
 
 
 @dataclass(frozen=True)
-class Stated:
+class UserStatement:
     """What the user says of files, which nothing overrules.
 
     robot: the arm; columns: of a table in order, or `channel=name` of arrays; rate: of rows without
@@ -58,15 +58,15 @@ class Stated:
 
     def joints(self) -> int | None:
         """Return how many joints the named arm has, None where none is named or described."""
-        known = self.robot and self.robot in robot_names()
-        return len(described(self.robot).joints) if known else None
+        is_described = self.robot and self.robot in robot_names()
+        return len(described(self.robot).joints) if is_described else None
 
 
-NOTHING_STATED = Stated()
+NO_STATEMENT = UserStatement()
 
 
 @dataclass(frozen=True)
-class Header:
+class TableHeader:
     """The columns of a delimited table, in the file's order.
 
     repeated: those with the name of an earlier column; layout: of a table without a header, the
@@ -80,7 +80,7 @@ class Header:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class ImportEvidence:
     """Sentences about a file: proven by its numbers, assumed, left out, or to be checked.
 
     excluded: names of blocks that the entry therefore lacks.
@@ -101,14 +101,14 @@ class Evidence:
             for sentence in dict.fromkeys(getattr(self, kind))
         ]
 
-    def exclude(self, block: Block, reason: str) -> None:
+    def exclude(self, block: ColumnBlock, reason: str) -> None:
         """Leave a block out of the entry."""
         self.excluded.append(block.names)
         self.left_out.append(f"{block.title}: {reason}")
 
 
 @dataclass(frozen=True)
-class Contents:
+class FileContents:
     """A file's blocks, and its clocks.
 
     silent: blocks that are zero throughout; findings: of the reader; joints: of the arm; evidence:
@@ -117,24 +117,24 @@ class Contents:
 
     path: Path
     format: str
-    header: Header
-    blocks: list[Block]
-    silent: list[Block]
-    clocks: Clocks
+    header: TableHeader
+    blocks: list[ColumnBlock]
+    silent: list[ColumnBlock]
+    clocks: FileClocks
     findings: list[Finding]
-    stated: Stated = NOTHING_STATED
+    stated: UserStatement = NO_STATEMENT
     joints: int = JOINTS_OF_UR
-    evidence: Evidence = field(default_factory=Evidence)
+    evidence: ImportEvidence = field(default_factory=ImportEvidence)
 
     def has_clock(self) -> bool:
         """Return whether the file has time stamps."""
-        return ROWS not in self.clocks.stamps
+        return ROW_CLOCK not in self.clocks.stamps
 
-    def block(self, names: tuple[str, ...]) -> Block:
+    def block(self, names: tuple[str, ...]) -> ColumnBlock:
         """Return the block of some names."""
         return next(block for block in self.blocks if block.names == names)
 
-    def meant(self, meaning: str, clock: str) -> Block | None:
+    def meant(self, meaning: str, clock: str) -> ColumnBlock | None:
         """Return the block with a meaning and the time stamps of a clock, None without one."""
         stamps = self.clocks.stamps
         for block in self.blocks:
@@ -143,42 +143,42 @@ class Contents:
                 return block
         return None
 
-    def on_clock(self, clock: str, other: str, stamps: Array, unit: str) -> "Contents":
+    def on_clock(self, clock: str, other: str, stamps: Array, unit: str) -> "FileContents":
         """Return the file with the blocks of a clock on another one, with stamps (N,) [s]."""
         blocks = [replace(b, clock=other) if b.clock == clock else b for b in self.blocks]
         units = {name: u for name, u in self.clocks.units.items() if name != other}
         units |= {} if unit == "s" else {other: unit}
-        clocks = Clocks(self.clocks.stamps | {other: stamps}, units)
+        clocks = FileClocks(self.clocks.stamps | {other: stamps}, units)
         return replace(self, blocks=blocks, clocks=clocks)
 
 
-def contents(path: Path, stated: Stated = NOTHING_STATED) -> Contents:
+def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     """Return a file's contents. Raises InputError for an unreadable file."""
     findings: list[Finding] = []
-    format, evidence = ENDINGS.get(path.suffix.lower(), TABLE), Evidence()
-    header = read_header(path, stated) if format == TABLE else Header()
+    format, evidence = ENDINGS.get(path.suffix.lower(), TABLE_FORMAT), ImportEvidence()
+    header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
     if header.columns:
         arrays = _table(path, header, findings, evidence)
     else:
         arrays = LOADERS[format](path, None, findings)
-    clocks = Clocks({}, {}) if stated.rate else clocks_of(arrays, stated.units.get("time"))
+    clocks = FileClocks({}, {}) if stated.rate else clocks_of(arrays, stated.units.get("time"))
     if not clocks.stamps:
         clocks = equally_spaced(arrays, stated.rate)
     rest = [name for name in arrays if name not in clocks.stamps]
-    unnamed = header.columns[:1] == [f"{NAMELESS}1"]
+    unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     # a table without names has blocks of as many columns
     fitting = (count for count in (JOINTS_OF_UR, 7, 8) if len(rest) % count == 0)
-    told = stated.joints() or (next(fitting, JOINTS_OF_UR) if unnamed else None)
-    parts = [*_blocks(arrays, clocks, told if unnamed else None)]
-    joints, named = told or joints_of(path, parts), stated.names()
-    every = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
-    silent = [block for block in every if not np.nan_to_num(block.rows).any()]
-    blocks = [block for block in every if np.nan_to_num(block.rows).any()]
+    joint_count = stated.joints() or (next(fitting, JOINTS_OF_UR) if unnamed else None)
+    parts = [*_blocks(arrays, clocks, joint_count if unnamed else None)]
+    joints, named = joint_count or joints_of(path, parts), stated.names()
+    all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
+    silent = [block for block in all_blocks if not np.nan_to_num(block.rows).any()]
+    blocks = [block for block in all_blocks if np.nan_to_num(block.rows).any()]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, evidence
-    return Contents(*described_by)
+    return FileContents(*described_by)
 
 
-def read_header(path: Path, stated: Stated = NOTHING_STATED) -> Header:
+def read_header(path: Path, stated: UserStatement = NO_STATEMENT) -> TableHeader:
     """Return the columns of a table; without a header, they are named `column 1` and so on.
 
     Those that are numbered like a list of the joints' names, as ROS writes it, have these names.
@@ -190,67 +190,79 @@ def read_header(path: Path, stated: Stated = NOTHING_STATED) -> Header:
     if stated.columns and not stated.names():
         return _stated_header(path, stated, len(cells))
     if all(number_in(cell.replace(",", ".").encode()) is not None for cell in cells):
-        nist = expand(NIST)
+        nist = expand(NIST_COLUMNS)
         if len(cells) == len(nist):
-            return Header(nist, layout="NIST's UR5 degradation measurements")
-        return Header([f"{NAMELESS}{k + 1}" for k in range(len(cells))])
-    lists = [row[k] for k, name in enumerate(cells[: len(row)]) if NAMES_OF_JOINTS.search(name)]
+            return TableHeader(nist, layout="NIST's UR5 degradation measurements")
+        return TableHeader([f"{NAMELESS_PREFIX}{k + 1}" for k in range(len(cells))])
+    lists = [row[k] for k, name in enumerate(cells[: len(row)]) if NAME_COLUMN.search(name)]
     cells = with_names(cells, re.findall(r"\w+", " ".join(lists)))
     cells = _numbered(cells, stated)
-    first = {name: k for k, name in reversed([*enumerate(cells)])}
-    names = [name if first[name] == k else f"{name}{AGAIN}{k + 1}" for k, name in enumerate(cells)]
-    return Header(names, [name for name in names if name not in first and not is_unnamed(name)])
+    first_place = {name: k for k, name in reversed([*enumerate(cells)])}
+    names = [
+        name if first_place[name] == k else f"{name}{REPEATED_INFIX}{k + 1}"
+        for k, name in enumerate(cells)
+    ]
+    return TableHeader(
+        names, [name for name in names if name not in first_place and not is_unnamed(name)]
+    )
 
 
-def _stated_header(path: Path, stated: Stated, count: int) -> Header:
+def _stated_header(path: Path, stated: UserStatement, count: int) -> TableHeader:
     joints = stated.joints() or JOINTS_OF_UR
     names = [
-        f"{SKIPPED}{k}" if column == SKIPPED else name
+        f"{SKIPPED_COLUMN}{k}" if column == SKIPPED_COLUMN else name
         for k, column in enumerate(stated.columns)
         for name in columns_of(column, joints)
     ]
     if len(names) != count:
         raise InputError(
             f"{path}, line 1: has {count} columns, but --columns names {len(names)}; name each, "
-            f"a channel without suffix for all its columns, `{SKIPPED}` for one to skip"
+            f"a channel without suffix for all its columns, `{SKIPPED_COLUMN}` for one to skip"
         )
-    return Header(names, entry=[*stated.columns])
+    return TableHeader(names, entry=[*stated.columns])
 
 
-def _numbered(cells: Sequence[str], stated: Stated) -> list[str]:
+def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
     """Return columns with numbers for the names that the described arm's joints have."""
     names = described(stated.robot).joints if stated.joints() else ()
     if len({*names}) < len(names):  # sizes of joints, of which several are equal
         return [*cells]
     numbers = {name: str(k) for k, name in enumerate(names)}
-    found = {cell: [name for name in names if name in cell] for cell in cells}
+    names_in_cell = {cell: [name for name in names if name in cell] for cell in cells}
     return [
-        cell.replace(own[-1], numbers[own[-1]]) if (own := sorted(found[cell], key=len)) else cell
+        cell.replace(parts[-1], numbers[parts[-1]])
+        if (parts := sorted(names_in_cell[cell], key=len))
+        else cell
         for cell in cells
     ]
 
 
 def _table(
-    path: Path, header: Header, findings: list[Finding], evidence: Evidence
+    path: Path, header: TableHeader, findings: list[Finding], evidence: ImportEvidence
 ) -> dict[str, np.ndarray]:
     """Return a table's columns by name, each once, of equal names the first."""
     table = read_numbers(Log(path, "robot", findings), header.columns)
-    if repeated := [name.split(AGAIN)[0] for name in header.repeated]:
+    if repeated := [name.split(REPEATED_INFIX)[0] for name in header.repeated]:
         verb = "appears" if len(repeated) == 1 else "appear"
         evidence.left_out.append(
             f"{some(repeated)} {verb} twice in the header; the first is read, --columns names each"
         )
-    skipped = {*header.repeated, *(n for n in table if header.entry and n.startswith(SKIPPED))}
+    skipped = {
+        *header.repeated,
+        *(n for n in table if header.entry and n.startswith(SKIPPED_COLUMN)),
+    }
     once = [name for name in table if name not in skipped and not is_unnamed(name)]
     return {name: table[name].to_numpy() for name in once}
 
 
 def is_unnamed(name: str) -> bool:
     """Return whether a column has no name, as a table's index or an empty one."""
-    return not name or name.startswith(AGAIN)
+    return not name or name.startswith(REPEATED_INFIX)
 
 
-def _blocks(arrays: dict[str, np.ndarray], clocks: Clocks, joints: int | None) -> Iterator[Block]:
+def _blocks(
+    arrays: dict[str, np.ndarray], clocks: FileClocks, joints: int | None
+) -> Iterator[ColumnBlock]:
     """Yield the arrays of several columns, and the groups of single columns.
 
     joints: of an arm whose columns have no names, as many of which are a group.
@@ -262,22 +274,22 @@ def _blocks(arrays: dict[str, np.ndarray], clocks: Clocks, joints: int | None) -
             continue
         if values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
-            yield Block((name,), _possible(tall), clock)
+            yield ColumnBlock((name,), _possible(tall), clock)
         else:
             single.append(name)
-    nameless = range(0, len(single) - joints + 1, joints) if joints else []
-    each = [tuple(single[k : k + (joints or 0)]) for k in nameless]
-    for names in each or grouped(single):
+    starts = range(0, len(single) - joints + 1, joints) if joints else []
+    nameless_groups = [tuple(single[k : k + (joints or 0)]) for k in starts]
+    for names in nameless_groups or grouped(single):
         clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
         columns = [_possible(arrays[name].ravel()) for name in names]
         if clock and len({len(column) for column in columns}) == 1:
-            yield Block(names, np.stack(columns, axis=1), clock)
+            yield ColumnBlock(names, np.stack(columns, axis=1), clock)
 
 
 def _possible(values: np.ndarray) -> Array:
     """Return values with NaN for impossible ones."""
     floats = values.astype(float)
-    return np.where(np.abs(floats) < LIMIT, floats, np.nan)
+    return np.where(np.abs(floats) < MAX_POSSIBLE_VALUE, floats, np.nan)
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
@@ -288,17 +300,17 @@ def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
     same = [clock for clock, stamps in clocks.items() if len(stamps) == length]
     if not same:
         return None
-    stamps = clocks[max(same, key=lambda clock: _shared(name, clock))]
+    stamps = clocks[max(same, key=lambda clock: _shared_parts(name, clock))]
     return next(clock for clock in same if np.array_equal(clocks[clock], stamps))
 
 
-def _shared(one: str, other: str) -> int:
+def _shared_parts(path: str, other: str) -> int:
     """Return the number of leading parts that two paths share."""
-    pairs = zip(one.split("/"), other.split("/"), strict=False)
-    return next((k for k, (a, b) in enumerate(pairs) if a != b), min(one.count("/"), 99))
+    pairs = zip(path.split("/"), other.split("/"), strict=False)
+    return next((k for k, (a, b) in enumerate(pairs) if a != b), min(path.count("/"), 99))
 
 
-def held(file: Contents) -> str:
+def block_widths(file: FileContents) -> str:
     """Return the blocks of a file with their widths, for a sentence."""
-    shown = [f"{block.title} ({block.rows.shape[1]})" for block in file.blocks]
-    return some(shown, 6) or "nothing beside its clock"
+    widths = [f"{block.title} ({block.rows.shape[1]})" for block in file.blocks]
+    return some(widths, 6) or "nothing beside its clock"

@@ -7,25 +7,26 @@ from typing import Any
 
 from ur5lib.channels import JOINT_CHANNELS, SUFFIXES, suffixes
 from ur5lib.channels import columns as columns_of
-from ur5lib.importing.blocks import JOINTS_OF_UR, Block
-from ur5lib.importing.clocks import EPOCH
-from ur5lib.importing.contents import TABLE
-from ur5lib.importing.efforts import NAMED
-from ur5lib.importing.motion import TARGETS
+from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
+from ur5lib.importing.clocks import MIN_EPOCH_STAMP
+from ur5lib.importing.contents import TABLE_FORMAT
+from ur5lib.importing.efforts import UNITS_BY_CHANNEL
+from ur5lib.importing.motion import TARGET_UNITS
 from ur5lib.importing.proposal import Proposal, is_clockless
-from ur5lib.recordings.entries import OPPOSITE, SKIPPED
+from ur5lib.recordings.entries import OPPOSITE_SIGN, SKIPPED_COLUMN
 
-Entry = dict[str, Any]  # of a study, as YAML has it
-TOLD_BY_NUMBERS = (*NAMED, *TARGETS, "actual_TCP_pose")  # that are proven, assumed, or left out
-PROVABLE = {c for name in TOLD_BY_NUMBERS for c in columns_of(name)}
-OF_CONTROLLER = (
+StudyEntry = dict[str, Any]  # of a study, as YAML has it
+# that are proven, assumed, or left out
+PROVABLE_CHANNELS = (*UNITS_BY_CHANNEL, *TARGET_UNITS, "actual_TCP_pose")
+PROVABLE_COLUMNS = {c for name in PROVABLE_CHANNELS for c in columns_of(name)}
+CONTROLLER_CHANNELS = (
     *("ft_raw_wrench", "wrench_calc_from_currents", "payload", "payload_cog"),
     *("payload_inertia", "target_gravity", "tcp_offset"),
 )
-KEPT = {c for name in OF_CONTROLLER for c in columns_of(name)}
+CONTROLLER_COLUMNS = {c for name in CONTROLLER_CHANNELS for c in columns_of(name)}
 
 
-def entry_of(proposal: Proposal) -> Entry:
+def entry_of(proposal: Proposal) -> StudyEntry:
     """Return the entry of a file's recording."""
     path, format = proposal.contents.path, proposal.contents.format
     head = {
@@ -36,7 +37,7 @@ def entry_of(proposal: Proposal) -> Entry:
         "file": path.name,
         "role": "contact" if proposal.pushed else "fit",
     }
-    return head | (_of_table(proposal) if format == TABLE else _of_arrays(proposal))
+    return head | (_of_table(proposal) if format == TABLE_FORMAT else _of_arrays(proposal))
 
 
 def identifier(name: str) -> str:
@@ -44,12 +45,12 @@ def identifier(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name.split(".")[0]).strip("_")[:200] or "recording"
 
 
-def place_of_file(path: Path) -> Entry:
+def place_of_file(path: Path) -> StudyEntry:
     """Return the keys of an entry that name a file."""
     return {"name": identifier(path.name), "folder": str(path.parent), "file": path.name}
 
 
-def _of_table(proposal: Proposal) -> Entry:
+def _of_table(proposal: Proposal) -> StudyEntry:
     """Return `columns`, `units` and `time`, or the format alone if all columns have RTDE names."""
     header, joints = proposal.contents.header, len(proposal.order)
     named = {} if is_clockless(proposal) else {proposal.clock: "time"}
@@ -64,17 +65,18 @@ def _of_table(proposal: Proposal) -> Entry:
     units = _units(proposal)
     unchanged = all(name in (column, "time") for column, name in named.items())
     silent = {name for block in proposal.contents.silent for name in block.names}
-    whole = (PROVABLE - silent - {*named}).isdisjoint(header.columns)
+    whole = (PROVABLE_COLUMNS - silent - {*named}).isdisjoint(header.columns)
     plain = unchanged and whole and not (header.repeated or units or header.entry)
     if proposal.clock == "timestamp" and plain:
         return {"format": "rtde-csv"}
     columns = [
-        named.get(column, column if column in KEPT else SKIPPED) for column in header.columns
+        named.get(column, column if column in CONTROLLER_COLUMNS else SKIPPED_COLUMN)
+        for column in header.columns
     ]
     if joints == JOINTS_OF_UR:
         columns = _shortened(columns)
     if sensor and proposal.opposite:
-        units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE)}
+        units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE_SIGN)}
     for unit in units.get("units", {}).values():
         if isinstance(unit, list):
             unit[:] = [unit[column] for column in proposal.order]
@@ -94,38 +96,38 @@ def _shortened(columns: Sequence[str]) -> list[str]:
     return short
 
 
-def _of_arrays(proposal: Proposal) -> Entry:
+def _of_arrays(proposal: Proposal) -> StudyEntry:
     """Return `channels`, `joints`, `units`, `time` and the force sensor."""
-    channels: Entry = {} if is_clockless(proposal) else {"time": proposal.clock}
+    channels: StudyEntry = {} if is_clockless(proposal) else {"time": proposal.clock}
     channels |= {name: _named(blocks) for name, blocks in proposal.channels.items()}
     joints = [proposal.order.index(column) + 1 for column in range(len(proposal.order))]
     sensor = {}
     if proposal.sensor:
         named = (_named([block]) for block in proposal.sensor)
         parts = dict(zip(("ft_f", "ft_t"), named, strict=False))
-        sign = {"units": dict.fromkeys(parts, OPPOSITE)} if proposal.opposite else {}
+        sign = {"units": dict.fromkeys(parts, OPPOSITE_SIGN)} if proposal.opposite else {}
         clock = {} if is_clockless(proposal) else {"time": proposal.sensor[0].clock}
         sensor = {"force_sensor": {"channels": clock | parts} | sign | _time(proposal)}
     order = {"joints": joints} if joints != sorted(joints) else {}
     return {"channels": channels} | order | _units(proposal) | _time(proposal) | sensor
 
 
-def _named(blocks: Sequence[Block]) -> str | list[str]:
+def _named(blocks: Sequence[ColumnBlock]) -> str | list[str]:
     names = [name for block in blocks for name in block.names]
     return names[0] if len(names) == 1 else names
 
 
-def _units(proposal: Proposal) -> Entry:
+def _units(proposal: Proposal) -> StudyEntry:
     clock = proposal.contents.clocks.units.get(proposal.clock)
     units = proposal.units | ({"time": clock} if clock else {})
     return {"units": units} if units else {}
 
 
-def _time(proposal: Proposal) -> Entry:
+def _time(proposal: Proposal) -> StudyEntry:
     """Return the time base, or what takes the place of a clock."""
     if proposal.moving.still:
         return {"still": True}
     if is_clockless(proposal):
         return {"rate": proposal.moving.rate}
-    first = proposal.contents.clocks.stamps[proposal.clock][0]
-    return {"time": "epoch_s"} if first > EPOCH else {}
+    first_stamp = proposal.contents.clocks.stamps[proposal.clock][0]
+    return {"time": "epoch_s"} if first_stamp > MIN_EPOCH_STAMP else {}

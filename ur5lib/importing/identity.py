@@ -1,4 +1,4 @@
-"""The arm of a file and the order of its joints: as told, by names, by a pose, by gravity."""
+"""The arm of a file and the order of its joints: as stated, by names, by a pose, by gravity."""
 
 import re
 from collections.abc import Sequence
@@ -7,28 +7,35 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.importing.contents import Contents
+from ur5lib.checks.arm import torque_constants
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import described
+from ur5lib.checks.readings import (
+    CLEAR_LEAD,
+    SLOPE_BOUNDS_OR_NONE,
+    Order,
+    Reading,
+    readings,
+    usual_orders,
+)
+from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.recordings.arm_checks import constants
-from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.checked import described
-from ur5lib.recordings.readings import CLEAR_LEAD, OR_FREE, Order, Reading, readings, usual_orders
 from ur5lib.recordings.rosbag import JOINT_NAMES
 from ur5lib.robots.description import Robot, robot_names
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
 MAX_DISTANCE = 0.004  # m; a calibrated arm misses its nominal kinematics by less
-WORSE_POSE = 3.0  # times the distance of the best; readings farther away are excluded
-POSTURES = 12  # postures that are compared
-SURE_OF_NUMBERS = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
-UNNAMED = "unnamed joints"  # the finding for a bag whose messages do not name an arm's joints
-UNDESCRIBED = "my_arm"  # in an entry for an arm that has no description yet
-PARTS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
+MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away are excluded
+COMPARED_POSTURES = 12  # postures that are compared
+CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
+UNNAMED_JOINTS_FINDING = "unnamed joints"  # of a bag whose messages do not name an arm's joints
+UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
+JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
 
 
-class Placed(NamedTuple):
+class PosedReading(NamedTuple):
     """A reading, and the root mean square distance [m] of its flange from the recorded pose."""
 
     arm: str
@@ -36,7 +43,7 @@ class Placed(NamedTuple):
     miss: float
 
 
-class Identity(NamedTuple):
+class ArmIdentity(NamedTuple):
     """A file's arm, None where it has no description, and the column of each of its joints."""
 
     arm: str
@@ -44,72 +51,74 @@ class Identity(NamedTuple):
     order: Order
 
 
-def identified(moving: ImportedMotion, means: BlockMeans | None) -> Identity:
-    """Return the arm and the column of each joint: as told, by names, by a pose, by gravity.
+def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
+    """Return the arm and the column of each joint: as stated, by names, by a pose, by gravity.
 
     means: over blocks with all efforts, None without a motion.
     """
-    file, every = moving.file, arms_of(moving.file)
-    told = file.stated.robot or _named(file, every) or ""
-    names = [told] if told else every
+    file, fitting_arms = moving.file, arms_of(moving.file)
+    stated = file.stated.robot or _arm_in_path(file, fitting_arms) or ""
+    names = [stated] if stated else fitting_arms
     orders = usual_orders(file.joints)
     if not names:
         file.evidence.check.append(
-            f"robot {UNDESCRIBED}: no described arm has {file.joints} joints; describe yours, "
+            f"robot {UNDESCRIBED_ARM}: no described arm has {file.joints} joints; describe yours, "
             "`ur5 describe arm.urdf`, and name it with --robot"
         )
-        return Identity(UNDESCRIBED, None, orders[0])
-    placed = _by_pose(moving, told, orders)
-    arms = [described(name) for name in every]
-    likely = readings(means, arms, orders, OR_FREE) if means else []
-    own = [one for one in likely if one.arm in names]
-    order = _order(moving, own, [*dict.fromkeys(one.order for one in placed)])
-    likely = [one for one in likely if one.order == order]
-    if told:
-        _assume(told, likely, file)
-        return Identity(told, described(told), order)
-    arm = _arm(file, means, likely, [*dict.fromkeys(one.arm for one in placed)] or names)
-    return Identity(arm, described(arm), order)
+        return ArmIdentity(UNDESCRIBED_ARM, None, orders[0])
+    placed = _by_pose(moving, stated, orders)
+    arms = [described(name) for name in fitting_arms]
+    likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
+    of_names = [reading for reading in likely if reading.arm in names]
+    order = _order(moving, of_names, [*dict.fromkeys(reading.order for reading in placed)])
+    likely = [reading for reading in likely if reading.order == order]
+    if stated:
+        _assume(stated, likely, file)
+        return ArmIdentity(stated, described(stated), order)
+    arm = _arm(file, means, likely, [*dict.fromkeys(reading.arm for reading in placed)] or names)
+    return ArmIdentity(arm, described(arm), order)
 
 
-def arms_of(file: Contents) -> list[str]:
+def arms_of(file: FileContents) -> list[str]:
     """Return the described arms with as many joints as a file."""
     return [name for name in robot_names() if len(described(name).joints) == file.joints]
 
 
 def fitting(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
-) -> tuple[list[Placed], bool]:
+) -> tuple[list[PosedReading], bool]:
     """Return the readings about as good as the best, and whether the pose is that of the flange.
 
     q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame. Otherwise, the
     pose is that of a tool with a constant offset from the flange; none where that fits neither.
     """
-    rows = np.unique(np.linspace(0, len(q) - 1, POSTURES).astype(int))
+    rows = np.unique(np.linspace(0, len(q) - 1, COMPARED_POSTURES).astype(int))
     for tool in (False, True):
         placed = [
-            Placed(arm.name, order, _miss(arm, q[rows][:, order], position[rows], tool))
+            PosedReading(
+                arm.name, order, _flange_distance(arm, q[rows][:, order], position[rows], tool)
+            )
             for arm in arms
             for order in orders
         ]
-        best = min(one.miss for one in placed)
+        best = min(reading.miss for reading in placed)
         if best <= MAX_DISTANCE:
-            good = [one for one in placed if one.miss <= WORSE_POSE * best + 1e-4]
-            return sorted(good, key=lambda one: one.miss), not tool
+            good = [reading for reading in placed if reading.miss <= MAX_POSE_RATIO * best + 1e-4]
+            return sorted(good, key=lambda reading: reading.miss), not tool
     return [], False
 
 
-def _miss(arm: Robot, q: Array, position: Array, tool: bool) -> float:
+def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float:
     """Return how far the flange is from positions [m]; tool: but for a constant offset on it."""
     rotation, origin = link_frames(arm, q)
-    away = position - origin[:, -1]
+    offset = position - origin[:, -1]
     if tool:
-        turned = np.einsum("nij,ni->nj", rotation[:, -1], away)
-        away = turned - turned.mean(axis=0)
-    return float(np.sqrt((away**2).sum(axis=1).mean()))
+        turned = np.einsum("nij,ni->nj", rotation[:, -1], offset)
+        offset = turned - turned.mean(axis=0)
+    return float(np.sqrt((offset**2).sum(axis=1).mean()))
 
 
-def _by_pose(moving: ImportedMotion, told: str, orders: Sequence[Order]) -> list[Placed]:
+def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> list[PosedReading]:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
     file = moving.file
     pose = file.meant("actual_TCP_pose", moving.position.clock)
@@ -123,9 +132,9 @@ def _by_pose(moving: ImportedMotion, told: str, orders: Sequence[Order]) -> list
     good, bare = fitting(q[whole], position[whole], arms, orders)
     if not good:
         file.evidence.exclude(pose, "no pose of the flange, or of a tool on it, in m, base frame")
-    elif told and told not in {one.arm for one in good}:
+    elif stated and stated not in {reading.arm for reading in good}:
         file.evidence.check.append(
-            f"robot {told}: the recorded pose is the flange of {good[0].arm}, or a tool on it"
+            f"robot {stated}: the recorded pose is the flange of {good[0].arm}, or a tool on it"
         )
     elif len({reading.order for reading in good}) == 1:
         place = "the flange" if bare else "a tool fixed to the flange"
@@ -139,13 +148,13 @@ def _by_pose(moving: ImportedMotion, told: str, orders: Sequence[Order]) -> list
 def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Order]) -> Order:
     """Return the columns of the joints: by names, which numbers may doubt; else by numbers."""
     evidence, title = moving.file.evidence, moving.position.title
-    own = tuple(range(moving.file.joints))
-    scores = {one.order: one.score for one in reversed(likely)}
-    best = max(scores, key=lambda order: scores[order], default=own)
-    lead = scores[best] - scores[own] if scores else 0.0
-    named, by_gravity = names_order(moving), lead > SURE_OF_NUMBERS
+    as_read = tuple(range(moving.file.joints))
+    scores = {reading.order: reading.score for reading in reversed(likely)}
+    best = max(scores, key=lambda order: scores[order], default=as_read)
+    lead = scores[best] - scores[as_read] if scores else 0.0
+    named, by_gravity = names_order(moving), lead > CLEAR_LEAD_OVER_NAMES
     better = f"gravity explains the efforts so (log-likelihood greater by {lead:.3g})"
-    if named and posed and own not in posed:
+    if named and posed and as_read not in posed:
         evidence.check.append(
             f"the joints' order, by their names in {title}: the pose fits another"
         )
@@ -162,7 +171,9 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Or
             f"the joints' order, {in_words(best)}, in {title}: no name tells it, and {better}"
         )
         return best
-    elif scores and scores[own] - max(s for o, s in scores.items() if o != own) > CLEAR_LEAD:
+    elif (
+        scores and scores[as_read] - max(s for o, s in scores.items() if o != as_read) > CLEAR_LEAD
+    ):
         evidence.proven.append(
             "the joints' order, base to wrist: gravity explains no other as well"
         )
@@ -171,35 +182,35 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Or
             f"the joints' order, base to wrist, in {title}: what moves shows no other to be "
             "likelier, and no name tells it"
         )
-    return own
+    return as_read
 
 
 def names_order(moving: ImportedMotion) -> bool:
     """Return whether names determine the joints' order: a driver's, RTDE's, or the user."""
     file, block = moving.file, moving.position
     if file.format == "rosbag":
-        return not any(finding.finding == UNNAMED for finding in file.findings)
-    first = block.names[0]
+        return not any(finding.finding == UNNAMED_JOINTS_FINDING for finding in file.findings)
+    first_name = block.names[0]
     if file.header.entry or (block.stated and len(block.names) > 1):
         return True
-    rtde = re.search(r"(actual|act)_?q", first, re.IGNORECASE)
-    return len(block.names) > 1 and bool(rtde or any(j.search(first) for j in JOINT_NAMES))
+    rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)
+    return len(block.names) > 1 and bool(rtde or any(j.search(first_name) for j in JOINT_NAMES))
 
 
-def _assume(told: str, likely: Sequence[Reading], file: Contents) -> None:
+def _assume(stated: str, likely: Sequence[Reading], file: FileContents) -> None:
     """Note the arm that the user or a file's name tells, which gravity may doubt."""
     how = "as given" if file.stated.robot else "by the name of file or folder"
-    file.evidence.assumed.append(f"robot {told}, {how}")
-    own = next((one.score for one in likely if one.arm == told), None)
-    if own is not None and likely[0].score - own > CLEAR_LEAD:
+    file.evidence.assumed.append(f"robot {stated}, {how}")
+    score = next((reading.score for reading in likely if reading.arm == stated), None)
+    if score is not None and likely[0].score - score > CLEAR_LEAD:
         file.evidence.check.append(
-            f"robot {told}: {likely[0].arm} explains the efforts far better (log-likelihood "
-            f"greater by {likely[0].score - own:.3g}); check it, the tool and the mounting"
+            f"robot {stated}: {likely[0].arm} explains the efforts far better (log-likelihood "
+            f"greater by {likely[0].score - score:.3g}); check it, the tool and the mounting"
         )
 
 
 def _arm(
-    file: Contents, means: BlockMeans | None, likely: Sequence[Reading], possible: Sequence[str]
+    file: FileContents, means: BlockMeans | None, likely: Sequence[Reading], possible: Sequence[str]
 ) -> str:
     """Return the arm that nothing names: by the pose, or the likeliest by gravity.
 
@@ -208,17 +219,17 @@ def _arm(
     if len(possible) == 1:
         file.evidence.proven.append(f"robot {possible[0]}: no other described arm fits the pose")
         return possible[0]
-    left = [one for one in likely if one.arm in possible]
-    if means is None or not left:
+    candidates = [reading for reading in likely if reading.arm in possible]
+    if means is None or not candidates:
         file.evidence.check.append(
             f"robot {possible[0]}: nothing in the file tells it; name it with --robot"
         )
         return possible[0]
-    best, rival = left[:2]
-    lead, (constants, known) = best.score - rival.score, _constants(means, best)
+    best, rival = candidates[:2]
+    lead, (constants, are_known) = best.score - rival.score, _constants(means, best)
     grounds = f"the likeliest by the efforts{f', with {constants}' if constants else ''}"
     beaten = f"the next, {rival.arm}, has a log-likelihood less by {lead:.3g}"
-    if known and lead >= CLEAR_LEAD:
+    if are_known and lead >= CLEAR_LEAD:
         file.evidence.proven.append(f"robot {best.arm}: {grounds}; {beaten}")
     else:
         file.evidence.check.append(
@@ -241,17 +252,16 @@ def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
     per_ampere = np.array(arm.maker_torque_constants()) ** (unit == "Nm")
     per_ampere *= 1e3 if unit == "mA" else 1.0
     efforts = {effort: ordered.currents[effort] / per_ampere}
-    found = constants(replace(ordered, currents=efforts), arm, effort)
+    fit = torque_constants(replace(ordered, currents=efforts), arm, effort)
     texts = [
-        f"{ratio * found.known[joint]:.3g} Nm/A on joint {joint + 1} (known: "
-        f"{found.known[joint]:.3g})"
-        for joint, ratio in found.ratio.items()
+        f"{ratio * fit.known[joint]:.3g} Nm/A on joint {joint + 1} (known: {fit.known[joint]:.3g})"
+        for joint, ratio in fit.ratio.items()
     ]
-    agree = [abs(ratio - 1) < 2 * MAKERS_TOLERANCE for ratio in found.ratio.values()]
+    agree = [abs(ratio - 1) < 2 * MAKERS_TOLERANCE for ratio in fit.ratio.values()]
     return " and ".join(texts), bool(agree) and all(agree)
 
 
-def _named(file: Contents, names: Sequence[str]) -> str | None:
+def _arm_in_path(file: FileContents, names: Sequence[str]) -> str | None:
     """Return the only arm in the name of the file, or of its folder, if any."""
     for name in (file.path.name, file.path.absolute().parent.name):
         parts = {*re.split(r"[^a-z0-9]+", name.lower())}
@@ -263,5 +273,6 @@ def _named(file: Contents, names: Sequence[str]) -> str | None:
 
 def in_words(order: Order) -> str:
     """Return the joints in the order of the file's columns."""
-    own = PARTS if len(order) == len(PARTS) else [f"joint {k + 1}" for k in range(len(order))]
-    return ", ".join(own[order.index(column)] for column in range(len(order)))
+    numbered = [f"joint {k + 1}" for k in range(len(order))]
+    words = JOINT_WORDS if len(order) == len(JOINT_WORDS) else numbered
+    return ", ".join(words[order.index(column)] for column in range(len(order)))

@@ -7,27 +7,33 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.checks.torques import DEGREES_PER_RADIAN
 from ur5lib.errors import InputError
-from ur5lib.importing.blocks import Block
-from ur5lib.importing.clocks import ASSUMED_RATE, ROWS, alternatives, are_postures, irregularity
-from ur5lib.importing.contents import Contents, held
+from ur5lib.importing.blocks import ColumnBlock
+from ur5lib.importing.clocks import (
+    ASSUMED_RATE,
+    ROW_CLOCK,
+    alternatives,
+    are_postures,
+    irregularity,
+)
+from ur5lib.importing.contents import FileContents, block_widths
 from ur5lib.importing.spellings import named_unit, names_command
-from ur5lib.recordings.checks import MOVES
-from ur5lib.recordings.stop_signs import DEGREES
 from ur5lib.timeseries.arrays import Array
 
 MIN_CORRELATION = 0.9  # of a slope with its velocity
-RATIO = (0.8, 1.25)  # of a velocity to its slope
-NO_RIVAL = 0.1  # of what another block misses as a derivative
-LONGEST_STEP = 1.0  # s; across longer steps, a slope is no velocity
-SMOOTHED = 0.05  # s
-FEWEST_SLOPES = 10
+VELOCITY_RATIO_RANGE = (0.8, 1.25)  # of a velocity to its slope
+CLEAR_MISFIT_RATIO = 0.1  # of what another block misses as a derivative
+MAX_SLOPE_STEP = 1.0  # s; across longer steps, a slope is no velocity
+SLOPE_SPAN = 0.05  # s
+MIN_SLOPES = 10
 MIN_SHARE_OF_VELOCITIES = 0.8  # of moving columns that are derivatives; two exchanged are fewer
-WORSE_CLOCK = 2.0  # times the misfit of another clock that then takes its place
-MISSED_ALL = 10.0  # of a clock under which no velocity is a derivative
-TARGETS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
-TURN = 4 * np.pi  # rad; no joint turns further
-NO_POSITIONS = (
+CLEAR_CLOCK_RATIO = 2.0  # times the misfit of another clock that then takes its place
+WORST_MISFIT = 10.0  # of a clock under which no velocity is a derivative
+TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
+MAX_JOINT_ANGLE = 4 * np.pi  # rad; no joint turns further
+NO_POSITIONS_MESSAGE = (
     "{}: no positions are found: none is named like them (`actual_q_0`, `joint_position`), and no "
     "block of {} columns is the derivative of another; it holds {}; name them, as with --columns "
     "{}"
@@ -55,14 +61,14 @@ class ImportedMotion:
     clock; still: whether its rows are postures.
     """
 
-    file: Contents
-    blocks: dict[str, Block]
+    file: FileContents
+    blocks: dict[str, ColumnBlock]
     units: dict[str, str]
     rate: float | None = None
     still: bool = False
 
     @property
-    def position(self) -> Block:
+    def position(self) -> ColumnBlock:
         """Return the positions."""
         return self.blocks["actual_q"]
 
@@ -71,24 +77,24 @@ class ImportedMotion:
         """Return the time stamps (N,) [s]."""
         return self.file.clocks.stamps[self.position.clock]
 
-    def beside(self, meanings: Collection[str]) -> list[Block]:
+    def beside(self, meanings: Collection[str]) -> list[ColumnBlock]:
         """Return other blocks of the joints on the positions' clock, by meaning or nameless."""
-        own = [*map(id, self.blocks.values())]
+        motion_blocks = [*map(id, self.blocks.values())]
         return [
             block
             for block in self.file.blocks
             if np.array_equal(self.file.clocks.stamps[block.clock], self.time)
             and block.rows.shape[1] == self.file.joints
-            and id(block) not in own
+            and id(block) not in motion_blocks
             and (block.meaning() in meanings or block.is_nameless())
         ]
 
     def in_si(self) -> dict[str, Array]:
         """Return the measured positions and velocities (N, n) [rad, rad/s]."""
         return {
-            name: block.rows / (DEGREES if name in self.units else 1.0)
+            name: block.rows / (DEGREES_PER_RADIAN if name in self.units else 1.0)
             for name, block in self.blocks.items()
-            if name not in TARGETS
+            if name not in TARGET_UNITS
         }
 
 
@@ -114,8 +120,8 @@ def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Arr
     fresh = np.diff(time, prepend=-np.inf) > 0
     position, velocity, time = position[fresh], velocity[fresh], time[fresh]
     step = np.diff(time)
-    width = max(1, round(SMOOTHED / max(float(np.median(step)), 1e-4)))
-    whole = (step < LONGEST_STEP) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
+    width = max(1, round(SLOPE_SPAN / max(float(np.median(step)), 1e-4)))
+    whole = (step < MAX_SLOPE_STEP) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
     rise = np.diff(position, axis=0)[whole]
     step = step[whole, None]
     rate = (velocity[1:] + velocity[:-1])[whole] / 2 * step
@@ -128,7 +134,7 @@ def _ratio(slope: Array, rate: Array) -> float | None:
     """Return the ratio of a velocity to its slope; None if it rests, NaN if they disagree."""
     finite = np.isfinite(slope) & np.isfinite(rate)
     slope, rate = slope[finite], rate[finite]
-    if len(slope) < FEWEST_SLOPES or max(np.std(slope), np.std(rate)) < MOVES:
+    if len(slope) < MIN_SLOPES or max(np.std(slope), np.std(rate)) < MIN_MOVING_SPEED:
         return None
     if min(np.std(slope), np.std(rate)) == 0:
         return np.nan
@@ -136,7 +142,7 @@ def _ratio(slope: Array, rate: Array) -> float | None:
     return float(slope @ rate / (slope @ slope)) if agree else np.nan
 
 
-def find_motion(file: Contents) -> ImportedMotion:
+def find_motion(file: FileContents) -> ImportedMotion:
     """Return the positions, the velocities, and the targets of both.
 
     By their names; without names, by the derivative. Raises InputError where no block can be the
@@ -150,31 +156,33 @@ def find_motion(file: Contents) -> ImportedMotion:
     measured = {"actual_q": position}
     if velocity and velocity.names not in file.evidence.excluded:
         measured["actual_qd"] = velocity
-    targets = {name: block for name in TARGETS if (block := file.meant(name, position.clock))}
+    targets = {name: block for name in TARGET_UNITS if (block := file.meant(name, position.clock))}
     return _with_targets(ImportedMotion(file, measured, units, rate, still), targets)
 
 
-def _by_name(file: Contents) -> tuple[Block, Block | None] | None:
+def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
     """Return the positions and the velocities that names tell."""
-    wide = [block for block in file.blocks if block.meaning() == "actual_q"]
-    if not wide:
+    named = [block for block in file.blocks if block.meaning() == "actual_q"]
+    if not named:
         return None
-    position, *others = wide
+    position, *others = named
     if others:
         titles = ", ".join(block.title for block in others)
         file.evidence.left_out.append(f"{titles}: named like positions, as {position.title} before")
     return position, file.meant("actual_qd", position.clock)
 
 
-def _nameless(file: Contents) -> tuple[Block, Block]:
+def _nameless(file: FileContents) -> tuple[ColumnBlock, ColumnBlock]:
     """Return the two nameless blocks of which one is the derivative of the other."""
     pairs = sorted(_pairs(file), key=lambda pair: pair[2])
     if not pairs:
         columns = [f"channel{k + 1}" for k in range(len(file.blocks) - 1)]
         example = ",".join([*(["time"] if file.has_clock() else []), "actual_q", *columns])
-        raise InputError(NO_POSITIONS.format(file.path, file.joints, held(file), example))
+        raise InputError(
+            NO_POSITIONS_MESSAGE.format(file.path, file.joints, block_widths(file), example)
+        )
     (position, velocity, missed), *others = pairs
-    if others and missed > NO_RIVAL * others[0][2]:
+    if others and missed > CLEAR_MISFIT_RATIO * others[0][2]:
         file.evidence.check.append(
             f"{position.title} as positions, {velocity.title} as velocities; "
             f"{others[0][0].title} and {others[0][1].title} agree about as well: --columns names "
@@ -183,43 +191,44 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
     return position, velocity
 
 
-def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
+def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float]]:
     """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
-    every = (block for block in file.blocks if block.rows.shape[1] == file.joints)
-    whole = [block for block in every if not names_command(block.stem())]
+    wide = (block for block in file.blocks if block.rows.shape[1] == file.joints)
+    whole = [block for block in wide if not names_command(block.stem())]
     for position, velocity in itertools.permutations(whole, 2):
         if position.clock == velocity.clock:
             stamps = file.clocks.stamps[position.clock]
-            found = agreement(position.rows, velocity.rows, stamps)
-            right = RATIO[0] < found.ratio < RATIO[1]
-            right |= not file.has_clock() and found.ratio > 0
-            if found.moving and found.share == 1.0 and right:
-                yield position, velocity, found.missed
+            fit = agreement(position.rows, velocity.rows, stamps)
+            right = VELOCITY_RATIO_RANGE[0] < fit.ratio < VELOCITY_RATIO_RANGE[1]
+            right |= not file.has_clock() and fit.ratio > 0
+            if fit.moving and fit.share == 1.0 and right:
+                yield position, velocity, fit.missed
 
 
 def _timed(
-    file: Contents, position: Block, velocity: Block | None
-) -> tuple[Contents, float | None, bool]:
+    file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
+) -> tuple[FileContents, float | None, bool]:
     """Return the file on its best clock, the rate of its rows, and whether they are postures."""
     if file.has_clock():
         return _on_best_clock(file, position, velocity), None, False
     if file.stated.rate:
         return file, file.stated.rate, False
-    if velocity is None and are_postures(position.rows / (DEGREES if _in_degrees(position) else 1)):
+    if velocity is None and are_postures(
+        position.rows / (DEGREES_PER_RADIAN if _in_degrees(position) else 1)
+    ):
         file.evidence.check.append(
             "still: true: without a clock, and each row far from the next, the rows are taken for "
             "postures at rest; those of a motion have a rate, as --rate 125"
         )
         return file, None, True
-    found = velocity and agreement(position.rows, velocity.rows, file.clocks.stamps[ROWS])
-    if found and found.share > 0.5 and found.ratio > 0:
-        rate = float(f"{found.ratio * ASSUMED_RATE:.4g}")
+    rows = file.clocks.stamps[ROW_CLOCK]
+    if velocity and (rate := _rate(agreement(position.rows, velocity.rows, rows))):
         file.evidence.proven.append(
-            f"rate {rate:g}: without a clock, {position.title} changes by {velocity.title} at "  # type: ignore[union-attr]
+            f"rate {rate:g}: without a clock, {position.title} changes by {velocity.title} at "
             f"{rate:g} rows a second"
         )
-        stamps = file.clocks.stamps[ROWS] * ASSUMED_RATE / rate
-        return file.on_clock(ROWS, ROWS, stamps, "s"), rate, False
+        stamps = rows * ASSUMED_RATE / rate
+        return file.on_clock(ROW_CLOCK, ROW_CLOCK, stamps, "s"), rate, False
     file.evidence.check.append(
         f"rate {ASSUMED_RATE:g}: the file has no clock, and nothing tells its rate; name the right "
         "one, as with --rate 125"
@@ -227,102 +236,126 @@ def _timed(
     return file, ASSUMED_RATE, False
 
 
-def _on_best_clock(file: Contents, position: Block, velocity: Block | None) -> Contents:
+def _rate(fit: Agreement) -> float | None:
+    """Return the rate [Hz] of rows of which velocities are derivatives, None where most are not."""
+    return float(f"{fit.ratio * ASSUMED_RATE:.4g}") if fit.share > 0.5 and fit.ratio > 0 else None
+
+
+def _on_best_clock(
+    file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
+) -> FileContents:
     """Return the file on the clock of which velocities are derivatives, else the most regular."""
-    own, units = position.clock, file.clocks.units
+    current, units = position.clock, file.clocks.units
     tried = [
         (_misfit(position, velocity, stamps), name, unit, stamps)
-        for name, unit, stamps in alternatives(file.clocks, own)
+        for name, unit, stamps in alternatives(file.clocks, current)
         if velocity or unit == units.get(name, "s")
     ]
-    misfit, name, unit, stamps = min(tried, key=lambda one: one[0])
-    as_read = [one[0] for one in tried if one[1:3] == (own, units.get(own, "s"))]
-    if as_read and as_read[0] <= WORSE_CLOCK * misfit + 1e-9:
+    misfit, name, unit, stamps = min(tried, key=lambda trial: trial[0])
+    as_read = [trial[0] for trial in tried if trial[1:3] == (current, units.get(current, "s"))]
+    if as_read and as_read[0] <= CLEAR_CLOCK_RATIO * misfit + 1e-9:
         return file
     why = "under it, velocities are derivatives" if velocity else "its steps are regular"
     file.evidence.proven.append(f"{name} in {unit} is the clock: {why}")
-    return file.on_clock(own, name, stamps, unit)
+    return file.on_clock(current, name, stamps, unit)
 
 
-def _misfit(position: Block, velocity: Block | None, stamps: Array) -> float:
+def _misfit(position: ColumnBlock, velocity: ColumnBlock | None, stamps: Array) -> float:
     """Return how badly a clock fits: what velocities miss of the slopes, or its jitter."""
     if velocity is None:
         return irregularity(stamps)
-    found = agreement(position.rows, velocity.rows, stamps)
-    if not np.isfinite(found.ratio):
-        return MISSED_ALL
-    return found.missed + abs(np.log(abs(found.ratio / _nearest(found.ratio))))
+    fit = agreement(position.rows, velocity.rows, stamps)
+    if not np.isfinite(fit.ratio):
+        return WORST_MISFIT
+    return fit.missed + abs(np.log(abs(fit.ratio / _nearest(fit.ratio))))
 
 
 def _nearest(ratio: float) -> float:
     """Return the ratio of velocity to slope that units allow, nearest to one found."""
-    return min((1.0, DEGREES, 1 / DEGREES), key=lambda own: abs(np.log(abs(ratio) / own)))
+    return min(
+        (1.0, DEGREES_PER_RADIAN, 1 / DEGREES_PER_RADIAN),
+        key=lambda allowed: abs(np.log(abs(ratio) / allowed)),
+    )
 
 
-def _in_degrees(position: Block) -> bool:
+def _in_degrees(position: ColumnBlock) -> bool:
     reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
-    return float(np.median(reached)) > TURN or float(np.max(reached)) > 5 * TURN
+    return (
+        float(np.median(reached)) > MAX_JOINT_ANGLE or float(np.max(reached)) > 5 * MAX_JOINT_ANGLE
+    )
 
 
-def _units(file: Contents, position: Block, velocity: Block | None) -> dict[str, str]:
-    """Return the units of positions and velocities that are not SI, as told, named, or shown."""
-    evidence, told = file.evidence, file.stated.units.get("actual_q")
-    named, shown = named_unit(position.names[0]), _in_degrees(position)
-    degrees = (told or named or ("deg" if shown else "rad")) == "deg"
-    if not (told or named) and shown:
+def _units(
+    file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
+) -> dict[str, str]:
+    """Return the units of positions and velocities that are not SI, as stated, named, or shown."""
+    evidence, stated = file.evidence, file.stated.units.get("actual_q")
+    named, looks_like_degrees = named_unit(position.names[0]), _in_degrees(position)
+    degrees = (stated or named or ("deg" if looks_like_degrees else "rad")) == "deg"
+    if not (stated or named) and looks_like_degrees:
         evidence.proven.append(f"{position.title} in degrees: no joint turns by as many radians")
-    elif shown and not degrees:
+    elif looks_like_degrees and not degrees:
         evidence.check.append(f"{position.title} in rad, as named, turns farther than any joint")
     units = {"actual_q": "deg"} if degrees else {}
     if velocity is None:
         evidence.assumed.append("no velocities: differences of the positions take their place")
         return units
-    found = agreement(position.rows, velocity.rows, file.clocks.stamps[position.clock])
-    if not found.moving:
+    fit = agreement(position.rows, velocity.rows, file.clocks.stamps[position.clock])
+    if not fit.moving:
         evidence.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
         return units | ({"actual_qd": "deg/s"} if degrees else {})
-    near = _nearest(found.ratio) if np.isfinite(found.ratio) else np.nan
-    if found.share < MIN_SHARE_OF_VELOCITIES or not RATIO[0] < found.ratio / near < RATIO[1]:
+    near = _nearest(fit.ratio) if np.isfinite(fit.ratio) else np.nan
+    if (
+        fit.share < MIN_SHARE_OF_VELOCITIES
+        or not VELOCITY_RATIO_RANGE[0] < fit.ratio / near < VELOCITY_RATIO_RANGE[1]
+    ):
         evidence.exclude(velocity, f"not the derivative of {position.title}")
         evidence.check.append(
             f"{velocity.title} is not the derivative of {position.title}, column by column: their "
             "joints are in different orders, or one is another quantity; it is left out"
         )
         return units
-    if found.share < 1.0:
+    if fit.share < 1.0:
         evidence.check.append(
-            f"{velocity.title}: {1 - found.share:.0%} of its moving columns are not the "
+            f"{velocity.title}: {1 - fit.share:.0%} of its moving columns are not the "
             f"derivatives of {position.title}"
         )
     evidence.proven.append(
-        f"{velocity.title} is the velocity of {position.title} ({found.moving} joints move)"
+        f"{velocity.title} is the velocity of {position.title} ({fit.moving} joints move)"
     )
-    in_degrees = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}[near]
+    in_degrees = {1.0: degrees, DEGREES_PER_RADIAN: True, 1 / DEGREES_PER_RADIAN: False}[near]
     return units | ({"actual_qd": "deg/s"} if in_degrees else {})
 
 
-def _with_targets(measured: ImportedMotion, targets: dict[str, Block]) -> ImportedMotion:
+def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> ImportedMotion:
     """Return a motion with its targets in radians or degrees, without those of another size."""
-    kept, units, own = dict[str, Block](), dict(measured.units), measured.in_si()
+    followed_targets, units, motion = (
+        dict[str, ColumnBlock](),
+        dict(measured.units),
+        measured.in_si(),
+    )
     for name, block in targets.items():
-        followed = own.get({"target_q": "actual_q", "target_qd": "actual_qd"}.get(name, ""))
+        followed = motion.get({"target_q": "actual_q", "target_qd": "actual_qd"}.get(name, ""))
         ratio = _size(followed, block.rows) if followed is not None else None
         if ratio is None:
-            ratio = DEGREES if "actual_q" in units else 1.0
-        if not any(RATIO[0] < ratio / unit < RATIO[1] for unit in (1.0, DEGREES)):
+            ratio = DEGREES_PER_RADIAN if "actual_q" in units else 1.0
+        if not any(
+            VELOCITY_RATIO_RANGE[0] < ratio / unit < VELOCITY_RATIO_RANGE[1]
+            for unit in (1.0, DEGREES_PER_RADIAN)
+        ):
             measured.file.evidence.exclude(block, "what moves does not follow it")
             continue
-        kept[name] = block
-        units |= {name: TARGETS[name]} if ratio > RATIO[1] else {}
-    return replace(measured, blocks=measured.blocks | kept, units=units)
+        followed_targets[name] = block
+        units |= {name: TARGET_UNITS[name]} if ratio > VELOCITY_RATIO_RANGE[1] else {}
+    return replace(measured, blocks=measured.blocks | followed_targets, units=units)
 
 
-def _size(own: Array, target: Array) -> float | None:
+def _size(motion: Array, target: Array) -> float | None:
     """Return the ratio of a target to what follows it (N, n), None where nothing moves.
 
     NaN where most joints that move do not follow.
     """
-    pairs = zip((own - np.nanmean(own, axis=0)).T, target.T, strict=True)
+    pairs = zip((motion - np.nanmean(motion, axis=0)).T, target.T, strict=True)
     moving = [ratio for pair in pairs if (ratio := _ratio(*pair)) is not None]
     good = [ratio for ratio in moving if np.isfinite(ratio)]
     if not moving:

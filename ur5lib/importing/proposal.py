@@ -6,26 +6,33 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
+from ur5lib.checks.block_means import BlockMeans, block_means
+from ur5lib.checks.checked import described
+from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError, some
-from ur5lib.importing.blocks import Block
-from ur5lib.importing.clocks import ROWS
-from ur5lib.importing.contents import Contents
-from ur5lib.importing.efforts import EFFORTS, NAMED, as_amperes, is_opposite, name_efforts
+from ur5lib.importing.blocks import ColumnBlock
+from ur5lib.importing.clocks import ROW_CLOCK
+from ur5lib.importing.contents import FileContents
+from ur5lib.importing.efforts import (
+    EFFORT_MEANINGS,
+    UNITS_BY_CHANNEL,
+    as_amperes,
+    is_opposite,
+    name_efforts,
+)
 from ur5lib.importing.identity import arms_of, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.wrenches import CONTACT_FORCE, change, proven_frame, wrench_blocks
-from ur5lib.recordings.block_means import BlockMeans, block_means
-from ur5lib.recordings.checked import described
-from ur5lib.recordings.entries import OPPOSITE
+from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.readings import Order
 from ur5lib.timeseries.arrays import Array
 
-Units = dict[str, str | list[float]]  # by channel, as a study has them
-FEWEST_BLOCKS = 8
-TURNS, SEVERAL = 0.1, 4  # rad; with fewer turning joints, constant efforts are no evidence
+ChannelUnits = dict[str, str | list[float]]  # by channel, as a study has them
+MIN_BLOCKS = 8
+MIN_TURN = 0.1  # rad
+MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
 MAX_GAP = 0.1  # s, that is filled before means are taken
-OTHERS = (
+FURTHER_CHANNELS = (
     "joint_control_output",
     "actual_TCP_pose",
     "actual_TCP_force",
@@ -46,14 +53,14 @@ class Proposal:
     moving: ImportedMotion
     arm: str
     order: Order
-    channels: dict[str, list[Block]]
-    units: Units
-    sensor: list[Block] = field(default_factory=list)
+    channels: dict[str, list[ColumnBlock]]
+    units: ChannelUnits
+    sensor: list[ColumnBlock] = field(default_factory=list)
     opposite: bool = False
     pushed: bool = False
 
     @property
-    def contents(self) -> Contents:
+    def contents(self) -> FileContents:
         """Return the file's contents."""
         return self.moving.file
 
@@ -63,7 +70,7 @@ class Proposal:
         return self.moving.position.clock
 
 
-def propose(file: Contents) -> Proposal:
+def propose(file: FileContents) -> Proposal:
     """Return the proposal for a file. Raises InputError where it holds no positions."""
     moving = find_motion(file)
     file, clock = moving.file, moving.position.clock
@@ -78,10 +85,10 @@ def propose(file: Contents) -> Proposal:
     ordered = means.part(columns=order) if means else None
     named = name_efforts(efforts, ordered, robot, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}
-    for name in OTHERS:
+    for name in FURTHER_CHANNELS:
         if (block := file.meant(name, clock)) and block.rows.shape[1] in (6, file.joints):
             channels[name] = [block]
-    units: Units = dict(moving.units)
+    units: ChannelUnits = dict(moving.units)
     units |= {n: unit for n, block in named.items() if (unit := block.unit())}
     units |= {n: unit for n, unit in file.stated.units.items() if n in channels}
     pushed, frame = _pushed(wrench, file), None
@@ -90,32 +97,32 @@ def propose(file: Contents) -> Proposal:
         proving = [name for name, block in efforts.items() if block.names in measured][:1]
         alone = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
         frame = proven_frame(wrench, alone if pushed and proving else None, loads, robot, file)
-    opposite, sensor = bool(frame and robot and frame.is_opposite(robot)), list[Block]()
+    opposite, sensor = bool(frame and robot and frame.is_opposite(robot)), list[ColumnBlock]()
     if frame and frame.axes == "flange":
         sensor = wrench
     elif frame:
         channels["actual_TCP_force"] = wrench
-        units |= {"actual_TCP_force": OPPOSITE} if opposite else {}
+        units |= {"actual_TCP_force": OPPOSITE_SIGN} if opposite else {}
     _report_columns(file)
     return Proposal(moving, arm, order, channels, units, sensor, opposite, pushed)
 
 
-def _efforts(moving: ImportedMotion) -> list[Block]:
+def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
     """Return the efforts: by RTDE's names alone, where one is actual_current.
 
     Beside recorded channels, a file may hold what was computed from them.
     """
-    found = moving.beside(EFFORTS)
-    names = [block.stem().strip("_").rpartition("/")[2] for block in found]
+    efforts = moving.beside(EFFORT_MEANINGS)
+    names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
     if "actual_current" not in names:
-        return found
-    return [block for block, name in zip(found, names, strict=True) if name in NAMED]
+        return efforts
+    return [block for block, name in zip(efforts, names, strict=True) if name in UNITS_BY_CHANNEL]
 
 
-def _turn(efforts: dict[str, Block], means: BlockMeans, file: Contents) -> None:
+def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
     """Turn the efforts of the opposite sign, in the blocks and in their means."""
-    told = file.stated.robot
-    arms = [described(name) for name in ([told] if told else arms_of(file))]
+    stated = file.stated.robot
+    arms = [described(name) for name in ([stated] if stated else arms_of(file))]
     for name, block in efforts.items():
         if arms and is_opposite(means, name, arms):
             efforts[name] = block.scaled(-1.0)
@@ -126,7 +133,7 @@ def _turn(efforts: dict[str, Block], means: BlockMeans, file: Contents) -> None:
 
 
 def _means(
-    moving: ImportedMotion, efforts: Mapping[str, Block], wrench: Sequence[Block]
+    moving: ImportedMotion, efforts: Mapping[str, ColumnBlock], wrench: Sequence[ColumnBlock]
 ) -> tuple[BlockMeans | None, Array]:
     """Return the means over blocks of time, columns as in the file, and those of the wrench.
 
@@ -152,14 +159,14 @@ def _means(
     except InputError as error:
         _doubt_numbers(moving, str(error))
         return None, nothing
-    if len(means.q) < FEWEST_BLOCKS:
+    if len(means.q) < MIN_BLOCKS:
         lasts, step = np.ptp(moving.time), np.median(np.diff(moving.time[fresh]))
         _doubt_numbers(moving, f"it lasts {lasts:.3g} s in steps of {step:.3g} s")
         return None, nothing
-    turned = np.ptp(means.q, axis=0) > TURNS
+    turned = np.ptp(means.q, axis=0) > MIN_TURN
     loads = means.currents.pop("wrench", nothing)
     # postures of one kind, seen often
-    return replace(means, offset=bool(turned.sum() < SEVERAL)), loads
+    return replace(means, offset=bool(turned.sum() < MIN_TURNING_JOINTS)), loads
 
 
 def _doubt_numbers(moving: ImportedMotion, why: str) -> None:
@@ -168,7 +175,7 @@ def _doubt_numbers(moving: ImportedMotion, why: str) -> None:
     )
 
 
-def _pushed(wrench: Sequence[Block], file: Contents) -> bool:
+def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
     """Return whether a wrench shows a contact."""
     if wrench and (most := change(wrench)) > CONTACT_FORCE:
         file.evidence.proven.append(f"role contact: the force changes by {most:.0f} N")
@@ -177,7 +184,7 @@ def _pushed(wrench: Sequence[Block], file: Contents) -> bool:
     return False
 
 
-def _report_columns(file: Contents) -> None:
+def _report_columns(file: FileContents) -> None:
     """Add the columns that are left out, and the assumed layout of a table, to the evidence."""
     evidence = file.evidence
     if file.header.layout:
@@ -188,4 +195,4 @@ def _report_columns(file: Contents) -> None:
 
 def is_clockless(proposal: Proposal) -> bool:
     """Return whether the file has no time stamps, so that its rows have a rate or are postures."""
-    return proposal.clock == ROWS
+    return proposal.clock == ROW_CLOCK

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from ur5lib.channels import SUFFIXES
 from ur5lib.recordings.rosbag import JOINT_NAMES
 
-OF_JOINTS = {  # quantities with a column for each joint, by a word of their name; the first counts
+# of quantities with a column for each joint, by a word of their name; the first counts
+JOINT_QUANTITY_WORDS = {
     "qdd": {"qdd", "ddq", "qddot", "qpp", "acceleration", "accelerations", "accel", "acc"},
     "qd": {"qd", "dq", "qdot", "qp", "velocity", "velocities", "vel", "speed", "speeds", "spd"},
     "q": {"q", "position", "positions", "pos", "posn", "angle", "angles", "ang", "theta"},
@@ -14,31 +15,55 @@ OF_JOINTS = {  # quantities with a column for each joint, by a word of their nam
     "torque": {"m", "torque", "torques", "torq", "trq", "tq", "tau", "moment", "moments"},
     "effort": {"effort", "efforts", "eff"},
 }
-OF_TOOL = {
+TOOL_QUANTITY_WORDS = {
     "actual_TCP_force": {"force", "wrench"},
     "actual_TCP_speed": {"speed", "velocity"},
     "actual_TCP_pose": {"pose", "vector", "position", "positions", "pos", "rot", "coord"},
 }
-IN_SPACE = {  # of three columns
+SPATIAL_QUANTITY_WORDS = {  # of three columns
     "force": {"force", "forces", "f"},
     "torque": {"torque", "torques", "moment", "t", "m", "n"},
     "position": {"position", "positions", "translation"},
 }
-COMMANDED = {"target", "tgt", "desired", "des", "ref", "reference", "cmd", "command", "commanded"}
-COMMANDED |= {"setpoint", "goal", "soll", "computed", "action", "actions"}  # the last of a policy
-CONTAINERS = {"data", "value", "values", "signals"}  # in which a path ends behind its quantity
-TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
-EXTERNAL = {"ext", "external", "extern", "hat"}  # torques that a controller ascribes to contact
-IMU = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
-TEMPERATURE = {"temperature", "temperatures", "temp", "temps"}
-SIDES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")  # joints of a seven-jointed arm
-SIDE = re.compile(rf"(?<![A-Za-z0-9])({'|'.join(SIDES)})(?![A-Za-z0-9])", re.IGNORECASE)
-CLOCK = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
-NAMES_OF_JOINTS = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
-BRACKETED = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
-APPENDED = re.compile(r"_(mA|A|Nm|deg|rad|degs|rads|deg_s|rad_s|ms|us|ns|s)$")
-NUMBERED = r"(.*?)(?:[jJ]oint|[aA]xis|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
-UNITS = {  # of bracketed and appended units, as a study writes them
+COMMAND_WORDS = {
+    "target",
+    "tgt",
+    "desired",
+    "des",
+    "ref",
+    "reference",
+    "cmd",
+    "command",
+    "commanded",
+}
+COMMAND_WORDS |= {
+    "setpoint",
+    "goal",
+    "soll",
+    "computed",
+    "action",
+    "actions",
+}  # the last of a policy
+CONTAINER_WORDS = {"data", "value", "values", "signals"}  # in which a path ends behind its quantity
+TOOL_WORDS = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
+EXTERNAL_WORDS = {
+    "ext",
+    "external",
+    "extern",
+    "hat",
+}  # torques that a controller ascribes to contact
+IMU_WORDS = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
+TEMPERATURE_WORDS = {"temperature", "temperatures", "temp", "temps"}
+SEVEN_JOINT_NAMES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")  # joints of a seven-jointed arm
+SEVEN_JOINT_NAME = re.compile(
+    rf"(?<![A-Za-z0-9])({'|'.join(SEVEN_JOINT_NAMES)})(?![A-Za-z0-9])", re.IGNORECASE
+)
+CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
+NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
+BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
+APPENDED_UNIT = re.compile(r"_(mA|A|Nm|deg|rad|degs|rads|deg_s|rad_s|ms|us|ns|s)$")
+NUMBERED_JOINT = r"(.*?)(?:[jJ]oint|[aA]xis|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
+UNIT_SPELLINGS = {  # of bracketed and appended units, as a study writes them
     **{"mA": "mA", "A": "A", "Nm": "Nm", "N m": "Nm", "N·m": "Nm", "N.m": "Nm", "N*m": "Nm"},
     **dict.fromkeys(("°", "deg", "degree", "degrees", "°/s", "deg/s", "deg_s", "degs"), "deg"),
     **dict.fromkeys(("rad", "radian", "rad/s", "rad_s", "rads", "rad s-1"), "rad"),
@@ -55,9 +80,9 @@ def words(name: str) -> set[str]:
 
 def named_unit(name: str) -> str | None:
     """Return the unit that a name states, as a study writes it; `rad` and `deg` of any order."""
-    for pattern in (BRACKETED, APPENDED):
+    for pattern in (BRACKETED_UNIT, APPENDED_UNIT):
         if stated := pattern.search(without_joint(name)):
-            return UNITS.get(stated[1].strip())
+            return UNIT_SPELLINGS.get(stated[1].strip())
     return None
 
 
@@ -68,15 +93,15 @@ def without_joint(name: str) -> str:
 
 def place_of(name: str) -> tuple[str, int]:
     """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
-    name = APPENDED.sub("", BRACKETED.sub("", name))
+    name = APPENDED_UNIT.sub("", BRACKETED_UNIT.sub("", name))
     for place, joint in enumerate(JOINT_NAMES):
         if joint.search(name):
             return joint.sub("", name), place
-    if side := SIDE.search(name):
-        return name[: side.start()] + name[side.end() :], SIDES.index(side[1].lower())
+    if side := SEVEN_JOINT_NAME.search(name):
+        return name[: side.start()] + name[side.end() :], SEVEN_JOINT_NAMES.index(side[1].lower())
     if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
         return numbered[1], int(numbered[2])
-    if numbered := re.fullmatch(NUMBERED + r"[ _.](.{1,})", name):  # Joint1_Pos, J1 q, A1.pos
+    if numbered := re.fullmatch(NUMBERED_JOINT + r"[ _.](.{1,})", name):  # Joint1_Pos, J1 q, A1.pos
         return numbered[1] + numbered[3], int(numbered[2])
     if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
         return f"{part[1] or ''}_{part[2]}", "xyz".index(part[3])
@@ -87,7 +112,7 @@ def place_of(name: str) -> tuple[str, int]:
 
 def names_command(stem: str) -> bool:
     """Return whether a quantity was commanded: by a word of its name, or as `q_d`, `O_dP_EE_c`."""
-    return bool(words(stem) & COMMANDED) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
+    return bool(words(stem) & COMMAND_WORDS) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
 
 
 def quantity(stem: str, width: int, joints: int) -> str | None:
@@ -99,45 +124,53 @@ def quantity(stem: str, width: int, joints: int) -> str | None:
     if last in SUFFIXES and width in (len(SUFFIXES[last]), joints):
         return last
     its = words(last) | ({"target"} if names_command(stem) else set())
-    if width == 6 and its & {"wrench", "ft"} and not its & (TOOL | COMMANDED):
+    if width == 6 and its & {"wrench", "ft"} and not its & (TOOL_WORDS | COMMAND_WORDS):
         return "wrench"
-    if width == joints and not its & TOOL:
+    if width == joints and not its & TOOL_WORDS:
         return _of_joints(its)
-    if its & COMMANDED:
+    if its & COMMAND_WORDS:
         return None
-    spatial = _first(its, IN_SPACE) if width == 3 and not its & IMU else None
+    spatial = (
+        _first_meaning(its, SPATIAL_QUANTITY_WORDS) if width == 3 and not its & IMU_WORDS else None
+    )
     if spatial in ("force", "torque"):
         return spatial
-    if its & TOOL or width == 7:
-        return _first(its, OF_TOOL)
+    if its & TOOL_WORDS or width == 7:
+        return _first_meaning(its, TOOL_QUANTITY_WORDS)
     return spatial
 
 
 def kind_of_joints(stem: str) -> str | None:
     """Return the kind of a quantity of joints by its name: q, qd, …, None for another."""
     its = words(last_part(stem))
-    return None if its & (TOOL | TEMPERATURE) else _first(its, OF_JOINTS)
+    return (
+        None
+        if its & (TOOL_WORDS | TEMPERATURE_WORDS)
+        else _first_meaning(its, JOINT_QUANTITY_WORDS)
+    )
 
 
 def last_part(path: str) -> str:
     """Return the last part of a path in a file that tells a quantity."""
     parts = path.rstrip("/").split("/")
-    return next((part for part in reversed(parts) if part.lower() not in CONTAINERS), parts[-1])
+    return next(
+        (part for part in reversed(parts) if part.lower() not in CONTAINER_WORDS), parts[-1]
+    )
 
 
-def _first(its: set[str], meanings: Mapping[str, set[str]]) -> str | None:
+def _first_meaning(its: set[str], meanings: Mapping[str, set[str]]) -> str | None:
     """Return the first meaning that has one of the words."""
-    return next((meaning for meaning, known in meanings.items() if its & known), None)
+    return next((meaning for meaning, spellings in meanings.items() if its & spellings), None)
 
 
 def _of_joints(its: set[str]) -> str | None:
-    kind = _first(its, OF_JOINTS)
-    if its & TEMPERATURE:
+    kind = _first_meaning(its, JOINT_QUANTITY_WORDS)
+    if its & TEMPERATURE_WORDS:
         return "joint_temperatures"
-    if kind is None or its & EXTERNAL:
+    if kind is None or its & EXTERNAL_WORDS:
         return None
     if kind == "effort":
         return kind
-    if its & COMMANDED:
+    if its & COMMAND_WORDS:
         return "target_moment" if kind == "torque" else f"target_{kind}"
     return {"qdd": None, "torque": "actual_current_as_torque"}.get(kind, f"actual_{kind}")

@@ -6,22 +6,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.importing.blocks import Block
-from ur5lib.importing.contents import Contents
-from ur5lib.recordings.block_means import BlockMeans, size
+from ur5lib.checks.block_means import BlockMeans, size
+from ur5lib.importing.blocks import ColumnBlock
+from ur5lib.importing.contents import FileContents
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array
 
-EXCHANGED = [(*axes, *(3 + k for k in axes)) for axes in permutations(range(3))]  # in order first
-EXCHANGED.append((3, 4, 5, 0, 1, 2))  # moments before forces
+COLUMN_ORDERS = [
+    (*axes, *(3 + k for k in axes)) for axes in permutations(range(3))
+]  # in order first
+COLUMN_ORDERS.append((3, 4, 5, 0, 1, 2))  # moments before forces
 CLEAR_LEAD_OF_FRAME = 6.0  # difference of log-likelihoods of independent samples
 CONTACT_FORCE = 10.0  # N; a wrench that changes by more is a contact
-MOVING = 0.01  # m/s, of the flange
-ONE_SIDED = 0.67  # share of the moving time in which a force acts along the motion, or against it
+MIN_FLANGE_SPEED = 0.01  # m/s, of the flange
+ONE_SIDED_SHARE = 0.67  # of the moving time, in which a force acts along the motion, or against it
 
 
-class Frame(NamedTuple):
+class WrenchFrame(NamedTuple):
     """Axes of a wrench (base or flange), and whether it is that of the arm on its surroundings."""
 
     axes: str
@@ -32,25 +34,29 @@ class Frame(NamedTuple):
         return self.by_arm == (self.axes == "flange" or arm.wrist_sensor)
 
 
-def wrench_blocks(file: Contents, clock: str) -> list[Block]:
+def wrench_blocks(file: FileContents, clock: str) -> list[ColumnBlock]:
     """Return the blocks of force and torque, that of a force alone, or none."""
     whole = file.meant("wrench", clock)
     if whole is not None and len(whole.names) == 6:
         parts = [(whole.names[k : k + 3], whole.rows[:, k : k + 3]) for k in (0, 3)]
-        return [Block(names, rows, whole.clock) for names, rows in parts]
+        return [ColumnBlock(names, rows, whole.clock) for names, rows in parts]
     force, torque = (file.meant(meaning, clock) for meaning in ("force", "torque"))
     return [block for block in (force, torque) if block is not None] if force else []
 
 
-def change(wrench: Sequence[Block]) -> float:
+def change(wrench: Sequence[ColumnBlock]) -> float:
     """Return by how much a force changes [N]."""
     force = wrench[0].rows
     return float(np.nanmax(np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)))
 
 
 def proven_frame(
-    wrench: Sequence[Block], means: BlockMeans | None, values: Array, arm: Robot, file: Contents
-) -> Frame | None:
+    wrench: Sequence[ColumnBlock],
+    means: BlockMeans | None,
+    values: Array,
+    arm: Robot,
+    file: FileContents,
+) -> WrenchFrame | None:
     """Return the frame and the sign of a wrench, None where no effort proves its frame.
 
     means: with the joints in order, and the effort that may prove it alone, None without one;
@@ -77,12 +83,12 @@ def proven_frame(
     )
     if frame.axes == "base" and frame.by_arm and arm.wrist_sensor:
         evidence.check.append(f"{title} has the sign of actual_TCP_force, as where a hand leads")
-        return Frame("base", by_arm=False)
+        return WrenchFrame("base", by_arm=False)
     _doubt_sign(title, frame, _share_along_motion(frame, means, values, arm), file)
     return frame
 
 
-def _doubt_sign(title: str, frame: Frame, along: float, file: Contents) -> None:
+def _doubt_sign(title: str, frame: WrenchFrame, along: float, file: FileContents) -> None:
     """Note the sign of a wrench, in doubt where it acts along the motion, or against it.
 
     Where a hand leads an arm, friction takes up the hand, and efforts may have the sign of the
@@ -90,7 +96,7 @@ def _doubt_sign(title: str, frame: Frame, along: float, file: Contents) -> None:
     """
     actor = "of the arm on its surroundings" if frame.by_arm else "of the surroundings on the arm"
     sentence = f"{title} is the force {actor}, by the efforts"
-    if 1 - ONE_SIDED <= along <= ONE_SIDED:
+    if 1 - ONE_SIDED_SHARE <= along <= ONE_SIDED_SHARE:
         file.evidence.proven.append(sentence)
         return
     file.evidence.check.append(
@@ -99,7 +105,9 @@ def _doubt_sign(title: str, frame: Frame, along: float, file: Contents) -> None:
     )
 
 
-def likeliest_frame(means: BlockMeans, wrench: Array, arm: Robot) -> tuple[Frame | None, float]:
+def likeliest_frame(
+    means: BlockMeans, wrench: Array, arm: Robot
+) -> tuple[WrenchFrame | None, float]:
     """Return the frame of a wrench (M, 6), None if not proven, and its lead in log-likelihood.
 
     Efforts increase with the wrench of the arm on its surroundings. Rivals are the other frames,
@@ -107,20 +115,20 @@ def likeliest_frame(means: BlockMeans, wrench: Array, arm: Robot) -> tuple[Frame
     """
     gains = {
         (frame, columns): _gain(means, torque, arm)
-        for columns in EXCHANGED
+        for columns in COLUMN_ORDERS
         for frame, torque in _torques(means.q, wrench[:, columns], arm).items()
     }
     best, second = sorted(gains, key=lambda reading: gains[reading], reverse=True)[:2]
     lead = gains[best] - gains[second]
-    return (best[0] if lead >= CLEAR_LEAD_OF_FRAME and best[1] == EXCHANGED[0] else None), lead
+    return (best[0] if lead >= CLEAR_LEAD_OF_FRAME and best[1] == COLUMN_ORDERS[0] else None), lead
 
 
-def _torques(q: Array, wrench: Array, arm: Robot) -> dict[Frame, Array]:
+def _torques(q: Array, wrench: Array, arm: Robot) -> dict[WrenchFrame, Array]:
     """Return the joint torques (M, 6) [Nm] of a wrench (M, 6) by its frame."""
     jacobian, rotation = geometric_jacobian(arm, q), link_frames(arm, q)[0][:, -1]
     turned = np.einsum("nij,nkj->nki", rotation, wrench.reshape(-1, 2, 3)).reshape(-1, 6)
     return {
-        Frame(axes, sign > 0): sign * np.einsum("nij,ni->nj", jacobian, values)
+        WrenchFrame(axes, sign > 0): sign * np.einsum("nij,ni->nj", jacobian, values)
         for axes, values in (("base", wrench), ("flange", turned))
         for sign in (1, -1)
     }
@@ -135,16 +143,21 @@ def _gain(means: BlockMeans, torque: Array, arm: Robot) -> float:
         solution = np.linalg.lstsq(columns, measured, rcond=None)[0]
         without = np.linalg.lstsq(columns[:, 1:], measured, rcond=None)[0]
         if solution[0] > 0:
-            left, before = measured - columns @ solution, measured - columns[:, 1:] @ without
-            total += float(means.log_likelihood(np.array((size(left) / size(before)) ** 2)))
+            residual, residual_without = (
+                measured - columns @ solution,
+                measured - columns[:, 1:] @ without,
+            )
+            total += float(
+                means.log_likelihood(np.array((size(residual) / size(residual_without)) ** 2))
+            )
     return total
 
 
-def _share_along_motion(frame: Frame, means: BlockMeans, values: Array, arm: Robot) -> float:
+def _share_along_motion(frame: WrenchFrame, means: BlockMeans, values: Array, arm: Robot) -> float:
     """Return the share of the moving time in which a force acts along the flange's velocity."""
     velocity = np.einsum("nij,nj->ni", geometric_jacobian(arm, means.q)[:, :3], means.qd)
     force = values[:, :3]
     if frame.axes == "flange":
         force = np.einsum("nij,nj->ni", link_frames(arm, means.q)[0][:, -1], force)
-    moving = np.linalg.norm(velocity, axis=1) > MOVING
+    moving = np.linalg.norm(velocity, axis=1) > MIN_FLANGE_SPEED
     return float(np.mean((force * velocity).sum(axis=1)[moving] > 0)) if moving.any() else 0.5

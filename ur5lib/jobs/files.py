@@ -146,6 +146,6 @@ def _write(kind: Any, value: Any, path: Path) -> None:
     elif path.suffix == ".json":
         write_json(value, path)
     else:
-        from ur5lib.report.house_style import save  # slow to import
+        from ur5lib.report.figures.house_style import save  # slow to import
 
         save(value, path)

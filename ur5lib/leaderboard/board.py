@@ -15,52 +15,52 @@ import pandas as pd
 import torch
 
 from ur5lib.errors import InputError
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.outside import ProtocolError, outside
 from ur5lib.leaderboard.run import Run
-from ur5lib.leaderboard.scores import Estimates, free_rows, sensed_rows
-from ur5lib.leaderboard.study import Arm, read_arms
+from ur5lib.leaderboard.scores import EstimatesByName, free_rows, sensed_rows
+from ur5lib.leaderboard.study import StudyArm, read_arms
 from ur5lib.leaderboard.tables import tables
 from ur5lib.tables import write_csv
 
-RESULTS = Path("results")
-TABLE = RESULTS / "leaderboard.csv"
+RESULTS_FOLDER = Path("results")
+TABLE_FILE = RESULTS_FOLDER / "leaderboard.csv"
 
 
-class Entry(NamedTuple):
+class LearnedContender(NamedTuple):
     """An estimator with what it learnt from one arm's recordings."""
 
-    estimator: Estimator
+    estimator: Contender
     learned: Learned
 
 
 def leaderboard(folders: Iterable[Path], place: str | None = None) -> str:
-    """Return the tables of studies, in Markdown, and write them as one to TABLE.
+    """Return the tables of studies, in Markdown, and write them as one to TABLE_FILE.
 
     folders: results/<study>; place: of a further estimator, as in `outside`. Raises InputError
     where a study is not built, or that estimator breaks the protocol.
     """
     chosen = contenders(place)
     table = scored([arm for folder in folders for arm in read_arms(folder)], chosen)
-    write_csv(table, TABLE)
+    write_csv(table, TABLE_FILE)
     return tables(table)
 
 
-def contenders(place: str | None = None) -> list[Estimator]:
+def contenders(place: str | None = None) -> list[Contender]:
     """Return all estimators, first the one from outside, if any."""
-    known = all_estimators()
-    return [*([outside(place, [own.name for own in known])] if place else []), *known]
+    rivals = all_estimators()
+    return [*([outside(place, [rival.name for rival in rivals])] if place else []), *rivals]
 
 
-def scored(arms: Sequence[Arm], chosen: Sequence[Estimator]) -> pd.DataFrame:
+def scored(arms: Sequence[StudyArm], chosen: Sequence[Contender]) -> pd.DataFrame:
     """Return the scores of estimators on the recordings of arms."""
     torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
     return pd.DataFrame([row for arm in arms for row in arm_rows(arm, chosen)])
 
 
-def arm_rows(arm: Arm, chosen: Sequence[Estimator]) -> Iterator[dict[str, Any]]:
+def arm_rows(arm: StudyArm, chosen: Sequence[Contender]) -> Iterator[dict[str, Any]]:
     """Yield the rows of an arm's recordings, each with what the estimator learnt."""
     entries = {entry.estimator.name: entry for entry in learnt(arm, chosen)}
     for run in arm.sensed:
@@ -71,25 +71,25 @@ def arm_rows(arm: Arm, chosen: Sequence[Estimator]) -> Iterator[dict[str, Any]]:
             yield described(arm, entries[row["estimator"]]) | row
 
 
-def learnt(arm: Arm, chosen: Sequence[Estimator]) -> Iterator[Entry]:
+def learnt(arm: StudyArm, chosen: Sequence[Contender]) -> Iterator[LearnedContender]:
     """Yield the estimators that this arm's recordings suffice for; print why another does not."""
-    for own in chosen:
-        print(f"{arm.study}, {arm.robot}: {own.name}", file=sys.stderr, flush=True)
+    for contender in chosen:
+        print(f"{arm.study}, {arm.robot}: {contender.name}", file=sys.stderr, flush=True)
         try:
-            yield Entry(own, own.learn(arm.fit))
+            yield LearnedContender(contender, contender.learn(arm.fit))
         except ProtocolError:
             raise
         except InputError as error:
             print(f"  left out: {error}", file=sys.stderr)
 
 
-def estimates(entries: dict[str, Entry], run: Run) -> Estimates:
+def estimates(entries: dict[str, LearnedContender], run: Run) -> EstimatesByName:
     """Return the estimates of a run by name, without those that it lacks the inputs of."""
-    found = {name: entry.learned.method(run) for name, entry in entries.items()}
-    return {name: own for name, own in found.items() if own is not None}
+    by_name = {name: entry.learned.method(run) for name, entry in entries.items()}
+    return {name: estimate for name, estimate in by_name.items() if estimate is not None}
 
 
-def described(arm: Arm, entry: Entry) -> dict[str, Any]:
+def described(arm: StudyArm, entry: LearnedContender) -> dict[str, Any]:
     """Return the columns that say what a row is about."""
     constants = entry.learned.constants.items()
     return {

@@ -19,7 +19,7 @@ class Learned(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Estimator:
+class Contender:
     """One row of the table.
 
     source: the publication; causal: whether no later sample of its inputs is used; learn: takes the

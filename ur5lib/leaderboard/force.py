@@ -7,7 +7,7 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import least_squares_wrench
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.force.residual_model import ResidualModel, TorqueStretch, few_paths, fit_residual_model
 from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array
@@ -16,12 +16,12 @@ from ur5lib.timeseries.segments import unbroken
 TorqueEstimate = Callable[[Run], Array]
 """Returns the external torque (N, 6) [Nm] of a run, NaN where unknown."""
 
-NOTHING = np.zeros(6)  # Nm
-CUTOFF = 2.0  # Hz, of the study's low-pass
+NO_TORQUE = np.zeros(6)  # Nm
+CUTOFF_HZ = 2.0  # of the study's low-pass
 
 
 def learned_noise(
-    torque: TorqueEstimate, runs: Sequence[Run], breakaway: Array = NOTHING
+    torque: TorqueEstimate, runs: Sequence[Run], breakaway: Array = NO_TORQUE
 ) -> ResidualModel:
     """Return the spread of an estimated torque on contact-free runs, by joint and its state.
 
@@ -30,12 +30,12 @@ def learned_noise(
     Raises InputError if a joint never moves.
     """
     stretches = [
-        Stretch(estimate[rows], run.states[rows], run.period)
+        TorqueStretch(estimate[rows], run.states[rows], run.period)
         for run in runs
         for estimate in [torque(run)]
         for rows in unbroken(run.segment)
     ]
-    model = fit_residual_model(stretches, CUTOFF, breakaway)
+    model = fit_residual_model(stretches, CUTOFF_HZ, breakaway)
     return model.wider(few_paths(len({run.path for run in runs})))
 
 
@@ -45,11 +45,13 @@ def force(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
     torque: (N, 6) [Nm]; noise: its spread, S diagonal, as in the project's own least squares.
     """
     wrench, std = np.full_like(torque, np.nan), np.full_like(torque, np.nan)
-    known = np.isfinite(torque).all(axis=1) & np.isfinite(run.jacobian).all(axis=(1, 2))
-    spread = noise.spread[run.states[known], np.arange(6)]
+    finite = np.isfinite(torque).all(axis=1) & np.isfinite(run.jacobian).all(axis=(1, 2))
+    spread = noise.spread[run.states[finite], np.arange(6)]
     covariance = spread[:, :, None] ** 2 * np.eye(6)
-    wrench[known], variance = least_squares_wrench(torque[known], run.jacobian[known], covariance)
-    std[known] = np.sqrt(variance)
+    wrench[finite], variance = least_squares_wrench(
+        torque[finite], run.jacobian[finite], covariance
+    )
+    std[finite] = np.sqrt(variance)
     return Estimate(wrench, std)
 
 
@@ -63,7 +65,7 @@ def most_probable(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
 
     noise: of that torque without contact, with the breakaway torque.
     """
-    given = run.q, run.qd, torque, run.states, run.segment, run.period, None, run.gears
+    inputs = run.q, run.qd, torque, run.states, run.segment, run.period, None, run.gears
     jacobian = run.jacobian[used_rows(run.segment, run.period)]
-    found = estimate_wrench(ForceInput(*given), jacobian, noise, ContactPrior())
-    return Estimate(found.wrench, found.std)
+    estimate = estimate_wrench(ForceInput(*inputs), jacobian, noise, ContactPrior())
+    return Estimate(estimate.wrench, estimate.std)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder, learn_causal
 from ur5lib.leaderboard.force import TorqueEstimate
 from ur5lib.leaderboard.run import Run
@@ -19,7 +19,7 @@ from ur5lib.leaderboard.tuning import untuned
 from ur5lib.timeseries.arrays import Array
 
 
-class Samples(NamedTuple):
+class TrainingSamples(NamedTuple):
     """Inputs (n, M) and torques (n, 6) [Nm]."""
 
     inputs: Array
@@ -28,43 +28,45 @@ class Samples(NamedTuple):
 
 Predict = Callable[[Array], Array]
 """Returns the torque (N, 6) at inputs (N, M)."""
-Train = Callable[[Samples, Samples], Predict]
+Train = Callable[[TrainingSamples, TrainingSamples], Predict]
 """Takes the samples to learn from, and those of a path that is left out, to stop by; all are
 standardised."""
 
 
-Learnable = Callable[[Run], Samples]
+Learnable = Callable[[Run], TrainingSamples]
 """Returns what is learnt from, and what, at all samples of a run, NaN where unknown."""
 
 
-def residual(run: Run) -> Samples:
+def residual(run: Run) -> TrainingSamples:
     """Return (q, q̇, τ_model), (N, 18) [rad, rad/s, Nm], and the smoothed external torque."""
-    return Samples(np.concatenate([run.q, run.qd, run.model], axis=1), run.smoothed)
+    return TrainingSamples(np.concatenate([run.q, run.qd, run.model], axis=1), run.smoothed)
 
 
-def samples(runs: Sequence[Run], step: float, of: Learnable) -> Samples:
+def samples(runs: Sequence[Run], step: float, of: Learnable) -> TrainingSamples:
     """Return the samples of runs every `step` seconds, where all is known."""
     parts = []
     for run in runs:
         rows = slice(None, None, max(1, round(step / run.period)))
         inputs, torque = (values[rows] for values in of(run))
-        known = np.isfinite(inputs).all(axis=1) & np.isfinite(torque).all(axis=1)
-        parts.append((inputs[known], torque[known]))
-    return Samples(*(np.concatenate(own) for own in zip(*parts, strict=True)))
+        finite = np.isfinite(inputs).all(axis=1) & np.isfinite(torque).all(axis=1)
+        parts.append((inputs[finite], torque[finite]))
+    return TrainingSamples(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def standardised(train: Train, learnt: Samples, left_out: Samples) -> Predict:
+def standardised(train: Train, learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
     """Train on samples less their mean, over their standard deviation; return the prediction in
     their own units. A column that does not vary keeps its unit.
     """
-    mean = Samples(*(values.mean(axis=0) for values in learnt))
+    mean = TrainingSamples(*(values.mean(axis=0) for values in learnt))
     spread = [values.std(axis=0) for values in learnt]
-    std = Samples(*(np.where(own > 1e-9, own, 1.0) for own in spread))
-    seen, unseen = (
-        Samples((own.inputs - mean.inputs) / std.inputs, (own.torque - mean.torque) / std.torque)
-        for own in (learnt, left_out)
+    std = TrainingSamples(*(np.where(values > 1e-9, values, 1.0) for values in spread))
+    to_learn, to_stop = (
+        TrainingSamples(
+            (values.inputs - mean.inputs) / std.inputs, (values.torque - mean.torque) / std.torque
+        )
+        for values in (learnt, left_out)
     )
-    predict = train(seen, unseen)
+    predict = train(to_learn, to_stop)
 
     def predicted(new: Array) -> Array:
         return predict((new - mean.inputs) / std.inputs) * std.torque + mean.torque
@@ -95,32 +97,32 @@ def cross_fitted(
     def predicted(run: Run) -> Array:
         chosen = [without[run.path]] if run.path in without else [*without.values()]
         inputs = of(run).inputs
-        values, known = np.full_like(run.q, np.nan), np.isfinite(inputs).all(axis=1)
-        values[known] = np.mean([predict(inputs[known]) for predict in chosen], axis=0)
+        values, finite = np.full_like(run.q, np.nan), np.isfinite(inputs).all(axis=1)
+        values[finite] = np.mean([predict(inputs[finite]) for predict in chosen], axis=0)
         return values
 
     return predicted
 
 
-def on_top(name: str, source: str, train: Train, step: float) -> list[Estimator]:
+def on_top(name: str, source: str, train: Train, step: float) -> list[Contender]:
     """Return the estimators that subtract a regression from least squares and from the momentum
     observer; name: of the regression; step: as in `samples`.
     """
 
     @lru_cache(maxsize=1)  # both learn it from the same runs
-    def left_of(runs: tuple[Run, ...]) -> TorqueEstimate:
+    def residual_of(runs: tuple[Run, ...]) -> TorqueEstimate:
         return cross_fitted(train, runs, step)
 
     def learn_offline(runs: Sequence[Run]) -> Learned:
-        left = left_of((*runs,))
-        return untuned(lambda run: run.smoothed - left(run), runs)
+        residual_torque = residual_of((*runs,))
+        return untuned(lambda run: run.smoothed - residual_torque(run), runs)
 
     def learn_observed(runs: Sequence[Run]) -> Learned:
-        left, observer = left_of((*runs,)), learn_causal(runs)
+        residual_torque, observer = residual_of((*runs,)), learn_causal(runs)
         below = FirstOrder(**observer.constants)
-        return untuned(lambda run: below.torque(run) - left(run), runs, observer.latency)
+        return untuned(lambda run: below.torque(run) - residual_torque(run), runs, observer.latency)
 
     return [
-        Estimator(f"least squares + {name}", source, False, learn_offline),
-        Estimator(f"momentum observer + {name}", source, True, learn_observed),
+        Contender(f"least squares + {name}", source, False, learn_offline),
+        Contender(f"momentum observer + {name}", source, True, learn_observed),
     ]

@@ -15,34 +15,39 @@ from typing import Any, NoReturn
 import numpy as np
 
 from ur5lib.errors import InputError, perhaps
-from ur5lib.leaderboard.estimator import Estimator, Learned, Method
+from ur5lib.leaderboard.estimator import Contender, Learned, Method
 from ur5lib.leaderboard.run import Estimate, Run
-from ur5lib.leaderboard.tuning import MOST, latency
+from ur5lib.leaderboard.tuning import MAX_LATENCY, latency
 from ur5lib.timeseries.arrays import Array
 
-PAGE = "docs/benchmark.md shows an example"
-FIELDS = {"name": str, "source": str, "causal": bool}
-SAME = 0.01  # N, up to which two estimates of one sample are the same
+EXAMPLE_HINT = "docs/benchmark.md shows an example"
+FIELD_TYPES = {"name": str, "source": str, "causal": bool}
+MAX_CAUSAL_DIFFERENCE = 0.01  # N, up to which two estimates of one sample are the same
 
 
-def outside(place: str, taken: Collection[str]) -> Estimator:
+def outside(place: str, taken: Collection[str]) -> Contender:
     """Return the estimator at `package.module:Class`, in the working folder or installed.
 
     place: names a class that is made without arguments, or an object; taken: names of the rivals.
     Raises ProtocolError with what it lacks; so does its `learn`.
     """
-    own = made(place)
-    for field, kind in FIELDS.items():
-        value = getattr(own, field, None)
+    estimator = made(place)
+    for field, kind in FIELD_TYPES.items():
+        value = getattr(estimator, field, None)
         if not isinstance(value, kind):
-            refuse(place, f"needs `{field}`, a {kind.__name__}; {PAGE}")
+            refuse(place, f"needs `{field}`, a {kind.__name__}; {EXAMPLE_HINT}")
         if isinstance(value, str) and (not value.strip() or set("|\r\n") & set(value)):
             refuse(place, f"has a `{field}` that is empty, or holds | or a line break; change it")
-    if not callable(getattr(own, "learn", None)):
-        refuse(place, f"needs a method `learn(runs)`; {PAGE}")
-    if own.name in taken:
-        refuse(place, f"is called `{own.name}` like an estimator of the benchmark; rename it")
-    return Estimator(own.name, own.source, own.causal, lambda runs: learn(own, place, runs))
+    if not callable(getattr(estimator, "learn", None)):
+        refuse(place, f"needs a method `learn(runs)`; {EXAMPLE_HINT}")
+    if estimator.name in taken:
+        refuse(place, f"is called `{estimator.name}` like an estimator of the benchmark; rename it")
+    return Contender(
+        estimator.name,
+        estimator.source,
+        estimator.causal,
+        lambda runs: learn(estimator, place, runs),
+    )
 
 
 class ProtocolError(InputError):
@@ -58,63 +63,66 @@ def made(place: str) -> Any:
     """Return what `package.module:Class` names, an object of it if it is a class."""
     module, _, name = place.partition(":")
     if not module or not name:
-        refuse(place, f"is not of the form package.module:Class; {PAGE}")
+        refuse(place, f"is not of the form package.module:Class; {EXAMPLE_HINT}")
     if str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
     try:
-        found = importlib.import_module(module)
+        imported = importlib.import_module(module)
     except Exception as error:  # whatever the module does
         why = f"{type(error).__name__}: {error}".splitlines()[0]
         refuse(place, f"cannot be imported ({why}); it has to lie here, or to be installed")
-    if not hasattr(found, name):
-        refuse(place, f"is not there{perhaps(name, dir(found))}; correct the name")
-    own = getattr(found, name)
+    if not hasattr(imported, name):
+        refuse(place, f"is not there{perhaps(name, dir(imported))}; correct the name")
+    named = getattr(imported, name)
     try:
-        return own() if isinstance(own, type) else own
+        return named() if isinstance(named, type) else named
     except TypeError as error:
         refuse(place, f"cannot be made without arguments ({error})")
 
 
-def learn(own: Any, place: str, runs: Sequence[Run]) -> Learned:
+def learn(estimator: Any, place: str, runs: Sequence[Run]) -> Learned:
     """Return what it learns, and its latency as measured here, None if it is not causal.
 
     Raises ProtocolError if its estimates on the same runs break the protocol or the rule.
     """
-    learned = own.learn([shown(run) for run in runs])
+    learned = estimator.learn([without_answers(run) for run in runs])
     if not isinstance(learned, Learned):
         kind = type(learned).__name__
-        refuse(place, f"has a `learn` that returns {kind} instead of Learned; {PAGE}")
+        refuse(place, f"has a `learn` that returns {kind} instead of Learned; {EXAMPLE_HINT}")
 
     def method(run: Run) -> Estimate | None:
-        found = learned.method(shown(run))
-        check(found, run, place)
-        return found
+        estimate = learned.method(without_answers(run))
+        check(estimate, run, place)
+        return estimate
 
     estimated = [run for run in runs if method(run) is not None]
-    if not own.causal or not estimated:
+    if not estimator.causal or not estimated:
         return Learned(method, learned.constants)
     longest = max(estimated, key=lambda run: len(run.q))
     check_causal(method, longest, place)
     delay = latency(lambda run: torque_of(method, run), [longest])
-    if delay > MOST + 1e-9:
+    if delay > MAX_LATENCY + 1e-9:
         late = "never" if np.isinf(delay) else f"after {1000 * delay:.0f} ms"
-        refuse(place, f"shows 63 % of a push {late}; causal estimators have {1000 * MOST:.0f} ms")
+        refuse(
+            place,
+            f"shows 63 % of a push {late}; causal estimators have {1000 * MAX_LATENCY:.0f} ms",
+        )
     return Learned(method, learned.constants, delay)
 
 
-def shown(run: Run) -> Run:
+def without_answers(run: Run) -> Run:
     """Return a copy of what every rival may use of a run."""
     return deepcopy(replace(run, sensor=None, ready={}, repeats=()))
 
 
-def check(found: Any, run: Run, place: str) -> None:
+def check(estimate: Any, run: Run, place: str) -> None:
     """Raise unless it is an estimate at each sample whose inputs are known, or None."""
-    if found is None:
+    if estimate is None:
         return
-    if not isinstance(found, Estimate):
-        kind = type(found).__name__
-        refuse(place, f"returns {kind} on {run.name} instead of Estimate or None; {PAGE}")
-    for what, values in found._asdict().items():
+    if not isinstance(estimate, Estimate):
+        kind = type(estimate).__name__
+        refuse(place, f"returns {kind} on {run.name} instead of Estimate or None; {EXAMPLE_HINT}")
+    for what, values in estimate._asdict().items():
         if values is None and what == "std":
             continue
         if np.shape(values) != run.q.shape:
@@ -124,10 +132,10 @@ def check(found: Any, run: Run, place: str) -> None:
             )
         unknown = run.complete() & ~np.isfinite(values[:, :3]).all(axis=1)
         if unknown.any():
-            count, first = unknown.sum(), run.period * unknown.argmax()
+            count, start = unknown.sum(), run.period * unknown.argmax()
             refuse(place, f"states no finite {what} in {count} samples of {run.name} whose inputs "
-                   f"are known, the first {first:.3f} s after its start")  # fmt: skip
-    if found.std is not None and (found.std[:, :3] <= 0).any():
+                   f"are known, the first {start:.3f} s after its start")  # fmt: skip
+    if estimate.std is not None and (estimate.std[:, :3] <= 0).any():
         refuse(place, f"states a std of zero or less on {run.name}")
 
 
@@ -137,12 +145,14 @@ def check_causal(method: Method, run: Run, place: str) -> None:
     alone, whole = method(run.part(slice(half))), method(run)
     assert alone is not None
     assert whole is not None
-    if not np.allclose(alone.wrench[:, :3], whole.wrench[:half, :3], 0, SAME, equal_nan=True):
+    if not np.allclose(
+        alone.wrench[:, :3], whole.wrench[:half, :3], 0, MAX_CAUSAL_DIFFERENCE, equal_nan=True
+    ):
         refuse(place, f"is called causal, but later samples of {run.name} change its estimate")
 
 
 def torque_of(method: Method, run: Run) -> Array:
     """Return the torque J_vᵀ F (N, 6) [Nm] of an estimated force."""
-    found = method(run)
-    assert found is not None
-    return np.einsum("nij,ni->nj", run.jacobian[:, :3], found.wrench[:, :3])
+    estimate = method(run)
+    assert estimate is not None
+    return np.einsum("nij,ni->nj", run.jacobian[:, :3], estimate.wrench[:, :3])

@@ -62,8 +62,8 @@ class Run:
         names = ["segment", "states", "q", "qd", "model", "friction", "jacobian", "torque"]
         names += ["smoothed", "momentum", "rate", "position_error"]
         sampled = {name: getattr(self, name) for name in names}
-        taken = {name: own[rows] for name, own in sampled.items() if own is not None}
-        return replace(self, **taken, gears=self.gears.at(rows), ready={}, sensor=None)
+        parts = {name: values[rows] for name, values in sampled.items() if values is not None}
+        return replace(self, **parts, gears=self.gears.at(rows), ready={}, sensor=None)
 
     def pushed(self, torque: Array) -> Self:
         """Return the same motion under an additional external torque (N, 6) [Nm].

@@ -33,11 +33,11 @@ from ur5lib.strict import read_yaml
 from ur5lib.tables import read_record
 from ur5lib.timeseries.trajectories import group_by_path
 
-JOINTS = 6  # of the arms that estimators are written for
+JOINT_COUNT = 6  # of the arms that estimators are written for
 
 
 @dataclass(frozen=True)
-class Arm:
+class StudyArm:
     """The runs of one arm that carry no undeclared load.
 
     fit: contact-free, of the role `fit`; sensed: of the role `contact`, with a force sensor; free:
@@ -51,7 +51,7 @@ class Arm:
     free: list[Run]
 
 
-def read_arms(folder: Path) -> list[Arm]:
+def read_arms(folder: Path) -> list[StudyArm]:
     """Return the arms of a built study that estimators can learn from and be scored on.
 
     Raises InputError where it is not built, or has no such arm.
@@ -61,13 +61,13 @@ def read_arms(folder: Path) -> list[Arm]:
         raise InputError(f"{folder} is not built; run snakemake on its study, or name another")
     entries = read_yaml(file)["recordings"]
     arms = [read_arm(folder, entries, name) for name in dict.fromkeys(map(arm_of, entries))]
-    found = [arm for arm in arms if arm.fit and (arm.sensed or arm.free)]
-    if not found:
+    usable = [arm for arm in arms if arm.fit and (arm.sensed or arm.free)]
+    if not usable:
         raise InputError(
             f"{folder}: no arm of six joints has recordings with currents of the role `fit`, and "
             "others of the role `validate`, or `contact` with a force sensor; add them"
         )
-    return found
+    return usable
 
 
 def arm_of(entry: Mapping[str, Any]) -> str:
@@ -76,36 +76,37 @@ def arm_of(entry: Mapping[str, Any]) -> str:
     return str(robot if isinstance(robot, str) else robot.get("name") or robot["arm"])
 
 
-def read_arm(folder: Path, entries: Sequence[Mapping[str, Any]], name: str) -> Arm:
+def read_arm(folder: Path, entries: Sequence[Mapping[str, Any]], name: str) -> StudyArm:
     """Return the runs of an arm, the paths of all of them labelled together."""
     parameters = folder / "parameters" / name
     robot, friction = (
         load_robot(parameters / "arm.yaml"),
         read_record(Friction, parameters / "friction.json"),
     )
-    found = [
+    used = [
         (entry["role"], run)
         for entry in entries
         if arm_of(entry) == name
-        and len(robot.joints) == JOINTS
+        and len(robot.joints) == JOINT_COUNT
         and (run := read_run(folder / "recordings" / entry["name"], robot, friction)) is not None
     ]
-    roles, runs = [role for role, _ in found], label_paths([run for _, run in found])
+    roles, runs = [role for role, _ in used], label_paths([run for _, run in used])
     free = [run for role, run in zip(roles, runs, strict=True) if role != "contact"]
     runs = [replace(run, repeats=repeats_of(run, free)) for run in runs]
     by_role = {
-        role: [run for own, run in zip(roles, runs, strict=True) if own == role]
+        role: [run for other, run in zip(roles, runs, strict=True) if other == role]
         for role in ("fit", "contact", "validate")
     }
     sensed = [run for run in by_role["contact"] if run.sensor is not None]
-    return Arm(folder.name, name, by_role["fit"], sensed, by_role["validate"])
+    return StudyArm(folder.name, name, by_role["fit"], sensed, by_role["validate"])
 
 
 def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
     """Return the other runs along a run's path, each with the others but this one."""
     same = [other for other in free if other.path == run.path and other.name != run.name]
     return tuple(
-        replace(one, repeats=tuple(other for other in same if other is not one)) for one in same
+        replace(run_of_path, repeats=tuple(other for other in same if other is not run_of_path))
+        for run_of_path in same
     )
 
 

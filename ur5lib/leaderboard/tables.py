@@ -6,53 +6,55 @@ import pandas as pd
 
 from ur5lib.leaderboard.estimators.ours import OURS
 
-SENSED = ["estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]",
-          "slope x, y, z", "in band in contact", "interval score in contact [N]",
-          "free MAE x, y, z [N]"]  # fmt: skip
-FREE = ["estimator", "causal", "latency", "median [N]", "95 % below [N]", "zero in band"]
+SENSED_COLUMNS = [
+    *("estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]"),
+    *("slope x, y, z", "in band in contact", "interval score in contact [N]"),
+    "free MAE x, y, z [N]",
+]
+FREE_COLUMNS = ["estimator", "causal", "latency", "median [N]", "95 % below [N]", "zero in band"]
 
 
 def tables(table: pd.DataFrame) -> str:
     """Return a heading and a table for each recording, the smallest error first."""
     parts = []
-    for recording, own in table.groupby("recording", sort=False):
-        sensed = "rmse" in own and own["rmse"].notna().any()
-        shown = sensed_table(own) if sensed else free_table(own)
-        title = f"{recording}, {own['robot'].iloc[0]}"
+    for recording, rows in table.groupby("recording", sort=False):
+        sensed = "rmse" in rows and rows["rmse"].notna().any()
+        text = sensed_table(rows) if sensed else free_table(rows)
+        title = f"{recording}, {rows['robot'].iloc[0]}"
         if sensed:
-            title += f", {own['contacts'].max():.0f} contacts"
-        parts.append(f"### {title}\n\n{shown}\n")
+            title += f", {rows['contacts'].max():.0f} contacts"
+        parts.append(f"### {title}\n\n{text}\n")
     return "\n".join(parts)
 
 
-def sensed_table(own: pd.DataFrame) -> str:
+def sensed_table(scores: pd.DataFrame) -> str:
     """Return the table of a recording with a force sensor."""
-    vector = own[(own["component"] == "norm") & (own["during"] == "contact")]
+    vector = scores[(scores["component"] == "norm") & (scores["during"] == "contact")]
     rows = []
     for _, row in vector.sort_values("rmse", kind="stable").iterrows():
-        axes = own[(own["estimator"] == row["estimator"]) & (own["component"] != "norm")]
+        axes = scores[(scores["estimator"] == row["estimator"]) & (scores["component"] != "norm")]
         contact, free = (axes[axes["during"] == during] for during in ("contact", "free"))
         difference = "" if row["estimator"] == OURS else interval(row, "rmse_more", sign="+")
         cells = [*common(row), interval(row, "rmse"), difference]
         cells += [numbers(contact["mae"]), numbers(contact["slope"], 2), share(row["coverage95"])]
         rows.append([*cells, interval(row, "score"), numbers(free["mae"])])
-    return markdown(SENSED, rows)
+    return markdown(SENSED_COLUMNS, rows)
 
 
-def free_table(own: pd.DataFrame) -> str:
+def free_table(scores: pd.DataFrame) -> str:
     """Return the table of a recording that nothing touches."""
     rows = [
         [*common(row), number(row["median"]), number(row["largest95"]), share(row["coverage95"])]
-        for _, row in own.sort_values("largest95", kind="stable").iterrows()
+        for _, row in scores.sort_values("largest95", kind="stable").iterrows()
     ]
-    return markdown(FREE, rows)
+    return markdown(FREE_COLUMNS, rows)
 
 
 def common(row: pd.Series) -> list[str]:
     """Return the cells that both tables begin with."""
     latency = row["latency_s"]
-    known = "" if pd.isna(latency) else f"{1000 * latency:.0f} ms"
-    return [row["estimator"], row["causal"], known]
+    shown_latency = "" if pd.isna(latency) else f"{1000 * latency:.0f} ms"
+    return [row["estimator"], row["causal"], shown_latency]
 
 
 def interval(row: pd.Series, figure: str, sign: str = "") -> str:

@@ -1,1 +1,1 @@
-"""Readers of raw device files, frame repair and quality checks."""
+"""Readers of raw device files and frame repair: from files to frames."""

@@ -29,7 +29,7 @@ Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
 Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
 LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
-HDF5_INSIDE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 
 
 def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
@@ -166,7 +166,7 @@ def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
 
     with path.open("rb") as stream:
         head = stream.read(520)
-    if head[512:] == HDF5_INSIDE or head.startswith(HDF5_INSIDE):
+    if head[512:] == HDF5_SIGNATURE or head.startswith(HDF5_SIGNATURE):
         return hdf5_arrays(path, wanted, findings)
     expect_mat_room(path)
     return dict(_leaves(scipy.io.loadmat(path, simplify_cells=True)))

@@ -8,8 +8,8 @@ from typing import Any
 
 from ur5lib.recordings.limits import most_bytes, too_large
 
-SHARE = 0.2  # of the limit; a chunk has a megabyte or so, and is in memory three times
-USUAL_RATIO = 20  # bytes for each byte of a file whose chunks are compressed
+CHUNK_SHARE = 0.2  # of the limit; a chunk has a megabyte or so, and is in memory three times
+USUAL_COMPRESSION = 20  # bytes for each byte of a file whose chunks are compressed
 
 
 @contextmanager
@@ -39,8 +39,8 @@ def _lz4_object() -> Callable[[], Any]:
 
 def _inflate_within(path: Path) -> Callable[[bytes, Callable[[], Any]], bytes]:
     """Return a function that unpacks a chunk of a file. Raises InputError beyond the limit."""
-    most = int(SHARE * most_bytes())
-    left = most_bytes() + USUAL_RATIO * path.stat().st_size
+    most = int(CHUNK_SHARE * most_bytes())
+    left = most_bytes() + USUAL_COMPRESSION * path.stat().st_size
 
     def inflate(data: bytes, new: Callable[[], Any]) -> bytes:
         nonlocal left
@@ -53,7 +53,7 @@ def _inflate_within(path: Path) -> Callable[[bytes, Callable[[], Any]], bytes]:
             if size > most:
                 raise too_large(path, f"{most / 1e9:g} GB in a chunk")
             if left < 0:
-                raise too_large(path, f"{USUAL_RATIO} times as much as it has bytes")
+                raise too_large(path, f"{USUAL_COMPRESSION} times as much as it has bytes")
             if not one.eof:
                 raise EOFError(path)
             data = one.unused_data or b""

@@ -15,8 +15,8 @@ from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.timeseries.arrays import Array
 
-BLANK = re.compile(rb"\n[ \t\r]*\n")
-MARKS = bytes.maketrans(b",;\t", b"   ")
+BLANK_LINE = re.compile(rb"\n[ \t\r]*\n")
+SEPARATORS_TO_BLANKS = bytes.maketrans(b",;\t", b"   ")
 
 
 @array_format("channel-files", "a folder of text files")
@@ -42,7 +42,7 @@ def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
     own: list[Finding] = []
     names = [str(index) for index, _ in enumerate(first_cells(path)[0])]
     table = read_numbers(Log(path, "robot", own), names)
-    blank = BLANK.search(path.read_bytes().strip())
+    blank = BLANK_LINE.search(path.read_bytes().strip())
     if blank or any(finding.finding == "damaged lines" for finding in own):
         raise InputError(
             f"{path} has lines without a number, so that its rows can no longer be matched with "
@@ -74,6 +74,6 @@ def _lines(path: Path) -> Iterator[bytes]:
     """Yield the lines, with blanks between numbers. Raises InputError where they are too many."""
     numbers = 0
     for block in text_blocks(Log(path, "robot", [])):
-        for line in block.translate(MARKS).split(b"\n"):
+        for line in block.translate(SEPARATORS_TO_BLANKS).split(b"\n"):
             expect_room(path, numbers := numbers + line.count(b" ") + 1)
             yield line

@@ -10,12 +10,11 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import columns, joint_count
-from ur5lib.recordings.innovations import CURRENT
+from ur5lib.channels import MEASURED_CURRENT, columns, joint_count
 from ur5lib.timeseries.arrays import Array, Labels
 
 # rad, A; coarser than formats write, finer than noise, with borders between decimals
-RESOLUTION = {"actual_q": np.pi / 3000, CURRENT: np.pi / 300}
+RESOLUTION = {"actual_q": np.pi / 3000, MEASURED_CURRENT: np.pi / 300}
 MAX_ROWS_KEPT = 256  # rows that are kept
 MIN_ROWS_COMPARED = 8  # rows from which on two recordings are compared
 MIN_COMMON_SHARE = 0.5  # share of common rows; of copies nearly all, of other runs hardly one
@@ -33,8 +32,8 @@ def fingerprint(frames: pd.DataFrame) -> list[int]:
     steps = {column: step for name, step in RESOLUTION.items() for column in columns(name, joints)}
     if not {*steps} <= {*frames}:
         return []
-    known = np.all([frames[name].notna() for name in steps], axis=0)
-    rounded = {name: _rounded(frames[name].to_numpy()[known], steps[name]) for name in steps}
+    complete = np.all([frames[name].notna() for name in steps], axis=0)
+    rounded = {name: _rounded(frames[name].to_numpy()[complete], steps[name]) for name in steps}
     hashes = pd.util.hash_pandas_object(pd.DataFrame(rounded), index=False).to_numpy()
     return [
         int(one) for one in np.unique(hashes >> np.uint64(64 - EXACT_INTEGER_BITS))[:MAX_ROWS_KEPT]
@@ -63,6 +62,6 @@ def _are_alike(one: Sequence[int], other: Sequence[int]) -> bool:
         (rows[-1] for rows in (one, other) if len(rows) == MAX_ROWS_KEPT),
         default=1 << EXACT_INTEGER_BITS,
     )
-    known = [{row for row in rows if row <= last} for rows in (one, other)]
-    fewest = min(map(len, known))
-    return fewest >= MIN_ROWS_COMPARED and len(known[0] & known[1]) > MIN_COMMON_SHARE * fewest
+    comparable = [{row for row in rows if row <= last} for rows in (one, other)]
+    fewest, common = min(map(len, comparable)), len(comparable[0] & comparable[1])
+    return fewest >= MIN_ROWS_COMPARED and common > MIN_COMMON_SHARE * fewest

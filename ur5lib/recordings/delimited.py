@@ -21,20 +21,23 @@ from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.timeseries.arrays import Array, Labels
 
-DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")  # ISO 8601
-NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
-SAMPLE = 20  # rows that show what a column holds
+ISO_DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
+NAN_SPELLINGS = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
+SAMPLE_ROWS = 20  # rows that show what a column holds
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment, Excel's "sep=;"
 # What spreadsheet programs turn numbers into: dates, times, thousands, ### in narrow cells.
-SPREADSHEET = re.compile(r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d")
-BLOCK = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
-TAIL = 20  # lines that show what a complete last line looks like
-LEAD, ALIKE = 60, 6  # lines that show where a table begins: rows and cells that it has at least
-WITH_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
-UNNAMED = ""  # the column behind the last separator
-SHOWN = 5  # damaged lines that are named
-MOST_DAMAGED = 1_000_000  # lines, before the file is given up
-MARKS = b",", b";", b"\t", b" "
+SPREADSHEET_CELL = re.compile(
+    r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d"
+)
+BLOCK_BYTES = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
+TAIL_LINES = 20  # lines that show what a complete last line looks like
+LEAD_LINES = 60  # lines that show where a table begins
+MIN_LEAD_COUNT = 6  # rows and cells that a table has at least
+SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
+UNNAMED_COLUMN = ""  # the column behind the last separator
+MAX_NAMED_LINES = 5  # damaged lines that are named
+MAX_DAMAGED_LINES = 1_000_000  # lines, before the file is given up
+SEPARATORS = b",", b";", b"\t", b" "
 
 
 class Form(NamedTuple):
@@ -81,7 +84,7 @@ def read_rows(log: Log, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
             fault = fault or _fault(data, int(places[0]), form)
             newlines = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
             damaged = np.append(damaged, line + np.searchsorted(newlines, places))
-            if len(damaged) > max(count, MOST_DAMAGED):
+            if len(damaged) > max(count, MAX_DAMAGED_LINES):
                 break
         top, line = 0, line + data.count(b"\n")
     table = _joined(tables)
@@ -128,9 +131,9 @@ def _first_row(data: bytes, path: Path) -> tuple[int, bytes, bytes]:
     Raises InputError where one of the first lines has more cells than a table has columns.
     """
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
-    lines = data[top:].split(b"\n", LEAD)[:LEAD]
+    lines = data[top:].split(b"\n", LEAD_LINES)[:LEAD_LINES]
     most = most_columns()
-    if any(line.count(mark) >= most for line in lines for mark in MARKS):
+    if any(line.count(mark) >= most for line in lines for mark in SEPARATORS):
         raise too_large(path, f"{most:,} columns")
     top += _length_of_title(lines)
     first = data[top : _end_of_line(data, top)].strip()
@@ -149,7 +152,7 @@ def _length_of_title(lines: list[bytes]) -> int:
     """
     forms = [(_delimiter(line), line.count(_delimiter(line)) + 1) for line in lines if line]
     (mark, width), count = Counter(forms).most_common(1)[0] if forms else ((b",", 0), 0)
-    if count < ALIKE or width < ALIKE:
+    if count < MIN_LEAD_COUNT or width < MIN_LEAD_COUNT:
         return 0
     first = next(k for k, line in enumerate(lines) if line.count(mark) + 1 == width)
     named = not any(map(_is_cell, lines[first].split(mark)))
@@ -164,20 +167,20 @@ def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, For
     if not header and (names is None or _is_header(first, delimiter, len(names))):
         header, top = first, _end_of_line(data, top)
     names = names or _header_names(path, header, delimiter)
-    lines = data[top:].split(b"\n", SAMPLE)[:SAMPLE]
-    if delimiter in WITH_COMMAS:
+    lines = data[top:].split(b"\n", SAMPLE_ROWS)[:SAMPLE_ROWS]
+    if delimiter in SEPARATORS_BESIDE_COMMAS:
         lines = [line.replace(b",", b".") for line in lines]
     cells = [line.split(delimiter) for line in lines if line.strip()]
     if cells and all(len(row) == len(names) + 1 and not row[-1].strip() for row in cells):
-        names = [*names, UNNAMED]  # behind a separator at the end of each row
+        names = [*names, UNNAMED_COLUMN]  # behind a separator at the end of each row
     rows = [row for row in cells if len(row) == len(names)]
     dates, text = text_columns(rows, names)
-    return top, Form(names, delimiter, dates, [*text, UNNAMED])
+    return top, Form(names, delimiter, dates, [*text, UNNAMED_COLUMN])
 
 
 def _with_points(block: bytes, form: Form, log: Log) -> bytes:
     """Return a block of lines with points for decimal commas."""
-    if form.delimiter not in WITH_COMMAS or b"," not in block:
+    if form.delimiter not in SEPARATORS_BESIDE_COMMAS or b"," not in block:
         return block
     note = Finding(log.device, "decimal commas", "note", 1, {"file": log.path.name})
     if note not in log.findings:  # once for all blocks
@@ -208,7 +211,7 @@ def _end_of_rows(data: bytes, top: int, line: int, form: Form, log: Log) -> int:
 
 def _ends_whole(before: bytes, last: bytes, delimiter: bytes) -> bool:
     """Return whether a last line without a newline has the same form as the lines before it."""
-    models = before.rsplit(b"\n", TAIL + 1)[-TAIL - 1 : -1]
+    models = before.rsplit(b"\n", TAIL_LINES + 1)[-TAIL_LINES - 1 : -1]
     forms = {_cells(model, delimiter) for model in models}
     return forms == {_cells(last, delimiter)} and _cells(last, delimiter)[1] > 0
 
@@ -254,7 +257,7 @@ def _parse(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table
         return [_parse_fast(memoryview(data)[start:end], form)], np.empty(0, int)
     except pa.ArrowInvalid:
         middle = data.find(b"\n", (start + end) // 2, end) + 1
-        if end - start <= BLOCK or not start < middle < end:
+        if end - start <= BLOCK_BYTES or not start < middle < end:
             return _parse_lines(data, start, end, form)
     halves = [_parse(data, *half, form) for half in ((start, middle), (middle, end))]
     return halves[0][0] + halves[1][0], np.concatenate([halves[0][1], halves[1][1]])
@@ -283,7 +286,7 @@ def _parse_fast(text: memoryview, form: Form) -> pa.Table:
         read_options=pacsv.ReadOptions(column_names=form.names, block_size=text.nbytes),
         parse_options=pacsv.ParseOptions(delimiter=form.delimiter.decode(), quote_char=False),
         convert_options=pacsv.ConvertOptions(
-            column_types=kinds, null_values=NOT_A_NUMBER, include_columns=form.numbers()
+            column_types=kinds, null_values=NAN_SPELLINGS, include_columns=form.numbers()
         ),
     )
     for name in form.dates:
@@ -329,10 +332,10 @@ def _fault(data: bytes, place: int, form: Form) -> str:
     read = [
         cell
         for name, cell in zip(form.names, cells, strict=True)
-        if name not in form.text and not (name in form.dates and DATE.match(cell.strip()))
+        if name not in form.text and not (name in form.dates and ISO_DATE.match(cell.strip()))
     ]
     wrong = next(cell for cell in read if not _is_cell(cell)).strip().decode(errors="replace")
-    cause = "; a spreadsheet program may have changed it" if SPREADSHEET.search(wrong) else ""
+    cause = "; a spreadsheet program may have changed it" if SPREADSHEET_CELL.search(wrong) else ""
     return f"{wrong[:20]!r} is not a number{cause}"
 
 
@@ -352,8 +355,8 @@ def _report_damaged(log: Log, damaged: Labels, fault: str, table: pd.DataFrame, 
             f"{log.path}, line {first}: expected {width} numbers ({fault}); {count} of "
             f"{len(table) + count} lines do not fit; correct the file, or `columns` in the study"
         )
-    values = {"lines": damaged[:SHOWN].tolist(), "fault": fault, "width": width}
-    more = {"more": count - SHOWN} if count > SHOWN else {}
+    values = {"lines": damaged[:MAX_NAMED_LINES].tolist(), "fault": fault, "width": width}
+    more = {"more": count - MAX_NAMED_LINES} if count > MAX_NAMED_LINES else {}
     code = "more damaged lines" if more else "damaged lines"
     log.add("damaged lines", "warning", count, code, **values, **more)
 
@@ -361,7 +364,7 @@ def _report_damaged(log: Log, damaged: Labels, fault: str, table: pd.DataFrame, 
 def number_in(cell: bytes) -> float | None:
     """Return a cell's number, NaN for an empty cell, None for anything else."""
     text = cell.strip().decode(errors="replace")
-    if text in NOT_A_NUMBER:
+    if text in NAN_SPELLINGS:
         return math.nan
     try:
         return None if "_" in text else float(text)  # float() would accept 1_000
@@ -380,7 +383,7 @@ def text_columns(
     worded = [name for name, cells in columns.items() if _is_text(cells)]
     if len(worded) == len(columns):
         return [], []
-    dates = [name for name in worded if all(DATE.match(cell.strip()) for cell in columns[name])]
+    dates = [name for name in worded if all(ISO_DATE.match(cell.strip()) for cell in columns[name])]
     units = {name: [CHANNELS[found].unit for found in channels_of(name)] for name in worded}
     modes = [name for name in worded if name != "timestamp" and {*units[name]} <= {"1"}]
     return dates, [name for name in modes if name not in dates]

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, model_validator
 from pydantic_core import PydanticCustomError
 
-from ur5lib.channels import SIX, joint_count, meant
+from ur5lib.channels import SIX_SUFFIXES, joint_count, meant
 from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import SENSORS, Device
@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 
     from ur5lib.timeseries.arrays import Labels
 
-SKIPPED = "-"
-RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # of frame repair
-OPPOSITE = "opposite"  # SI, with the opposite sign, as a wrench of the arm on its surroundings
-FACTORS = {  # from these units to SI
+SKIPPED_COLUMN = "-"
+# of frame repair
+RESERVED_COLUMNS = ["time", "received", "epoch", "slot", "segment", "interpolated"]
+OPPOSITE_SIGN = "opposite"  # SI, with the opposite sign, as a wrench of the arm on its surroundings
+UNIT_FACTORS = {  # from these units to SI
     "deg": math.pi / 180,
     "deg/s": math.pi / 180,
     "deg/s2": math.pi / 180,
@@ -35,13 +36,8 @@ FACTORS = {  # from these units to SI
     "mm": 1e-3,
     "mNm": 1e-3,
     "g": 9.80665,
-    OPPOSITE: -1.0,
+    OPPOSITE_SIGN: -1.0,
 }
-
-
-def of_entry(fault: str) -> PydanticCustomError:
-    """Return the error of an entry as a whole; fault: the sentence without its subject."""
-    return PydanticCustomError("of_entry", "{fault}", {"fault": fault})
 
 
 RunFile = Annotated[
@@ -68,17 +64,17 @@ class InUnits(Strict):
 
         Raises InputError for an unknown unit, and for units of channels that the table lacks.
         """
-        table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
-        joints = joint_count(table.columns) or len(SIX)
+        table = table.drop(columns=[name for name in table if name.startswith(SKIPPED_COLUMN)])
+        joints = joint_count(table.columns) or len(SIX_SUFFIXES)
         for channel, unit in self.known_units().items():
             names = columns_of(channel, joints)
-            factor = FACTORS.get(unit) if isinstance(unit, str) else unit
+            factor = UNIT_FACTORS.get(unit) if isinstance(unit, str) else unit
             fits = not isinstance(factor, list) or len(factor) == len(names)
             if factor is None or not fits or not set(names) <= set(table):
                 raise InputError(
                     f"`units` in the study give {channel} in {unit}; "
-                    f"use one of {', '.join(FACTORS)}, or a number for each of its columns, for "
-                    "channels of the recording"
+                    f"use one of {', '.join(UNIT_FACTORS)}, "
+                    "or a number for each of its columns, for channels of the recording"
                 )
             table[names] = table[names] * factor
         return table
@@ -146,7 +142,9 @@ class Clocked(InUnits):
 def _spelt(column: str) -> str:
     """Return a column's name. Raises ValueError where it is a misspelt channel."""
     if (channel := meant(column)) is not None:
-        raise ValueError(f"`{channel}` if you mean that channel, or `{SKIPPED}` to skip the column")
+        raise ValueError(
+            f"`{channel}` if you mean that channel, or `{SKIPPED_COLUMN}` to skip the column"
+        )
     return column
 
 
@@ -391,13 +389,18 @@ Entry = Annotated[
 ENTRY: TypeAdapter[Files] = TypeAdapter(Entry)
 
 
+def of_entry(fault: str) -> PydanticCustomError:
+    """Return the error of an entry as a whole; fault: the sentence without its subject."""
+    return PydanticCustomError("of_entry", "{fault}", {"fault": fault})
+
+
 def expand(columns: Sequence[str]) -> list[str]:
     """Return the names of the single columns: actual_q becomes actual_q_0 .. actual_q_5.
 
     Raises InputError when a column is named twice.
     """
     names = [
-        f"{SKIPPED}{index}" if column == SKIPPED else name
+        f"{SKIPPED_COLUMN}{index}" if column == SKIPPED_COLUMN else name
         for index, column in enumerate(columns)
         for name in columns_of(column)
     ]

@@ -11,19 +11,22 @@ from ur5lib.channels import SIGNED_CHANNELS, columns, joint_count
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS
 from ur5lib.recordings.arrays import read_arrays
-from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers, read_rows
-from ur5lib.recordings.entries import RESERVED, Files, RecordedFiles, RtdeFiles, TableFiles, expand
+from ur5lib.recordings.entries import Files
 from ur5lib.recordings.host_clock import on_robot_clock
 from ur5lib.recordings.ordering import continued, epochs
 from ur5lib.recordings.plausibility import first_time
-from ur5lib.recordings.quality import Finding, Log
-from ur5lib.recordings.realtime_stream import read_stream
-from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
-from ur5lib.recordings.sensors import counted_from_first, read_sensors
+from ur5lib.recordings.recording import RawRecording
+from ur5lib.recordings.robot_files import read_realtime_stream, read_rtde_csv, read_table_csv
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 
-POSITIONS = ("actual_q", "target_q")
-RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving a message
+POSITION_CHANNELS = ("actual_q", "target_q")
+READERS: dict[str, Callable[[Any], RawRecording]] = {
+    "thesis-csv": read_thesis_csv,
+    "realtime-stream": read_realtime_stream,
+    "rtde-csv": read_rtde_csv,
+    "table-csv": read_table_csv,
+    **dict.fromkeys(LOADERS, read_arrays),
+}
 
 
 def read_recording(recording: Files) -> RawRecording:
@@ -55,7 +58,7 @@ def as_described(table: pd.DataFrame, recording: Files) -> pd.DataFrame:
         return table
     home = np.radians(recording.home_deg or [0.0] * joints)
     described = {
-        name: sign * table[name] + (zero if channel in POSITIONS else 0.0)
+        name: sign * table[name] + (zero if channel in POSITION_CHANNELS else 0.0)
         for channel in SIGNED_CHANNELS
         for name, sign, zero in zip(
             columns(channel, joints), recording.directions or [1] * joints, home, strict=True
@@ -83,68 +86,3 @@ def excerpt(raw: RawRecording, start: float | None, end: float | None) -> RawRec
         )
     part = table[within].reset_index(drop=True)
     return replace(raw, robot=replace(raw.robot, table=part))
-
-
-def read_table_csv(recording: TableFiles) -> RawRecording:
-    """Read a table. Raises InputError when the file has no row of that many numbers."""
-    findings: list[Finding] = []
-    path, names = recording.path, expand(recording.columns)
-    log = Log(path, "robot", findings)
-    table = drop_untimed(recording.in_si(*read_rows(log, names)), log)
-    if table.empty:
-        raise InputError(
-            f"{path}, line 1: no complete row of {len(names)} numbers (it begins "
-            f"{first_line(path)}); correct `columns`, or remove the recording from the study"
-        )
-    robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
-    return RawRecording(robot, recording.cycle, read_sensors(recording, findings), findings)
-
-
-def read_rtde_csv(recording: RtdeFiles) -> RawRecording:
-    """Read a CSV with RTDE names in its header, from ur_rtde or Universal Robots' own client.
-
-    `timestamp` counts from the controller's start; the time returned counts from the first row.
-    `host_time`, if there is one, is when each row arrived [s].
-    Raises InputError when there is no `timestamp` column, no complete row, or an unknown unit.
-    """
-    path, findings = recording.path, list[Finding]()
-    log = Log(path, "robot", findings)
-    table = read_numbers(log, None)
-    begins = f"(it begins {first_line(path)})"
-    if "timestamp" not in table:
-        raise InputError(
-            f"{path}, line 1: no column `timestamp` {begins}; "
-            "record it with a header, or use format table-csv and name the columns in the study"
-        )
-    if not np.isfinite(table["timestamp"]).any():
-        raise InputError(
-            f"{path}, line 1: no complete row of {len(table.columns)} numbers {begins}; record it "
-            "again, or use format table-csv and name the columns in the study"
-        )
-    table = table.drop(columns=RESERVED, errors="ignore")
-    table = table.rename(columns={"timestamp": "time", "host_time": "received"})
-    table = drop_untimed(recording.in_si(table), log)
-    table["time"] -= first_time(table["time"].to_numpy())
-    robot = DeviceRecord(table, Stamp(0.0, 0.0, "relative_s"), str(path))
-    return RawRecording(robot, None, read_sensors(recording, findings), findings)
-
-
-def read_realtime_stream(recording: RecordedFiles) -> RawRecording:
-    """Read a capture of the realtime port; time counts from the first message.
-
-    Its send time is unknown, so its time of receipt is used.
-    """
-    table, findings = read_stream(recording.path)
-    start = Stamp(float(table["received"].iloc[0]), RECEIVED_STD, "epoch_s")
-    own = table["time"] - table["time"].iloc[0]
-    robot = DeviceRecord(table.assign(time=own), start, str(recording.path))
-    return RawRecording(robot, None, read_sensors(recording, findings), findings)
-
-
-READERS: dict[str, Callable[[Any], RawRecording]] = {
-    "thesis-csv": read_thesis_csv,
-    "realtime-stream": read_realtime_stream,
-    "rtde-csv": read_rtde_csv,
-    "table-csv": read_table_csv,
-    **dict.fromkeys(LOADERS, read_arrays),
-}

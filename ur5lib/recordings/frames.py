@@ -11,16 +11,17 @@ from scipy.interpolate import PchipInterpolator
 from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.ordering import in_order
-from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
+from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated
 
-SMOOTH = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpolated by PCHIP
-OFF_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
-REGULAR = 0.95  # share of steps within OFF_GRID in a recording with a fixed cycle
-JITTER = 5e-5  # s; larger jitter is reported
-OWN = ("time", "epoch", "received")  # columns that are not channels
+SMOOTH_CHANNELS = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpolated by PCHIP
+MAX_DISTANCE_FROM_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
+# share of steps within MAX_DISTANCE_FROM_GRID in a recording with a fixed cycle
+MIN_SHARE_ON_GRID = 0.95
+MIN_REPORTED_JITTER = 5e-5  # s; larger jitter is reported
+FRAME_COLUMNS = ("time", "epoch", "received")  # columns that are not channels
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Timing:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class GridStretch:
     """A run of frames without a split, on the grid.
 
     rows: the frames (n,) that are used, one per slot; place: where these are on the grid (n,), in
@@ -122,11 +123,11 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
 
 def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
     steps = _steps(frames)
-    period = cycle or round(max(float(np.quantile(steps, 0.1)), SHORTEST_STEP), 4)
+    period = cycle or round(max(float(np.quantile(steps, 0.1)), MIN_STEP), 4)
     off = np.abs(steps - period * np.rint(steps / period))
-    regular = bool(cycle or np.mean(off <= OFF_GRID * period) >= REGULAR)
+    regular = bool(cycle or np.mean(off <= MAX_DISTANCE_FROM_GRID * period) >= MIN_SHARE_ON_GRID)
     if not regular:
-        period = round(max(float(np.median(steps)), SHORTEST_STEP), 4)
+        period = round(max(float(np.median(steps)), MIN_STEP), 4)
         off = np.abs(steps - period)
     median, high = np.quantile(off, [0.5, 0.99])
     if median > period / 2 or np.median(steps) < period / 2:
@@ -151,7 +152,7 @@ def _holes(frames: pd.DataFrame) -> int:
     return int(missing.sum())
 
 
-def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Stretch]:
+def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[GridStretch]:
     """Split the frames at clock resets and at gaps that are too long, and put them on the grid."""
     longest = max_gap + 1.5 * timing.period
     breaks = (frames["time"].diff() > longest) | (frames["epoch"].diff() > 0)
@@ -160,17 +161,17 @@ def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Str
     return [_stretch(np.arange(*ends), time, timing) for ends in pairwise(bounds)]
 
 
-def _stretch(rows: Labels, time: Array, timing: Timing) -> Stretch:
+def _stretch(rows: Labels, time: Array, timing: Timing) -> GridStretch:
     """Return the stretch of some frames. rows: their indices; time: of all frames [s]."""
     place = _places(time[rows], timing)
     first = np.unique(place, return_index=True)[1]
     slots = np.arange(int(np.floor(place[first[-1]] + 1e-6)) + 1)
     crowded = len(place) - len(first)
-    return Stretch(rows[first], place[first], slots, float(time[rows[0]]), crowded)
+    return GridStretch(rows[first], place[first], slots, float(time[rows[0]]), crowded)
 
 
 def _on_grid(
-    frames: pd.DataFrame, stretches: list[Stretch], timing: Timing, max_gap: float
+    frames: pd.DataFrame, stretches: list[GridStretch], timing: Timing, max_gap: float
 ) -> tuple[pd.DataFrame, int]:
     """Return the table on the grid, and how many of its slots were lost.
 
@@ -200,7 +201,7 @@ def _on_grid(
 
 
 def _fill_stretches(
-    values: Array, stretches: list[Stretch], timing: Timing, max_gap: float, name: str
+    values: Array, stretches: list[GridStretch], timing: Timing, max_gap: float, name: str
 ) -> tuple[Array, Mask, Mask]:
     """Return a channel at all slots (m, k), which slots were filled, and which are lost.
 
@@ -209,9 +210,9 @@ def _fill_stretches(
     parts = []
     for stretch in stretches:
         received = values[stretch.rows]
-        known = np.isfinite(received).all(axis=1)
-        if known.any():
-            at = stretch.place[known], received[known]
+        complete = np.isfinite(received).all(axis=1)
+        if complete.any():
+            at = stretch.place[complete], received[complete]
             parts.append(_fill(*at, stretch.slots, timing, max_gap, name))
         else:
             nothing = np.full((len(stretch.slots), values.shape[1]), np.nan)
@@ -221,7 +222,7 @@ def _fill_stretches(
     return filled, flag, lost
 
 
-def _segments(stretches: list[Stretch], lost: Mask) -> Labels:
+def _segments(stretches: list[GridStretch], lost: Mask) -> Labels:
     """Return the number of the gapless part, from 0, of each slot that is not lost."""
     begins = np.concatenate([stretch.slots == 0 for stretch in stretches])
     parts = np.cumsum(begins | np.append(False, lost[:-1]))
@@ -252,7 +253,7 @@ def _fill(
     inexact = away > 1e-6
     if inexact.any() and len(place) > 1:
         at = slots[inexact]
-        smooth = PchipInterpolator(place, values, axis=0) if name in SMOOTH else None
+        smooth = PchipInterpolator(place, values, axis=0) if name in SMOOTH_CHANNELS else None
         filled[inexact] = smooth(at) if smooth else interpolated(at, place, values)
     return filled, missing, beyond
 
@@ -260,7 +261,7 @@ def _fill(
 def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
     """Return the columns of each channel: six for actual_q."""
     vectors: dict[str, list[str]] = {}
-    for column in frames.columns.difference(OWN, sort=False):
+    for column in frames.columns.difference(FRAME_COLUMNS, sort=False):
         name, _, suffix = column.rpartition("_")
         vectors.setdefault(name if suffix.isdigit() else column, []).append(column)
     return vectors
@@ -272,7 +273,7 @@ def _report_steps(timing: Timing, findings: list[Finding]) -> None:
         "median_ms": 1000 * timing.jitter_median,
         "most_ms": 1000 * timing.jitter_99,
     }
-    if not timing.regular or timing.jitter_99 > JITTER:
+    if not timing.regular or timing.jitter_99 > MIN_REPORTED_JITTER:
         name = "jitter" if timing.regular else "irregular steps"
         add_finding(findings, "robot", name, "note", 1, "", **values)
 

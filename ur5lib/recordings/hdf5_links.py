@@ -5,7 +5,7 @@ from typing import Any
 
 from ur5lib.errors import InputError
 
-MOST_LINKS = 16  # that HDF5 follows one after the other
+MAX_LINKS = 16  # that HDF5 follows one after the other
 
 
 def expect_inside(file: Any, name: str, path: Path, links: int = 0) -> None:
@@ -16,7 +16,7 @@ def expect_inside(file: Any, name: str, path: Path, links: int = 0) -> None:
     import h5py
 
     parts = name.strip("/").split("/")
-    for k in range(len(parts) if links <= MOST_LINKS else 0):
+    for k in range(len(parts) if links <= MAX_LINKS else 0):
         above, rest = "/".join(parts[:k]), "/".join(parts[k + 1 :])
         link = file.get(f"{above}/{parts[k]}", getlink=True)
         if isinstance(link, h5py.ExternalLink):

@@ -6,9 +6,11 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Mask
 
-FEWEST = 10  # values, by which a sensor shows how long its recorder holds each
-LEAST = 2.0  # rows for which most values are held; real sensors seldom repeat all components
-EVEN = 2.0  # a sensor's rate is even: few values last half as long as most, as chance would have it
+MIN_HELD_VALUES = 10  # values, by which a sensor shows how long its recorder holds each
+# rows for which most values are held; real sensors seldom repeat all components
+MIN_HELD_ROWS = 2.0
+# a sensor's rate is even: few values last half as long as most, as chance would have it
+MAX_HOLD_RATIO = 2.0
 
 
 def fresh_samples(values: Array) -> Mask | None:
@@ -19,10 +21,10 @@ def fresh_samples(values: Array) -> Mask | None:
     """
     changes = np.flatnonzero((np.diff(values, axis=0) != 0).any(axis=1)) + 1
     lasting = np.diff(changes)
-    if len(lasting) < FEWEST:
+    if len(lasting) < MIN_HELD_VALUES:
         return None
     soon, usual = np.quantile(lasting, [0.1, 0.5])
-    if usual < LEAST or usual >= EVEN * soon:
+    if usual < MIN_HELD_ROWS or usual >= MAX_HOLD_RATIO * soon:
         return None
     fresh = np.zeros(len(values), dtype=bool)
     for first, end in pairwise([0, *changes, len(values)]):

@@ -16,14 +16,14 @@ from ur5lib.recordings.starts import Span, robot_coverage
 from ur5lib.timeseries.arrays import Array
 
 COUNTER = "counter"  # column of a sensor's own count of its samples
-SHORT = 4.0  # s; a shorter recording of the robot determines no drift
-RESOLUTION = 1e-6  # s, of stamps
-NEXT = 5  # rank of the residual that serves as the error of a half
-ROUND_TRIP = 0.002  # s, the least one to a device, assumed because stamps do not show it
+MIN_DRIFT_TIME = 4.0  # s; a shorter recording of the robot determines no drift
+STAMP_RESOLUTION = 1e-6  # s, of stamps
+ERROR_RANK = 5  # rank of the residual that serves as the error of a half
+MIN_ROUND_TRIP = 0.002  # s, the least one to a device, assumed because stamps do not show it
 # s, standard uncertainty: least delays of two devices differ by half of it to either side, at most
-DELAY = ROUND_TRIP / 2 / np.sqrt(3)  # evenly distributed
-FEWEST = 4  # stamps that determine a line
-SHORT_STD = 1e-3  # default standard error of an undetermined rate
+DELAY_STD = MIN_ROUND_TRIP / 2 / np.sqrt(3)  # evenly distributed
+MIN_STAMPS = 4  # stamps that determine a line
+UNDETERMINED_RATE_STD = 1e-3  # default standard error of an undetermined rate
 
 
 @dataclass(frozen=True)
@@ -34,29 +34,29 @@ class Line:
     slope: float
     slope_std: float
 
-    def host(self, own: Array) -> Array:
+    def host(self, device: Array) -> Array:
         """Return the host's time (N,) [s] at times or counts of the device (N,)."""
-        return self.offset + self.slope * own
+        return self.offset + self.slope * device
 
     def own(self, host: Array) -> Array:
         """Return the device's time (N,) at times of the host (N,) [s]."""
         return (host - self.offset) / self.slope
 
 
-def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line:
+def least_delayed(device: Array, host: Array, nominal: float | None = None) -> Line:
     """Return the line below the stamps that leaves the least mean delay.
 
-    own: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
+    device: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
     nominal: slope of a record that is too short to determine one, None for that of its samples.
     No delay is negative, so the best line is a linear program; its solution is the edge of the
     lower convex hull of the stamps under their mean (S. B. Moon, P. Skelly, D. Towsley: Estimation
     and removal of clock skew from network delay measurements, INFOCOM 1999). Samples that were
     hardly delayed determine it, however late and however many the others are.
     """
-    elapsed, since = own - own[0], host - host[0]
-    if nominal is not None and since[-1] <= SHORT:
+    elapsed, since = device - device[0], host - host[0]
+    if nominal is not None and since[-1] <= MIN_DRIFT_TIME:
         offset = float((since - nominal * elapsed).min())
-        return Line(float(host[0] + offset - nominal * own[0]), nominal, SHORT_STD)
+        return Line(float(host[0] + offset - nominal * device[0]), nominal, UNDETERMINED_RATE_STD)
     trend = float(np.polyfit(elapsed, since, 1)[0])
     delay = since - trend * elapsed  # up to a constant, and small, so that the hull is exact
     first, last = _edge_below(elapsed, delay)
@@ -64,14 +64,14 @@ def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line
     offset = float(delay[first] - steeper * elapsed[first])
     std = _slope_std(elapsed, delay - offset - steeper * elapsed)
     slope = trend + steeper
-    return Line(float(host[0] + offset - slope * own[0]), slope, std)
+    return Line(float(host[0] + offset - slope * device[0]), slope, std)
 
 
 def _edge_below(elapsed: Array, delay: Array) -> tuple[int, int]:
     """Return the samples at both ends of the lower convex hull's edge under the mean time."""
     from scipy.spatial import ConvexHull  # slow to import; few recordings need it
 
-    height = max(float(np.ptp(delay)), RESOLUTION)
+    height = max(float(np.ptp(delay)), STAMP_RESOLUTION)
     stamps = np.column_stack([elapsed / elapsed[-1], (delay - delay.min()) / height])
     above = [[0.0, 2.0], [1.0, 2.0]]  # above all stamps, so that no hull is flat
     ends = ConvexHull(np.vstack([stamps, above])).simplices
@@ -87,10 +87,10 @@ def _slope_std(elapsed: Array, delay: Array) -> float:
     """Return the standard error of the slope: the next least delays of each half could shift it."""
     early = elapsed < elapsed.mean()
     halves = delay[early], delay[~early]
-    if min(map(len, halves)) <= NEXT:
-        return SHORT_STD
-    room, other = (float(np.partition(half, NEXT)[NEXT]) for half in halves)
-    return max(float(np.hypot(room, other)), RESOLUTION) / float(elapsed[-1] / 2)
+    if min(map(len, halves)) <= ERROR_RANK:
+        return UNDETERMINED_RATE_STD
+    room, other = (float(np.partition(half, ERROR_RANK)[ERROR_RANK]) for half in halves)
+    return max(float(np.hypot(room, other)), STAMP_RESOLUTION) / float(elapsed[-1] / 2)
 
 
 def without_delays(table: pd.DataFrame) -> pd.DataFrame:
@@ -119,7 +119,7 @@ def on_robot_clock(raw: RawRecording) -> RawRecording:
     if not sensors or "received" not in table or start is None:
         return raw
     stamped = table.loc[before_reset(table["time"].to_numpy()), ["time", "received"]].dropna()
-    if len(stamped) < FEWEST:
+    if len(stamped) < MIN_STAMPS:
         return raw
     own, host = stamped["time"].to_numpy(), stamped["received"].to_numpy()
     line = least_delayed(own, host, nominal=1.0)
@@ -143,5 +143,5 @@ def _placed(sensor: DeviceRecord, robot: Line, start: Stamp) -> DeviceRecord:
     host = sensor.start.seconds + sensor.table["time"].to_numpy()
     time = robot.own(host)
     table = sensor.table.assign(time=time - time[0])
-    stamp = Stamp(start.seconds + float(time[0]), DELAY, start.since, robot.slope_std)
+    stamp = Stamp(start.seconds + float(time[0]), DELAY_STD, start.since, robot.slope_std)
     return replace(sensor, table=table, start=stamp)

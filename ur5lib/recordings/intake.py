@@ -1,4 +1,4 @@
-"""Intake of a recording: read, repair and check it, find channels that it lacks from others."""
+"""Intake of a recording: read and repair it, find channels that it lacks from others."""
 
 import re
 import warnings
@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import columns, is_unused, joint_count, meant
+from ur5lib.channels import MEASURED_CURRENT, columns, is_unused, joint_count, meant
 from ur5lib.errors import InputError, some
-from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
@@ -26,10 +25,10 @@ from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.tables import channel, checksum, has_unit, named
 from ur5lib.timeseries.arrays import Array
 
-RAW, FREED = "ft_raw_wrench", "actual_TCP_force"
-TORQUE, CURRENT = "actual_current_as_torque", "actual_current"
-SENSED = "actual_torque"
-FREE = "actual_torque_less_gravity"
+RAW_WRENCH, TCP_FORCE = "ft_raw_wrench", "actual_TCP_force"
+MOTOR_TORQUE = "actual_current_as_torque"
+SENSED_TORQUE = "actual_torque"
+TORQUE_LESS_GRAVITY = "actual_torque_less_gravity"
 
 # Every column is a block of its own, so that it can be freed; pandas expects few blocks.
 warnings.filterwarnings(
@@ -39,7 +38,7 @@ warnings.filterwarnings(
 
 @dataclass(frozen=True)
 class Intake:
-    """The data of a recording, and the findings about it.
+    """The data of a recording, and the findings of reading and repairing it.
 
     robot: on a uniform time grid; sensors: each on its own clock.
     """
@@ -73,9 +72,6 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
         add_finding(findings, "force", "no moments", "note", len(sensed))
-    limits = arm.position_limits(), arm.velocity_limits()
-    findings += check_robot(robot, timing.period, *limits)
-    findings += [one for device, (own, _) in placed.items() for one in _doubts(device, own, arm)]
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -114,20 +110,13 @@ def _on_one_zero(
     Returns the robot's table.
     """
     if "force" not in placed:
-        robot, found = on_one_zero(robot, robot, arm)
+        robot, zeroed = on_one_zero(robot, robot, arm)
     else:
         record, start = placed["force"]
-        table, found = on_one_zero(record.table, robot, arm, start)
+        table, zeroed = on_one_zero(record.table, robot, arm, start)
         placed["force"] = replace(record, table=table), start
-    findings += found
+    findings += zeroed
     return robot
-
-
-def _doubts(device: Device, record: DeviceRecord, arm: Robot) -> list[Finding]:
-    """Return what contradicts that a sensor's file is of this sensor."""
-    if device == "force":
-        return check_force_sensor(record.table)
-    return check_imu(record.table, arm.mounting.imu_full_scale)
 
 
 def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
@@ -152,7 +141,7 @@ def unbounded(arm: Robot) -> list[str]:
     """
     joints = [joint - 1 for joint in arm.endless_joints or []]
     endless = [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
-    return endless + (columns(CURRENT, len(arm.joints)) if arm.senses_torque() else [])
+    return endless + (columns(MEASURED_CURRENT, len(arm.joints)) if arm.senses_torque() else [])
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:
@@ -190,10 +179,10 @@ def with_slow_sensor(
     if fresh_samples(samples[columns].to_numpy(float)) is None:
         return raw, frames
     log = Log(Path(raw.robot.source), "force", findings)
-    found = log.unless_unusable(lambda: repair_samples(samples, log))
+    record = log.unless_unusable(lambda: repair_samples(samples, log))
     sensors = dict(raw.sensors)
-    if found is not None:
-        sensors["force"] = on_robot_clock(replace(raw.robot, table=found.table))
+    if record is not None:
+        sensors["force"] = on_robot_clock(replace(raw.robot, table=record.table))
     return replace(raw, sensors=sensors), frames.drop(columns=columns)
 
 
@@ -205,10 +194,10 @@ def with_wrist_sensor(
     [N, Nm], environment on the arm, axes of frame 6, at the flange. robot: a repaired table; other:
     whether the study names a force sensor, whose readings are used instead.
     """
-    found = _reading(robot, arm) if arm.wrist_sensor else None
-    if found is None:
+    named_reading = _reading(robot, arm) if arm.wrist_sensor else None
+    if named_reading is None:
         return robot
-    name, reading = found
+    name, reading = named_reading
     code = "other force sensor" if other else ""
     add_finding(findings, "force", "wrist sensor", "note", 1, code, name=name)
     return robot if other else robot.assign(**dict(zip(FORCE_CHANNELS, reading.T, strict=True)))
@@ -220,13 +209,13 @@ def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:
     The raw reading, else the controller's `actual_TCP_force` (base axes, without the configured
     payload, zeroed by the program): on a real UR5e both have the same moments, at the flange.
     """
-    if _varies(robot, RAW):
-        return RAW, channel(robot, RAW)
-    if not _varies(robot, FREED):
+    if _varies(robot, RAW_WRENCH):
+        return RAW_WRENCH, channel(robot, RAW_WRENCH)
+    if not _varies(robot, TCP_FORCE):
         return None
     rotation = link_frames(arm, channel(robot, "actual_q"))[0][:, -1]
-    halves = channel(robot, FREED).reshape(-1, 2, 3)
-    return FREED, (halves @ rotation).reshape(-1, 6)
+    halves = channel(robot, TCP_FORCE).reshape(-1, 2, 3)
+    return TCP_FORCE, (halves @ rotation).reshape(-1, 6)
 
 
 def _varies(robot: pd.DataFrame, name: str) -> bool:
@@ -245,18 +234,18 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
     less gravity, that of the arm is added before. Of joints that sense their torque,
     the constants are 1: for A, read Nm.
     """
-    if f"{FREE}_0" in table and f"{TORQUE}_0" not in table:
+    if f"{TORQUE_LESS_GRAVITY}_0" in table and f"{MOTOR_TORQUE}_0" not in table:
         gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
-        table = table.assign(**named(channel(table, FREE) + gravity, TORQUE))
+        table = table.assign(**named(channel(table, TORQUE_LESS_GRAVITY) + gravity, MOTOR_TORQUE))
         add_finding(findings, "robot", "gravity added", "note", len(table), arm=arm.name)
-    name = next((name for name in (TORQUE, SENSED) if f"{name}_0" in table), None)
-    if name is None or f"{CURRENT}_0" in table:
+    name = next((name for name in (MOTOR_TORQUE, SENSED_TORQUE) if f"{name}_0" in table), None)
+    if name is None or f"{MEASURED_CURRENT}_0" in table:
         return table
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
         add_finding(findings, "robot", "no currents", "warning", len(table), arm=arm.name)
         return table
-    if name == TORQUE:
-        known = {"constants": constants.tolist(), "arm": arm.name}
-        add_finding(findings, "robot", "currents from torques", "note", len(table), **known)
-    return table.assign(**named(channel(table, name) / constants, CURRENT))
+    if name == MOTOR_TORQUE:
+        values = {"constants": constants.tolist(), "arm": arm.name}
+        add_finding(findings, "robot", "currents from torques", "note", len(table), **values)
+    return table.assign(**named(channel(table, name) / constants, MEASURED_CURRENT))

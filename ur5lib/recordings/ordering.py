@@ -10,10 +10,11 @@ from ur5lib.channels import joint_count
 from ur5lib.recordings.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-RESET_RUN = 50  # frames; a jump back in time followed by fewer is disorder, not a clock reset
-TRAVEL = 1e-3  # rad a cycle, of all joints: ten times the noise of positions
-FREE = 1.5  # cycles to the next stamp, from which on a slot between is free
-HALF = 0.5  # of a cycle, by which a frame must be late on both sides
+# frames; a jump back in time followed by fewer is disorder, not a clock reset
+MIN_RESET_FRAMES = 50
+MIN_TRAVEL = 1e-3  # rad a cycle, of all joints: ten times the noise of positions
+MIN_FREE_CYCLES = 1.5  # cycles to the next stamp, from which on a slot between is free
+MIN_LATENESS = 0.5  # of a cycle, by which a frame must be late on both sides
 
 
 def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
@@ -43,9 +44,11 @@ def epochs(time: np.ndarray) -> np.ndarray:
     starts = np.flatnonzero(np.diff(time) < 0) + 1
     bounds = np.concatenate([[0], starts, [len(time)]])
     reset = np.zeros(len(time), dtype=int)
-    if len(starts) and np.diff(bounds).min() >= RESET_RUN:
+    if len(starts) and np.diff(bounds).min() >= MIN_RESET_FRAMES:
         before = time[bounds[:-2]], time[starts - 1]
-        reset[starts] = (time[starts] <= before[0]) | (time[starts + RESET_RUN - 1] < before[1])
+        reset[starts] = (time[starts] <= before[0]) | (
+            time[starts + MIN_RESET_FRAMES - 1] < before[1]
+        )
     return np.cumsum(reset)  # shorter runs are frames out of order, not a clock reset
 
 
@@ -74,10 +77,10 @@ def drop_repeats(
     """
     if frames["time"].is_unique:  # the usual case, and quick to test
         return frames
-    time, own = frames["time"].to_numpy(), frames[[*sent] or [*frames]]
-    repeated = own.duplicated()
+    time, data = frames["time"].to_numpy(), frames[[*sent] or [*frames]]
+    repeated = data.duplicated()
     if epochs(time[~repeated]).max() > 0:  # after a reset, timestamps may legitimately recur
-        repeated = own.assign(epoch=epochs(time)).duplicated()
+        repeated = data.assign(epoch=epochs(time)).duplicated()
     add_finding(findings, device, "repeated frames", "note", repeated.sum())
     return frames[~repeated].reset_index(drop=True)
 
@@ -97,7 +100,7 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
     cycle = np.median(steps[np.isfinite(steps)])
     # exactly the next stamp's time, or frames would lie apart by a rounding error
     next_slot = np.where(
-        steps < FREE * cycle, np.append(time[~stale][1:], np.inf), time[~stale] + cycle
+        steps < MIN_FREE_CYCLES * cycle, np.append(time[~stale][1:], np.inf), time[~stale] + cycle
     )
     moved = frames.assign(time=np.where(stale, next_slot[stamp], time))
     moved = moved.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
@@ -156,7 +159,7 @@ def _one_cycle_late(
     for (time_0, q_0, qd_0), (time_1, q_1, qd_1) in ((before, here), (here, after)):
         velocity = (qd_0 + qd_1) / 2
         surplus, travel = q_1 - q_0 - velocity * (time_1 - time_0), velocity * cycle
-        square = np.maximum(np.sum(travel**2, axis=1), TRAVEL**2)
+        square = np.maximum(np.sum(travel**2, axis=1), MIN_TRAVEL**2)
         lateness.append(np.sum(surplus * travel, axis=1) / square)
     to_here, to_next = lateness
-    return (to_here < -HALF) & (to_next > HALF)
+    return (to_here < -MIN_LATENESS) & (to_next > MIN_LATENESS)

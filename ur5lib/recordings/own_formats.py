@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,12 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.strict import expect_file
 from ur5lib.workspace.extensions import additions
 
-OWN = "own"  # the formats' common name in a study; endings tell them apart
+OWN_FORMAT = "own"  # the formats' common name in a study; endings tell them apart
 Read = Callable[[Path], dict[str, Any]]
 
 
-def added() -> dict[str, Read]:
+@cache
+def own_readers() -> dict[str, Read]:
     """Return the workspace's readers by the endings of their files.
 
     Raises InputError where one is no function, or ur5lib reads files of that ending.
@@ -33,9 +35,6 @@ def added() -> dict[str, Read]:
     return readers
 
 
-READERS = added()
-
-
 def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the arrays that the reader of files with this ending gives; None: all.
 
@@ -45,13 +44,14 @@ def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
     ending = path.suffix.lower()
     if not path.is_file():
         raise InputError(f"{path} is missing; add it, or remove the recording from the study")
-    if ending not in READERS:
+    readers = own_readers()
+    if ending not in readers:
         raise InputError(
-            f"{path}: no extension reads `{ending}` (but {', '.join(READERS) or 'nothing'}); add "
+            f"{path}: no extension reads `{ending}` (but {', '.join(readers) or 'nothing'}); add "
             "its reader to extensions/formats.py in the workspace"
         )
     try:
-        arrays = {name: np.asarray(own) for name, own in READERS[ending](path).items()}
+        arrays = {name: np.asarray(own) for name, own in readers[ending](path).items()}
     except InputError:
         raise
     except Exception as error:  # whatever a user's code does
@@ -66,5 +66,5 @@ def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
     }
 
 
-LOADERS[OWN] = own_arrays
-ENDINGS.update(dict.fromkeys(READERS, OWN))
+LOADERS[OWN_FORMAT] = own_arrays
+ENDINGS.update(dict.fromkeys(own_readers(), OWN_FORMAT))

@@ -15,19 +15,21 @@ from ur5lib.tables import unit
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
-FEW = 0.05  # share of frames that may be discarded; more indicates a wrong unit, not damage
-PAUSE = 60.0  # s; a few frames beyond such a pause are strays
-SHORTEST_STEP, LONGEST_STEP = 2e-4, 1.0  # s; other steps mean that time is not in seconds
-AROUND = 2  # frames on each side that a timestamp is compared with
-FAR = 5.0  # times the largest usual step; a value that falls to zero by more was not received
-USUAL = 0.99  # quantile of a column's steps that is still usual
-NOISY = "actual_current_"  # channels that are never zero for long while other joints' are not
-LIKELY = {"rad": "is it in degrees? ", "A": "is it in mA? "}  # by the start of a unit
-SLOW = 0.1  # rad/s; drivers round smaller velocities to zero
-LONG, POWERED = 5, 50  # rows
-SMALLEST = (
-    1e-50  # in any unit; single precision ends at 1e-45, what is nearer to zero is stray bytes
-)
+# share of frames that may be discarded; more indicates a wrong unit, not damage
+MAX_SHARE_IMPOSSIBLE = 0.05
+STRAY_PAUSE = 60.0  # s; a few frames beyond such a pause are strays
+MIN_STEP, MAX_STEP = 2e-4, 1.0  # s; other steps mean that time is not in seconds
+NEIGHBOURS = 2  # frames on each side that a timestamp is compared with
+MIN_LEAP = 5.0  # times the largest usual step; a value that falls to zero by more was not received
+USUAL_QUANTILE = 0.99  # quantile of a column's steps that is still usual
+# channels that are never zero for long while other joints' are not
+NOISY_COLUMNS = "actual_current_"
+LIKELY_UNITS = {"rad": "is it in degrees? ", "A": "is it in mA? "}  # by the start of a unit
+ROUNDED_SPEED = 0.1  # rad/s; drivers round smaller velocities to zero
+MIN_DEAD_ROWS = 5  # of zeros of some joints' currents, which were not received
+MIN_POWERLESS_ROWS = 50  # of zeros of all currents, of an arm without power
+# in any unit; single precision ends at 1e-45, what is nearer to zero is stray bytes
+SMALLEST_VALUE = 1e-50
 
 
 def drop_implausible(
@@ -61,24 +63,24 @@ def drop_implausible(
 def _beyond(channels: pd.DataFrame, bound: float, source: str) -> Mask:
     """Return which rows (N,) exceed a bound. Raises InputError when more than a few do."""
     beyond = (np.abs(channels.to_numpy(float)) > bound).any(axis=1)
-    if beyond.mean() > FEW:
+    if beyond.mean() > MAX_SHARE_IMPOSSIBLE:
         size = channels.abs()
         channel = str((size > bound).sum().idxmax())
         middle = size[channel].where(size[channel] > bound).median()
         raise InputError(
             f"{source}: {channel} exceeds {bound:.4g} {unit(channel)} in "
             f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); "
-            f"{LIKELY.get(unit(channel)[:3], '')}correct the file, or the column or unit that the "
-            "study gives it (raw/README.md)"
+            f"{LIKELY_UNITS.get(unit(channel)[:3], '')}"
+            "correct the file, or the column or unit that the study gives it (raw/README.md)"
         )
     return beyond
 
 
-def check_pace(time: Array, source: str, shortest: float = SHORTEST_STEP) -> None:
+def check_pace(time: Array, source: str, shortest: float = MIN_STEP) -> None:
     """Raise InputError when the steps between timestamps [s] cannot be those of a recording."""
     steps = np.diff(np.sort(time))
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    if not shortest <= step <= LONGEST_STEP:
+    if not shortest <= step <= MAX_STEP:
         raise InputError(
             f"{source}: the median step between timestamps is {step:.4g} s; check that the time "
             "column is in seconds and has all its digits, or name its unit in the study "
@@ -89,7 +91,7 @@ def check_pace(time: Array, source: str, shortest: float = SHORTEST_STEP) -> Non
 def stray_times(time: Array) -> Mask:
     """Return which timestamps [s] (N,) are far from all others or from their neighbours."""
     steps = np.diff(time)
-    if len(time) < 2 * AROUND + 1 or (steps.min() >= 0 and steps.max() <= PAUSE):
+    if len(time) < 2 * NEIGHBOURS + 1 or (steps.min() >= 0 and steps.max() <= STRAY_PAUSE):
         return np.zeros(len(time), dtype=bool)
     strays = _islands(time)
     strays[~strays] = _contradicted(time[~strays])
@@ -110,19 +112,21 @@ def before_reset(time: Array) -> Mask:
 
 def _contradicted(time: Array) -> Mask:
     """Return which timestamps are far from the median of their neighbours in the file."""
-    if np.mean(np.diff(time) < 0) > FEW:  # the rows are shuffled: neighbours mean nothing
+    # where the rows are shuffled, neighbours mean nothing
+    if np.mean(np.diff(time) < 0) > MAX_SHARE_IMPOSSIBLE:
         return np.zeros(len(time), dtype=bool)
-    around = sliding_window_view(np.pad(time, AROUND, mode="reflect"), 2 * AROUND + 1)
-    return np.abs(time - np.median(around, axis=1)) > LONGEST_STEP
+    around = sliding_window_view(np.pad(time, NEIGHBOURS, mode="reflect"), 2 * NEIGHBOURS + 1)
+    return np.abs(time - np.median(around, axis=1)) > MAX_STEP
 
 
 def _islands(time: Array) -> Mask:
     """Return which timestamps lie beyond a long pause, with only few others."""
     order = np.argsort(time, kind="stable")
-    island = np.concatenate([[0], np.cumsum(np.diff(time[order]) > PAUSE)])
+    island = np.concatenate([[0], np.cumsum(np.diff(time[order]) > STRAY_PAUSE)])
     strays = np.empty(len(time), dtype=bool)
-    strays[order] = np.bincount(island)[island] < max(2, FEW * len(time))
-    return strays & (strays.mean() <= FEW)  # more indicate a wrong unit, not damage
+    strays[order] = np.bincount(island)[island] < max(2, MAX_SHARE_IMPOSSIBLE * len(time))
+    # more indicate a wrong unit, not damage
+    return strays & (strays.mean() <= MAX_SHARE_IMPOSSIBLE)
 
 
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
@@ -130,11 +134,12 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     while those of other joints are not.
     """
     values = table.to_numpy(float)
-    stray = (values != 0.0) & (np.abs(values) < SMALLEST)
-    least = [SLOW if "_qd_" in name else 0.0 for name in table]  # slow joints round to zero
+    stray = (values != 0.0) & (np.abs(values) < SMALLEST_VALUE)
+    # velocities of slow joints are rounded to zero
+    least = [ROUNDED_SPEED if "_qd_" in name else 0.0 for name in table]
     fallen = [_fallen(values[:, k], leap) for k, leap in enumerate(least)]
     wrong = stray | np.stack(fallen, axis=1)
-    noisy = [k for k, name in enumerate(table) if name.startswith(NOISY)]
+    noisy = [k for k, name in enumerate(table) if name.startswith(NOISY_COLUMNS)]
     if noisy:
         wrong[:, noisy] |= _dead(values[:, noisy])
     if not wrong.any():
@@ -146,12 +151,12 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
 def _fallen(column: Array, least: float) -> Mask:
     """Return which cells (N,) of a column lie in runs of zeros that begin or end in a leap."""
     zero = column == 0.0
-    known = column[~zero & (np.abs(column) < np.sqrt(np.finfo(float).max))]
-    steps = np.abs(np.diff(known))
+    received = column[~zero & (np.abs(column) < np.sqrt(np.finfo(float).max))]
+    steps = np.abs(np.diff(received))
     wrong = np.zeros(len(column), dtype=bool)
     if not zero.any() or not len(steps):
         return wrong
-    leap = max(least, FAR * np.quantile(steps, USUAL))
+    leap = max(least, MIN_LEAP * np.quantile(steps, USUAL_QUANTILE))
     for start, end in runs(zero):
         beside = [column[k] for k in (start - 1, end) if 0 <= k < len(column)]
         wrong[start:end] = np.nanmax(np.abs(beside)) > leap
@@ -167,8 +172,8 @@ def _dead(currents: Array) -> Mask:
     zero = (currents == 0.0) & ~off[:, None]
     wrong = np.zeros_like(zero)
     for start, end in runs(off):
-        wrong[start:end] = end - start < POWERED
+        wrong[start:end] = end - start < MIN_POWERLESS_ROWS
     for joint, column in enumerate(zero.T):
         for start, end in runs(column):
-            wrong[start:end, joint] = end - start >= LONG and not column.all()
+            wrong[start:end, joint] = end - start >= MIN_DEAD_ROWS and not column.all()
     return wrong

@@ -1,16 +1,13 @@
-"""Postures at rest, of a recording without time: read, checked, and rows of one posture joined."""
+"""Postures at rest, of a recording without time: read, and rows of one posture joined."""
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import columns
+from ur5lib.channels import CURRENTS, MEASURED_CURRENT, columns
 from ur5lib.errors import InputError
-from ur5lib.recordings.block_means import CURRENTS, BlockMeans
-from ur5lib.recordings.checks import check_robot
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
-from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.intake import known_frames, unbounded
 from ur5lib.recordings.plausibility import drop_implausible
 from ur5lib.recordings.quality import Finding, Quality, add_finding
@@ -18,8 +15,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels
 
-SAME = 0.005  # rad; consecutive rows that differ by less in each joint are one posture
-AT_REST = (  # channels that are used
+# rad; consecutive rows that differ by less in each joint are one posture
+MAX_POSTURE_CHANGE = 0.005
+CHANNELS_AT_REST = (  # channels that are used
     *("actual_q", "target_q", "target_moment", *CURRENTS),
     *("payload", "payload_cog", "payload_inertia", "tcp_offset"),
 )
@@ -36,9 +34,9 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
     source = raw.robot.source
     whole = _complete(frames, source, arm, findings)
     rows = drop_implausible(whole, source, "robot", findings, unbounded(arm))
-    used = [name for of in AT_REST for name in columns(of, len(arm.joints)) if name in rows]
+    usable = (name for one in CHANNELS_AT_REST for name in columns(one, len(arm.joints)))
+    used = [name for name in usable if name in rows]
     postures = rows[used].groupby(_posture(channel(rows, "actual_q"))).mean()
-    findings += check_robot(postures, 1.0, arm.position_limits(), arm.velocity_limits())
     quality = Quality(
         rows=len(frames),
         frames=len(postures),
@@ -56,11 +54,11 @@ def _complete(
 ) -> pd.DataFrame:
     """Return the rows with all positions and currents; there must be two."""
     joints = len(arm.joints)
-    needed = columns("actual_q", joints) + columns(CURRENT, joints)
+    needed = columns("actual_q", joints) + columns(MEASURED_CURRENT, joints)
     if not {*needed} <= {*frames}:
         raise InputError(
-            f"{source}: has no {CURRENT}_0 to {CURRENT}_{joints - 1}, without which postures at "
-            "rest tell nothing; name their columns in the study"
+            f"{source}: has no {MEASURED_CURRENT}_0 to {MEASURED_CURRENT}_{joints - 1}, "
+            "without which postures at rest tell nothing; name their columns in the study"
         )
     whole = np.isfinite(frames[needed].to_numpy(float)).all(axis=1)
     if whole.sum() < 2:
@@ -71,20 +69,11 @@ def _complete(
     return frames[whole].reset_index(drop=True)
 
 
-def posture_means(postures: pd.DataFrame) -> BlockMeans:
-    """Return postures as blocks without motion; friction at rest may have a mean."""
-    q = channel(postures, "actual_q")
-    moment = channel(postures, "target_moment") if "target_moment_0" in postures else None
-    currents = {name: channel(postures, name) for name in CURRENTS if f"{name}_0" in postures}
-    still = np.zeros_like(q)
-    return BlockMeans(q, still, still, moment, currents, offset=True, independent=1.0)
-
-
 def _posture(q: Array) -> Labels:
     """Return labels (N,) of the postures of rows with positions (N, n) [rad]."""
     first, label, labels = q[0], 0, []
     for row in q:
-        if np.abs(row - first).max() > SAME:
+        if np.abs(row - first).max() > MAX_POSTURE_CHANGE:
             first, label = row, label + 1
         labels.append(label)
     return np.array(labels)

@@ -11,7 +11,8 @@ T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
 Severity = Literal["stop", "error", "warning", "note"]
 GIVEN_LOAD = "given load"  # the finding that the controller counts with a load unknown to the study
-MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
+# share of target_moment that the right arm may leave; it leaves 0.063 at most
+MAX_SHARE_UNMODELLED = 0.15
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
@@ -22,8 +23,8 @@ class Finding:
 
     severity: stop (the recording contradicts the study), error (the device is unusable), warning
     (results may suffer), note (harmless); count: number of samples, rows or files; values: numbers
-    and names in the sentence about it, which stands in `report/templates/findings.yaml` under its
-    code, or else under the finding's name.
+    and names in the sentence about it, which stands in `report/page/templates/findings.yaml` under
+    its code, or else under the finding's name.
     """
 
     device: Device

@@ -23,22 +23,24 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding, add_finding
-from ur5lib.robots.realtime_message import SOFTWARE, fields
+from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE, fields
 from ur5lib.strict import expect_file
 from ur5lib.tables import columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 HEADER = b"received_s"
-BLOCK = 1 << 21  # bytes that are searched at a time; no line may be twice as long
-HEAD = 12  # bytes: size and timestamp
-RUN = 1024  # messages processed together, so that they stay in the cache
-EVIDENCE = 16  # messages whose timestamps decide between size words
-MARGIN = (EVIDENCE + 2) * max(SOFTWARE)  # bytes that such a comparison may look at
-SHORTEST, LONGEST = 1e-4, 60.0  # s, between consecutive messages, unless the timestamp is stale
-SETTLED = 1.0  # s, longest step where no earlier message confirms the first
-AGES = 1e9  # s; longer than any controller runs
+BLOCK_BYTES = 1 << 21  # bytes that are searched at a time; no line may be twice as long
+HEAD_BYTES = 12  # bytes: size and timestamp
+RUN_MESSAGES = 1024  # messages processed together, so that they stay in the cache
+EVIDENCE_MESSAGES = 16  # messages whose timestamps decide between size words
+MARGIN_BYTES = (EVIDENCE_MESSAGES + 2) * max(
+    SOFTWARE_BY_SIZE
+)  # bytes that such a comparison may look at
+MIN_STEP, MAX_STEP = 1e-4, 60.0  # s, between consecutive messages, unless the timestamp is stale
+MAX_UNCONFIRMED_STEP = 1.0  # s, longest step where no earlier message confirms the first
+MAX_TIMESTAMP = 1e9  # s; longer than any controller runs
 
-SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE))
+SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE_BY_SIZE))
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ class _Messages:
         self.length += len(payload)
         self.received.append(received)
         self.ends.append(self.length)
-        if self.length - self._searched > BLOCK:
+        if self.length - self._searched > BLOCK_BYTES:
             self._search(more=True)
 
     def interrupt(self) -> None:
@@ -95,7 +97,7 @@ class _Messages:
         stream = b"".join(self._waiting)
         offset = self.length - len(stream)
         at, end = 0, len(stream)
-        limit = end - MARGIN if more else end
+        limit = end - MARGIN_BYTES if more else end
         while at < limit:
             at = min(_seek(stream, at, end, self._last), limit)
             if at == limit:
@@ -149,8 +151,8 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
         add_finding(findings, "robot", "damaged lines", "warning", *damage, line=damaged[0])
     if not messages.runs:
         raise InputError(
-            f"{path} has no complete message of a known layout ({min(SOFTWARE)} to "
-            f"{max(SOFTWARE)} bytes); capture port 30003 again, with one line "
+            f"{path} has no complete message of a known layout ({min(SOFTWARE_BY_SIZE)} to "
+            f"{max(SOFTWARE_BY_SIZE)} bytes); capture port 30003 again, with one line "
             "`received_s,payload_hex` per recv"
         )
     size = _layout(messages.counts, findings)
@@ -165,8 +167,8 @@ def _read(path: Path) -> tuple[_Messages, list[int]]:
     """
     messages, damaged, number = _Messages(path.stat().st_size // 2), list[int](), 0
     with path.open("rb") as file:
-        for number, line in enumerate(iter(partial(file.readline, 2 * BLOCK), b""), 1):
-            if len(line) == 2 * BLOCK:
+        for number, line in enumerate(iter(partial(file.readline, 2 * BLOCK_BYTES), b""), 1):
+            if len(line) == 2 * BLOCK_BYTES:
                 raise _no_csv(path)
             if not line.strip() or (number == 1 and line.startswith(HEADER)):
                 continue
@@ -204,9 +206,9 @@ def _seek(stream: bytes, at: int, end: int, last: float) -> int:
     if _follows(np.array([last]), _stamps(stream, at, end, 1)[1]).any():
         return at
     while word := SIZE_WORD.search(stream, at, end):
-        at = min(word.start() + max(SOFTWARE), end)
+        at = min(word.start() + max(SOFTWARE_BY_SIZE), end)
         words = [word.start() for word in SIZE_WORD.finditer(stream, word.start(), at)]
-        trusts = [_trust(_stamps(stream, word, end, EVIDENCE)[1], last) for word in words]
+        trusts = [_trust(_stamps(stream, word, end, EVIDENCE_MESSAGES)[1], last) for word in words]
         if max(trusts) > 0:
             return words[trusts.index(max(trusts))]
         at -= 3  # a size word may straddle this offset
@@ -220,12 +222,12 @@ def _stamps(stream: bytes, at: int, end: int, most: int) -> tuple[int, Array]:
     there is no size word.
     """
     size = int.from_bytes(stream[at : at + 4], "big")
-    if size not in SOFTWARE or at + HEAD > end:
+    if size not in SOFTWARE_BY_SIZE or at + HEAD_BYTES > end:
         return 0, np.zeros(0)
-    count = min(most, (end - at - HEAD) // size + 1)
+    count = min(most, (end - at - HEAD_BYTES) // size + 1)
     agree = np.ndarray(count, ">i4", stream, at, (size,)) == size
     stamps = np.ndarray(count, ">f8", stream, at + 4, (size,)).astype(np.float64)
-    possible = (stamps == 0) | ((stamps >= SHORTEST) & (stamps <= AGES))
+    possible = (stamps == 0) | ((stamps >= MIN_STEP) & (stamps <= MAX_TIMESTAMP))
     return size, stamps[: _leading(agree & possible)]
 
 
@@ -234,10 +236,10 @@ def _leading(flags: Mask) -> int:
     return len(flags) if flags.all() else int(flags.argmin())
 
 
-def _follows(before: Array, after: Array, longest: float = LONGEST) -> Mask:
+def _follows(before: Array, after: Array, longest: float = MAX_STEP) -> Mask:
     """Return whether timestamps [s] can be consecutive: advanced, or stale, as does occur."""
     step = after - before
-    return ((step == 0) & (after > 0)) | ((step >= SHORTEST) & (step <= longest))
+    return ((step == 0) & (after > 0)) | ((step >= MIN_STEP) & (step <= longest))
 
 
 def _trust(stamps: Array, last: float) -> int:
@@ -247,28 +249,28 @@ def _trust(stamps: Array, last: float) -> int:
     """
     if not len(stamps):
         return 0
-    count = _leading(_follows(stamps[:-1], stamps[1:], SETTLED))
+    count = _leading(_follows(stamps[:-1], stamps[1:], MAX_UNCONFIRMED_STEP))
     moved = int(np.count_nonzero(np.diff(stamps[: count + 1])))
     if _follows(np.array([last]), stamps[:1])[0]:
-        return 2 * EVIDENCE + 1 + count + moved
+        return 2 * EVIDENCE_MESSAGES + 1 + count + moved
     if len(stamps) == 1:
         return int(math.isnan(last))
     return count + moved if moved else 0
 
 
 def _whole(stream: bytes, at: int, end: int) -> tuple[int, int]:
-    """Return how many messages from an offset on are complete, at most RUN, and their size.
+    """Return how many of RUN_MESSAGES from an offset on are complete, and their size.
 
     A message is complete if its last byte is followed by another message or by the end.
     """
-    size, stamps = _stamps(stream, at, end, RUN)
+    size, stamps = _stamps(stream, at, end, RUN_MESSAGES)
     count = _leading(_follows(stamps[:-1], stamps[1:]))
     if count:
         return count, size
     at += size
-    if end - at < HEAD:  # too short for a timestamp: the end, or only a size word
+    if end - at < HEAD_BYTES:  # too short for a timestamp: the end, or only a size word
         return int(at == end or SIZE_WORD.match(stream, at, end) is not None), size
-    return int(_trust(_stamps(stream, at, end, EVIDENCE)[1], float(stamps[0])) > 0), size
+    return int(_trust(_stamps(stream, at, end, EVIDENCE_MESSAGES)[1], float(stamps[0])) > 0), size
 
 
 def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
@@ -312,5 +314,5 @@ def _frame(messages: _Messages, size: int) -> pd.DataFrame:
         count = place.stop - place.start
         names += columns(name, count) if count > 1 else [name]
     frame = pd.DataFrame(table.T, columns=names, copy=False)
-    frame.attrs = {"message_bytes": size, "software": SOFTWARE[size]}
+    frame.attrs = {"message_bytes": size, "software": SOFTWARE_BY_SIZE[size]}
     return frame

@@ -12,7 +12,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import Arrays, array_format, rows_of
 from ur5lib.recordings.bag_chunks import with_bounded_chunks
-from ur5lib.recordings.limits import NUMBER, expect_room
+from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -149,7 +149,7 @@ def _collect(
     for connection, received, raw in bag.messages(connections=known) if known else ():
         missing -= 1
         size += len(raw)
-        expect_room(path, size / NUMBER)
+        expect_room(path, size / BYTES_PER_NUMBER)
         try:
             message, kind = bag.deserialize(raw, connection.msgtype), connection.msgtype
             messages = topics.get(connection.topic, Messages())

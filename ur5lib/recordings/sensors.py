@@ -22,10 +22,11 @@ from ur5lib.timeseries.arrays import Array
 
 FORCE_CHANNELS = columns("ft")
 FORCES = FORCE_CHANNELS[:3]  # all that some sensors have
-NOTHING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
-GAP, LONG_GAP = 2.5, 4.0  # in usual steps: counted as lost samples; reported even if single
-LONGEST_STAMP = 1000  # characters of a file that holds one
-FEW = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter
+UNCONNECTED_READING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
+# in usual steps: counted as lost samples; reported even if single
+GAP_STEPS, LONG_GAP_STEPS = 2.5, 4.0
+MAX_STAMP_LENGTH = 1000  # characters of a file that holds one
+MAX_SHARE_LOST = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter
 STAMP_STD = 0.05  # s, uncertainty of a start stamp of unknown origin
 
 
@@ -76,7 +77,7 @@ def first_number(path: Path, ended: bool = False) -> float | None:
     text = ""
     if path.is_file():
         with path.open(errors="replace") as stream:
-            text = stream.read(LONGEST_STAMP)
+            text = stream.read(MAX_STAMP_LENGTH)
     words = text.split()
     try:
         number = float(words[0]) if words and (text[len(words[0]) :] or not ended) else math.nan
@@ -155,7 +156,8 @@ def _nothing(table: pd.DataFrame, device: Device) -> str | None:
     whole = table.dropna()
     if len(whole) < 2:
         return "no rows"
-    if device == "force" and (whole.drop(columns="time").abs() <= NOTHING).all(axis=None):
+    readings = whole.drop(columns="time").abs()
+    if device == "force" and (readings <= UNCONNECTED_READING).all(axis=None):
         return "only zeros"
     return None
 
@@ -174,12 +176,12 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
     """Report lost samples and repeated timestamps beyond a device's ordinary jitter."""
     steps = np.diff(time)
     usual, median = np.quantile(steps, [0.25, 0.5])
-    lost = int(np.rint(steps[steps > GAP * usual] / median - 1).clip(min=0).sum())
-    if lost > FEW * len(time) or steps.max() > LONG_GAP * median:
+    lost = int(np.rint(steps[steps > GAP_STEPS * usual] / median - 1).clip(min=0).sum())
+    if lost > MAX_SHARE_LOST * len(time) or steps.max() > LONG_GAP_STEPS * median:
         values = {"longest_ms": 1000 * float(steps.max()), "median_ms": 1000 * float(median)}
         add_finding(findings, device, "lost samples", "warning", max(lost, 1), "", **values)
     still = int((steps == 0).sum())
-    if still > FEW * len(time):
+    if still > MAX_SHARE_LOST * len(time):
         add_finding(findings, device, "stale stamps", "warning", still, "stale samples")
 
 

@@ -7,11 +7,11 @@ from ur5lib.recordings.plausibility import before_reset
 from ur5lib.recordings.quality import Device, Finding, StartOffset, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 
-TOLERANCE = 2.0  # s that a device may lack at the start and the end together
-UNSURE = 0.005  # share of a recording that a clock may drift
-SPREAD = 3.0  # standard deviations of a start stamp that may be its error
-SHORTEST = 0.05  # s, shortest missing part that is reported
-FINDING = "part missing"
+MAX_MISSING_TIME = 2.0  # s that a device may lack at the start and the end together
+MAX_CLOCK_DRIFT = 0.005  # share of a recording that a clock may drift
+START_STAMP_SPREAD = 3.0  # standard deviations of a start stamp that may be its error
+MIN_REPORTED_TIME = 0.05  # s, shortest missing part that is reported
+PART_MISSING = "part missing"
 
 Span = tuple[float, float]  # first and last sample [s], by the robot's clock
 
@@ -23,12 +23,13 @@ def sensor_coverage(device: Device, span: Span, robot: Span, std: float) -> list
     """
     late, early = max(0.0, span[0] - robot[0]), max(0.0, robot[1] - span[1])
     whole = robot[1] - robot[0]
-    if late + early <= TOLERANCE + UNSURE * whole + SPREAD * std:
+    if late + early <= MAX_MISSING_TIME + MAX_CLOCK_DRIFT * whole + START_STAMP_SPREAD * std:
         return []
     lacks = {(True, False): "start missing", (False, True): "end missing"}
     values = {"covered_s": whole - late - early, "whole_s": whole, "late_s": late, "early_s": early}
-    code = lacks.get((late >= SHORTEST, early >= SHORTEST), "start and end missing")
-    return [Finding(device, FINDING, "warning", 1, values, code)]
+    reported = late >= MIN_REPORTED_TIME, early >= MIN_REPORTED_TIME
+    code = lacks.get(reported, "start and end missing")
+    return [Finding(device, PART_MISSING, "warning", 1, values, code)]
 
 
 def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
@@ -38,10 +39,10 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
     """
     whole = min(robot[0], sensors[0]), max(robot[1], sensors[1])
     covered, total = robot[1] - robot[0], whole[1] - whole[0]
-    if total - covered <= TOLERANCE + UNSURE * total:
+    if total - covered <= MAX_MISSING_TIME + MAX_CLOCK_DRIFT * total:
         return []
     values = {"covered_s": covered, "whole_s": total}
-    return [Finding("robot", FINDING, "warning", 1, values, "robot missing")]
+    return [Finding("robot", PART_MISSING, "warning", 1, values, "robot missing")]
 
 
 def place_sensors(

@@ -12,11 +12,11 @@ from ur5lib.recordings.limits import expect_short_text, longest_line, too_large
 from ur5lib.recordings.quality import Log
 from ur5lib.strict import expect_file
 
-SIZE = 1 << 25  # bytes of a block
-SHORT = 1 << 20  # bytes; a shorter rest joins the block before it
+BLOCK_BYTES = 1 << 25  # bytes of a block
+MIN_BLOCK_BYTES = 1 << 20  # bytes; a shorter rest joins the block before it
 BRACKETS, LETTERS = b"()[]", re.compile(rb"[A-DF-Za-df-z]")  # all but the e of 1e-3
-QUOTED, SEPARATORS = re.compile(rb'"[^"\n]*"'), re.compile(rb"[,;\t]")
-GZIP, MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
+QUOTED_TEXT, SEPARATORS = re.compile(rb'"[^"\n]*"'), re.compile(rb"[,;\t]")
+GZIP_SIGNATURE, BYTE_ORDER_MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
 def text_blocks(log: Log) -> Iterator[bytes]:
@@ -42,13 +42,13 @@ def text_blocks(log: Log) -> Iterator[bytes]:
 
 def _blocks(log: Log) -> Iterator[bytes]:
     with log.path.open("rb") as plain:
-        packed = plain.read(2) == GZIP
+        packed = plain.read(2) == GZIP_SIGNATURE
     log.add("compressed file", "note", packed)
     with gzip.open(log.path) if packed else log.path.open("rb") as stream:
         block = _lines(stream, log.path)
-        if block.startswith(MARK):
+        if block.startswith(BYTE_ORDER_MARK):
             log.add("byte-order mark", "note")
-            block = block[len(MARK) :]
+            block = block[len(BYTE_ORDER_MARK) :]
         # Zeros further down may be a lost disk block: that is a damaged line.
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:
             raise InputError(f"{log.path}, line 1: not a text file; save it as plain CSV (UTF-8)")
@@ -56,7 +56,7 @@ def _blocks(log: Log) -> Iterator[bytes]:
             following = _lines(stream, log.path) if block else b""
             if packed:
                 expect_short_text(log.path, stream.tell())
-            if len(following) < SHORT:
+            if len(following) < MIN_BLOCK_BYTES:
                 yield _plain(block + following)
                 return
             yield _plain(block)
@@ -66,7 +66,7 @@ def _blocks(log: Log) -> Iterator[bytes]:
 def _lines(stream: BinaryIO | gzip.GzipFile, path: Path) -> bytes:
     """Return the next whole lines."""
     most = longest_line()
-    block, rest = stream.read(SIZE), stream.readline(most)
+    block, rest = stream.read(BLOCK_BYTES), stream.readline(most)
     if len(rest) == most:
         raise too_large(path, f"{most:,} bytes in a line")
     return block + rest
@@ -86,12 +86,12 @@ def _plain(block: bytes) -> bytes:
 def _unquoted(block: bytes) -> bytes:
     """Return a block without quotes, and with quoted words of several parts as one cell each."""
     top = b"\n".join(block.split(b"\n", 2)[:2])
-    if any(map(_has_parts, QUOTED.findall(top))):
-        separated_by_blanks = not SEPARATORS.search(QUOTED.sub(b"", top))
+    if any(map(_has_parts, QUOTED_TEXT.findall(top))):
+        separated_by_blanks = not SEPARATORS.search(QUOTED_TEXT.sub(b"", top))
         parted = (
             bytes.maketrans(b", ", b"__") if separated_by_blanks else bytes.maketrans(b",", b" ")
         )
-        block = QUOTED.sub(
+        block = QUOTED_TEXT.sub(
             lambda found: found[0].translate(parted) if _has_parts(found[0]) else found[0], block
         )
     return block.replace(b'"', b"")

@@ -17,7 +17,7 @@ from ur5lib.recordings.sensors import first_number, read_sensor
 
 CYCLE = 0.008  # s, the CB2 controller's
 ROBOT_CHANNELS = {f"log_{file}.csv": name for file, name in THESIS_FILES.items()}
-RESTART = 1e6  # s; longer than any recording, so that the epochs of a clock stay apart
+EPOCH_SPACING = 1e6  # s; longer than any recording, so that the epochs of a clock stay apart
 FORCE_SENSOR = Sensor(
     file="log_force_sensor.csv",
     columns=["time", "ft"],
@@ -91,7 +91,7 @@ def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFram
     if len(rows) > 1:
         check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)
     rows = rows[~stray].reset_index(drop=True)
-    rows["clock"] = rows["time"] + RESTART * epochs(rows["time"].to_numpy())
+    rows["clock"] = rows["time"] + EPOCH_SPACING * epochs(rows["time"].to_numpy())
     rows = rows.sort_values("clock", kind="stable", ignore_index=True)
     repeated = rows.duplicated("clock")
     log.add("repeated stamps", "warning", repeated.sum())

@@ -12,14 +12,14 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from ur5lib.recordings.limits import NUMBER, expect_room
+from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 
-PIECE = 1 << 20  # bytes that are unpacked at a time
+PIECE_BYTES = 1 << 20  # bytes that are unpacked at a time
 NPY_HEADS: dict[tuple[int, ...], Callable[[IO[bytes]], tuple[Any, ...]]] = {  # by version
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
 }
-MATRIX, COMPRESSED = 14, 15  # kinds of elements of a MAT file
+MATRIX_ELEMENT, COMPRESSED_ELEMENT = 14, 15  # kinds of elements of a MAT file
 MAT_SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}
 
 
@@ -32,10 +32,10 @@ def _npy_numbers(archive: ZipFile, name: str) -> float:
     size = archive.getinfo(name).file_size
     with archive.open(name) as file:
         if file.read(6) != np.lib.format.MAGIC_PREFIX:
-            return size / NUMBER
+            return size / BYTES_PER_NUMBER
         read_head = NPY_HEADS.get(tuple(file.read(2)))
         numbers = math.prod(read_head(file)[0]) if read_head else size
-    return max(min(numbers, size), size / NUMBER)
+    return max(min(numbers, size), size / BYTES_PER_NUMBER)
 
 
 def parquet_numbers(file: pq.ParquetFile, columns: Collection[str]) -> float:
@@ -43,7 +43,8 @@ def parquet_numbers(file: pq.ParquetFile, columns: Collection[str]) -> float:
     groups = map(file.metadata.row_group, range(file.num_row_groups))
     chunks = (group.column(k) for group in groups for k in range(group.num_columns))
     wanted = [chunk for chunk in chunks if _is_of(chunk.path_in_schema, columns)]
-    return sum(max(one.num_values, one.total_uncompressed_size / NUMBER) for one in wanted)
+    sizes = (one.total_uncompressed_size / BYTES_PER_NUMBER for one in wanted)
+    return sum(max(one.num_values, size) for one, size in zip(wanted, sizes, strict=True))
 
 
 def _is_of(path: str, columns: Collection[str]) -> bool:
@@ -80,7 +81,7 @@ def _batch_numbers(message: pa.Message) -> float:
     for start, length in buffers[buffers[:, 1] >= 8] if _field(head, batch, 3) else ():
         (size,) = struct.unpack("<q", message.body[start : start + 8].to_pybytes())
         unpacked += max(size, length)
-    return max(int(nodes[:, 0].sum()), unpacked / NUMBER)
+    return max(int(nodes[:, 0].sum()), unpacked / BYTES_PER_NUMBER)
 
 
 def _follow(data: bytes, place: int) -> int:
@@ -122,12 +123,12 @@ def _mat_numbers(file: "BinaryIO | Inflated", order: str) -> Iterator[float]:
     """
     while len(tag := file.read(8)) == 8:
         kind, size = struct.unpack(f"{order}II", tag)
-        if kind == COMPRESSED:
+        if kind == COMPRESSED_ELEMENT:
             yield from _mat_numbers(Inflated(file.read(size)), order)
-        elif kind != MATRIX and kind < 1 << 16:  # what is larger has its content in its tag
+        elif kind != MATRIX_ELEMENT and kind < 1 << 16:  # what is larger has its content in its tag
             yield size / MAT_SIZES.get(kind, 1)
-            for rest in range(size + -size % 8, 0, -PIECE):
-                file.read(min(rest, PIECE))
+            for rest in range(size + -size % 8, 0, -PIECE_BYTES):
+                file.read(min(rest, PIECE_BYTES))
 
 
 class Inflated:
@@ -140,7 +141,7 @@ class Inflated:
     def read(self, size: int) -> bytes:
         """Return the next bytes, fewer at the end."""
         while len(self._ready) < size:
-            piece = self._inflate.decompress(self._waiting, PIECE)
+            piece = self._inflate.decompress(self._waiting, PIECE_BYTES)
             self._waiting = self._inflate.unconsumed_tail
             if not piece:
                 break

@@ -1,1 +1,1 @@
-"""Result tables, figures, and the document in HTML and PDF."""
+"""Reports: their tables, figures and page, from the results of a study."""

@@ -17,11 +17,11 @@ import yaml
 
 from ur5lib.errors import InputError
 from ur5lib.records.truth import COLUMNS as TRUTH
-from ur5lib.report.document import MOST_ROWS, MOST_SHOWN
+from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
 from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
-from ur5lib.thesis.printed_numbers import COLUMNS as PRINTED
+from ur5lib.thesis.printed_numbers import PRINTED_COLUMNS as PRINTED
 from ur5lib.thesis.reference import Erratum, read_reference
 from ur5lib.workspace.places import IN_CLONE, WORKFLOW
 

@@ -20,13 +20,14 @@ from ur5lib.robots.statics import link_frames
 from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array, Mask
 
-THICKNESS = 0.09  # radius of a capsule as a share of the longest link, at joint 1
-HOUSING = 0.02  # m, by which the joints' housings protrude from the capsules
-THINNER = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # factor of the radius by link of a UR
-THICKER = 1.7  # that of all links of another arm; a Panda's have a radius of 6 cm
-BETWEEN = 0.05  # m, of free space between links of another arm that do not overlap by construction
-POSTURES = 100  # random ones, by which this is found
-TABLE = "table"
+RADIUS_SHARE = 0.09  # radius of a capsule by the longest link, at joint 1
+HOUSING_HEIGHT = 0.02  # m, by which the joints' housings protrude from the capsules
+UR_RADIUS_FACTORS = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # by link of a UR
+OTHER_RADIUS_FACTOR = 1.7  # of all links of another arm; a Panda's have a radius of 6 cm
+# Between links of another arm that do not overlap by construction.
+MIN_FREE_SPACE = 0.05  # m
+OVERLAP_POSTURES = 100  # random ones, by which this is found
+TABLE_NAME = "table"
 
 
 class Box(Strict):
@@ -68,12 +69,12 @@ def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, s
     """Return the first collision of each pair of parts along a path: sample and both parts.
 
     q: (N, n) [rad], so dense that no collision is skipped; table: height of a horizontal plane
-    above the base frame [m], None for none. Parts collide that are closer than HOUSING: `link_1`
-    to the last one, and the plane `table`.
+    above the base frame [m], None for none. Parts collide that are closer than HOUSING_HEIGHT:
+    `link_1` to the last one, and the plane `table`.
     """
     first = dict[tuple[str, str], int]()
-    near = Capsules(robot, Surroundings(table=table), reach=HOUSING).near(q)
-    for sample, pair in zip(near.sample, near.pairs, strict=True):
+    clearances = Capsules(robot, Surroundings(table=table), reach=HOUSING_HEIGHT).near(q)
+    for sample, pair in zip(clearances.sample, clearances.pairs, strict=True):
         first.setdefault(pair, int(sample))
     return [(sample, *pair) for pair, sample in first.items()]
 
@@ -114,12 +115,12 @@ class Capsules:
         names = np.array([self._model.geom(k).name for k in range(self._model.ngeom)])
         return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
 
-    def _gradients(self, wanted: Mask) -> Array:
+    def _gradients(self, needs_gradient: Mask) -> Array:
         """Return the gradients (M, n) of the contacts' distances, zero for those not wanted."""
-        gradients = np.zeros((len(wanted), self._model.nv))
-        if wanted.any():
+        gradients = np.zeros((len(needs_gradient), self._model.nv))
+        if needs_gradient.any():
             mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
-        for k in np.flatnonzero(wanted):
+        for k in np.flatnonzero(needs_gradient):
             gradients[k] = self._gradient(self._data.contact[k])
         return gradients
 
@@ -139,32 +140,34 @@ def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.
     spec = mujoco.MjSpec()
     add_arm(spec, robot, robot.chosen_model)
     longest = max(float(np.linalg.norm(np.array(pose.position))) for pose in robot.link_poses())
-    factors = THINNER if robot.is_ur() else [THICKER] * len(robot.joints)
-    radii = THICKNESS * longest * np.array(factors)
+    factors = UR_RADIUS_FACTORS if robot.is_ur() else [OTHER_RADIUS_FACTOR] * len(robot.joints)
+    radii = RADIUS_SHARE * longest * np.array(factors)
     links = [body for body in spec.bodies if body.name.startswith("link_")]
     for body, radius in zip(links, radii, strict=True):
-        near = np.array(body.joints[0].pos)
+        near_end = np.array(body.joints[0].pos)
         body.add_geom(
             name=body.name,
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             size=[radius, 0, 0],
             # to the frame's origin, or 1 mm off where both coincide
-            fromto=[*near, 0, 0, 0 if np.linalg.norm(near) > 1e-3 else 1e-3],
+            fromto=[*near_end, 0, 0, 0 if np.linalg.norm(near_end) > 1e-3 else 1e-3],
         )
-    _add_surroundings(spec, surroundings, _upright(robot))
-    for one, other in _overlapping(robot, radii, surroundings.table):
-        spec.add_exclude(bodyname1=one, bodyname2=other)
+    _add_surroundings(spec, surroundings, _vertical(robot))
+    for first, second in _overlapping_pairs(robot, radii, surroundings.table):
+        spec.add_exclude(bodyname1=first, bodyname2=second)
     for geom in spec.geoms:
         geom.margin = reach / 2  # MuJoCo adds those of both parts
     return spec.compile()
 
 
-def _upright(robot: Robot) -> Array:
+def _vertical(robot: Robot) -> Array:
     """Return the upward vertical (3,), base frame."""
     return -np.array(robot.gravity) / np.linalg.norm(robot.gravity)
 
 
-def _overlapping(robot: Robot, radii: Array, table: float | None) -> Iterator[tuple[str, str]]:
+def _overlapping_pairs(
+    robot: Robot, radii: Array, table: float | None
+) -> Iterator[tuple[str, str]]:
     """Yield the pairs of bodies that overlap by construction.
 
     Of a UR: each link and the next one, in the wrist up to three apart, and link 1 and the table.
@@ -172,17 +175,20 @@ def _overlapping(robot: Robot, radii: Array, table: float | None) -> Iterator[tu
     begin hardly above the table in all of them. radii: (n,) [m].
     """
     ends = np.clip(robot.position_limits(), -np.pi, np.pi)
-    q = np.random.default_rng(0).uniform(ends[:, 0], ends[:, 1], (POSTURES, len(radii)))
+    q = np.random.default_rng(0).uniform(ends[:, 0], ends[:, 1], (OVERLAP_POSTURES, len(radii)))
     origins = link_frames(robot, q)[1]  # link k reaches from origin k - 1 to origin k
     for first, second in combinations(range(len(radii)), 2):
-        apart = np.linalg.norm(origins[:, first + 1] - origins[:, second], axis=1).max()
-        alike = apart < radii[first] + radii[second] + BETWEEN
+        distance = np.linalg.norm(origins[:, first + 1] - origins[:, second], axis=1).max()
+        alike = distance < radii[first] + radii[second] + MIN_FREE_SPACE
         if second - first <= (3 if first >= 2 else 1) if robot.is_ur() else alike:
             yield f"link_{first + 1}", f"link_{second + 1}"
     if table is not None:
-        height = origins @ _upright(robot) - table
+        height = origins @ _vertical(robot) - table
         for k, radius in enumerate(radii):
-            low = height[:, k].min() > -BETWEEN and height[:, k].max() < radius + BETWEEN
+            low = (
+                height[:, k].min() > -MIN_FREE_SPACE
+                and height[:, k].max() < radius + MIN_FREE_SPACE
+            )
             if k == 0 or (low and not robot.is_ur()):
                 yield "world", f"link_{k + 1}"
 
@@ -190,7 +196,7 @@ def _overlapping(robot: Robot, radii: Array, table: float | None) -> Iterator[tu
 def _add_surroundings(spec: mujoco.MjSpec, surroundings: Surroundings, up: Array) -> None:
     """Add the table and the boxes, each a body of its own; up: the vertical (3,), base frame."""
     if surroundings.table is not None:
-        plane = spec.worldbody.add_geom(name=TABLE, type=mujoco.mjtGeom.mjGEOM_PLANE)
+        plane = spec.worldbody.add_geom(name=TABLE_NAME, type=mujoco.mjtGeom.mjGEOM_PLANE)
         plane.size, plane.pos = [5, 5, 1], surroundings.table * up
         plane.quat = Rotation.align_vectors([up], [[0, 0, 1]])[0].as_quat(scalar_first=True)
     for k, box in enumerate(surroundings.boxes, start=1):

@@ -13,10 +13,13 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_v
 from ur5lib.errors import InputError
 from ur5lib.strict import Strict, read_yaml
 
-FOLDER = Path(__file__).parent
-JOINT_SIZES = FOLDER / "joint_sizes.yaml"
+DESCRIPTION_FOLDER = Path(__file__).parent
+JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
-INVALID = "is not a valid description of an arm (docs/robots.md)"
+INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
+SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
+GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
+USUAL_ACCELERATION = 15.0  # rad/s²
 
 Vector3 = tuple[float, float, float]
 T = TypeVar("T")
@@ -26,13 +29,9 @@ Six = tuple[float, float, float, float, float, float]  # a pose, a wrench, an in
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
-SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
-ON_EARTH = (9.0, 10.5)  # m/s²
-USUAL_ACCELERATION = 15.0  # rad/s²
-
 
 def _on_earth(gravity: Vector3) -> Vector3:
-    if not ON_EARTH[0] <= math.hypot(*gravity) <= ON_EARTH[1]:
+    if not GRAVITY_RANGE[0] <= math.hypot(*gravity) <= GRAVITY_RANGE[1]:
         raise ValueError("three numbers [m/s²] with a magnitude of 9 to 10.5")
     return gravity
 
@@ -129,11 +128,11 @@ class Payload(Strict):
             return self
         mass = self.mass + other.mass
         x, y, z = (
-            (self.mass * one + other.mass * two) / mass
-            for one, two in zip(self.center_of_mass, other.center_of_mass, strict=True)
+            (self.mass * first + other.mass * second) / mass
+            for first, second in zip(self.center_of_mass, other.center_of_mass, strict=True)
         )
         inertias = (part.inertia_about((x, y, z)) for part in (self, other))
-        xx, yy, zz, xy, xz, yz = (one + two for one, two in zip(*inertias, strict=True))
+        xx, yy, zz, xy, xz, yz = (first + second for first, second in zip(*inertias, strict=True))
         return Payload(mass=mass, center_of_mass=(x, y, z), inertia=(xx, yy, zz, xy, xz, yz))
 
     def inertia_about(self, point: Vector3) -> list[float]:
@@ -197,7 +196,7 @@ class CurrentToTorque(Strict):
     preliminary_torque_constant: PerJoint
 
 
-class Friction(Strict):
+class DeadZoneFriction(Strict):
     """Equations 6.2 and 6.4: Coulomb [Nm], viscous [Nm s/rad], dead zone [rad/s]."""
 
     coulomb: PerJoint
@@ -234,7 +233,7 @@ class Robot(Strict):
     mounting: Mounting = Mounting()
     wrist_sensor: bool = False
     current_to_torque: CurrentToTorque | None = None
-    friction: Friction | None = None
+    friction: DeadZoneFriction | None = None
     closed_loop_gains: dict[str, Gains] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -250,7 +249,11 @@ class Robot(Strict):
 
     @model_validator(mode="after")
     def _each_joint_is_described(self) -> Self:
-        constants = [own for own in (self.current_to_torque, self.friction) if own is not None]
+        constants = [
+            published
+            for published in (self.current_to_torque, self.friction)
+            if published is not None
+        ]
         for part in (self, *self.models.values(), *constants, *self.closed_loop_gains.values()):
             for name, field in type(part).model_fields.items():
                 values = getattr(part, name)
@@ -364,20 +367,22 @@ class Robot(Strict):
 
 def _is_by_joint(kind: Any) -> bool:
     """Return whether a field is PerLink, a tuple of any length, or that or None."""
-    return any(Ellipsis in get_args(one) for one in (kind, *get_args(kind)))
+    return any(Ellipsis in get_args(alternative) for alternative in (kind, *get_args(kind)))
 
 
 def robot_names() -> list[str]:
     """Return the names of the arms described here, and in the folder `robots` of the project."""
-    described = [path for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES]
+    described = [path for path in DESCRIPTION_FOLDER.glob("*.yaml") if path != JOINT_SIZES_FILE]
     return sorted({path.stem for path in [*described, *PROJECT_FOLDER.glob("*.yaml")]})
 
 
 def no_description(name: str) -> str:
     """Return the message about an arm without description, with the name that may be meant."""
-    known = {_letters(other): other for other in robot_names()} | SAME_LINKS
-    [near] = get_close_matches(_letters(name), known, n=1, cutoff=0.8) or [""]
-    meant = f" (did you mean `{known[near]}`?)" if near else ""
+    names_by_letters = {
+        _letters(described_name): described_name for described_name in robot_names()
+    } | SAME_LINKS
+    [nearest_name] = get_close_matches(_letters(name), names_by_letters, n=1, cutoff=0.8) or [""]
+    meant = f" (did you mean `{names_by_letters[nearest_name]}`?)" if nearest_name else ""
     described = ", ".join(robot_names())
     return f"no description of `{name}`{meant}; docs/robots.md shows how to add one to {described}"
 
@@ -390,7 +395,7 @@ def _letters(name: str) -> str:
 def robot_path(name: str) -> Path:
     """Return the YAML file that describes an arm: that of the project, else the one here."""
     project = PROJECT_FOLDER / f"{name}.yaml"
-    return project if project.is_file() else FOLDER / f"{name}.yaml"
+    return project if project.is_file() else DESCRIPTION_FOLDER / f"{name}.yaml"
 
 
 def load_robot(path: str | Path) -> Robot:
@@ -401,7 +406,7 @@ def load_robot(path: str | Path) -> Robot:
     try:
         return robot_of(read_description(path))
     except ValidationError as error:
-        raise InputError(f"{path} {INVALID}: {error}") from error
+        raise InputError(f"{path} {INVALID_DESCRIPTION}: {error}") from error
 
 
 def read_description(path: str | Path) -> Any:
@@ -412,7 +417,7 @@ def read_description(path: str | Path) -> Any:
     try:
         return with_motors(read_yaml(Path(path)))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputError(f"{path} {INVALID}: {error}") from error
+        raise InputError(f"{path} {INVALID_DESCRIPTION}: {error}") from error
 
 
 def robot_of(description: Any) -> Robot:
@@ -440,4 +445,4 @@ def with_motors(description: Any) -> Any:
 @cache
 def joint_sizes() -> dict[str, dict[str, float]]:
     """Return the motors of the manufacturer's joints, as plain data, by their size."""
-    return dict(read_yaml(JOINT_SIZES))
+    return dict(read_yaml(JOINT_SIZES_FILE))

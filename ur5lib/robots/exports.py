@@ -56,8 +56,8 @@ def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = Non
         SubElement(joint, "origin", xyz="0 0 0", rpy="0 0 0")
         SubElement(joint, "axis", xyz="0 0 1")
         SubElement(joint, "limit", limit)
-        if known := _friction(friction, k):
-            SubElement(joint, "dynamics", known)
+        if dynamics := _friction(friction, k):
+            SubElement(joint, "dynamics", dynamics)
         SubElement(root, "link", name=f"frame_{k}")
         end = _urdf_joint(root, f"frame_{k}_fixed", "fixed", f"link_{k}", f"frame_{k}")
         SubElement(end, "origin", xyz=_text(pose.position), rpy=rpy)
@@ -87,8 +87,8 @@ def sdf(robot: Robot, model: str, friction: JointFriction | None) -> str:
         axis = SubElement(_sdf_joint(arm, f"joint_{k}", "revolute", parent, f"link_{k}"), "axis")
         SubElement(axis, "xyz").text = "0 0 1"
         _add_texts(SubElement(axis, "limit"), _limit(robot, k))
-        if known := _friction(friction, k):
-            _add_texts(SubElement(axis, "dynamics"), known)
+        if dynamics := _friction(friction, k):
+            _add_texts(SubElement(axis, "dynamics"), dynamics)
         frame = SubElement(arm, "frame", name=f"frame_{k}", attached_to=f"link_{k}")
         SubElement(frame, "pose").text = _text([*pose.position, *pose.rpy])
     return _xml(root)
@@ -156,8 +156,12 @@ def _limit(robot: Robot, k: int) -> dict[str, str]:
 
 def _friction(friction: JointFriction | None, k: int) -> dict[str, str]:
     """Return the friction of joint k, empty where it is unknown."""
-    known = friction and friction.coefficients(k)
-    return {"damping": _text([known[1]]), "friction": _text([known[0]])} if known else {}
+    coefficients = friction and friction.coefficients(k)
+    return (
+        {"damping": _text([coefficients[1]]), "friction": _text([coefficients[0]])}
+        if coefficients
+        else {}
+    )
 
 
 def _text(values: Iterable[float]) -> str:

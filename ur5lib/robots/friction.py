@@ -14,11 +14,12 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.workspace.extensions import additions, failed
 
-# Presliding distance [rad]: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
-# shorter ones are below the encoder's resolution.
-PRESLIDING = 1e-4
-GEARS = 0.03  # relative variation of the gears' efficiency between runs and poses
-USUAL = 30.0  # °C, of a joint in motion: at which friction has the coefficients of its other terms
+GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
+# Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
+# ones are below the encoder's resolution.
+PRESLIDING_DISTANCE = 1e-4  # rad
+# Of a joint in motion, at which friction has the coefficients of its other terms.
+USUAL_TEMPERATURE = 30.0  # °C
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class JointMotion:
     """Motion of one joint, (N,) each.
 
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
-    1, see `friction_direction`; warmth: [K], above USUAL, 0 where it was not recorded.
+    1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded.
     """
 
     q: Array
@@ -34,29 +35,6 @@ class JointMotion:
     torque: Array
     direction: Array
     warmth: Array | float = 0.0
-
-
-def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING) -> Array:
-    """Return the direction z (N,) of a joint's dry friction, -1 to 1, which reverses gradually.
-
-    dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample;
-    constant at rest. q: (N,) [rad]; distance: [rad]. Zero, as unknown, at the start of a segment.
-    """
-    # z_k = e_k z_k-1 + (1 - e_k) sign(dq_k), e_k = exp(-|dq_k| / distance)
-    fresh = starts(segment)
-    step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
-    kept = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
-    # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
-    from scipy.linalg import solve_banded  # slow to import; a study's settings do without it
-
-    bands = np.stack([np.ones(len(q)), np.append(-kept[1:], 0.0)])
-    direction: Array = solve_banded((1, 0), bands, (1 - kept) * np.sign(step), check_finite=False)
-    return direction
-
-
-def resting(qd: Array) -> Array:
-    """Return 1 at rest, 0 in motion, (N,), with a smooth step in the dead zone of Equation 6.4."""
-    return 1 - np.abs(np.tanh(qd / DEAD_ZONE))
 
 
 @dataclass(frozen=True)
@@ -72,50 +50,73 @@ class Term:
     parts: tuple[str, ...] = ()
 
 
+BASE_TERMS = ("coulomb", "viscous", "load")
+# Terms that are not fitted, but make the others less sure: over a part of a turn, a periodic term
+# looks like an offset, and together with gravity like a torque constant.
+CONSIDERED_TERMS = ("periodic",)
 TERMS = {
     "coulomb": Term(lambda motion: [motion.direction]),  # Equation 3.13
     "viscous": Term(lambda motion: [motion.qd]),  # Equation 3.14
     # Coulomb friction in proportion to the transmitted torque; gears lose some per cent of it
     "load": Term(lambda motion: [np.abs(motion.torque) * motion.direction], lambda _: 0.1),
+    # once per turn, as of a harmonic drive's flexspline: a tenth of Coulomb friction
+    "periodic": Term(
+        lambda motion: [np.sin(motion.q), np.cos(motion.q)],
+        expected=lambda torque_max: 0.005 * torque_max,
+        parts=("sin", "cos"),
+    ),
 }
-BASE = tuple(TERMS)
-# Once per turn, as of a harmonic drive's flexspline: a tenth of Coulomb friction. It is not fitted,
-# but makes other terms less sure: over a part of a turn, it looks like an offset, and together with
-# gravity like a torque constant.
-CONSIDERED = ("periodic",)
-TERMS["periodic"] = Term(
-    lambda motion: [np.sin(motion.q), np.cos(motion.q)],
-    expected=lambda torque_max: 0.005 * torque_max,
-    parts=("sin", "cos"),
-)
 
 
-def added(shipped: Collection[str]) -> dict[str, Term]:
-    """Return the terms that the workspace adds. Raises InputError where one is no friction term."""
-    rest = JointMotion(*np.zeros((4, 3)))
-    found = {}
-    for source, name, own in additions("friction"):
+def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_DISTANCE) -> Array:
+    """Return the direction z (N,) of a joint's dry friction, -1 to 1, which reverses gradually.
+
+    dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample;
+    constant at rest. q: (N,) [rad]; distance: [rad]. Zero, as unknown, at the start of a segment.
+    """
+    # z_k = e_k z_k-1 + (1 - e_k) sign(dq_k), e_k = exp(-|dq_k| / distance)
+    fresh = starts(segment)
+    step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
+    memory = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
+    # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
+    from scipy.linalg import solve_banded  # slow to import; a study's settings do without it
+
+    bands = np.stack([np.ones(len(q)), np.append(-memory[1:], 0.0)])
+    direction: Array = solve_banded((1, 0), bands, (1 - memory) * np.sign(step), check_finite=False)
+    return direction
+
+
+def rest_factor(qd: Array) -> Array:
+    """Return 1 at rest, 0 in motion, (N,), with a smooth step in the dead zone of Equation 6.4."""
+    return 1 - np.abs(np.tanh(qd / DEAD_ZONE))
+
+
+def extension_terms(shipped: Collection[str]) -> dict[str, Term]:
+    """Return the terms of the workspace. Raises InputError where one cannot be a friction term."""
+    motion_at_rest = JointMotion(*np.zeros((4, 3)))
+    terms = {}
+    for source, name, term in additions("friction"):
         place = f"{source}: {name!r}"
         if not re.fullmatch(r"[a-z]\w*", name) or name in shipped:
             raise InputError(f"{place} is a term of ur5lib, or no lower-case word; rename it")
-        if not isinstance(own, Term):
+        if not isinstance(term, Term):
             raise InputError(f"{place} is no Term; docs/extensions.md shows one")
         try:
-            sizes = [np.shape(column) for column in own.columns(rest)]
+            sizes = [np.shape(column) for column in term.columns(motion_at_rest)]
         except Exception as error:  # whatever a user's code does
             raise failed(source, error) from error
-        if sizes != [(3,)] * (len(own.parts) or 1):
+        if sizes != [(3,)] * (len(term.parts) or 1):
             raise InputError(
                 f"{place} gives columns of shapes {sizes} for 3 samples; return a list of one (3,) "
                 "for each of its `parts`, of one without"
             )
-        found[name] = own
-    return found
+        terms[name] = term
+    return terms
 
 
-OWN = added(TERMS)
-TERMS |= OWN
-FITTED = (*BASE, *OWN)
+EXTENSION_TERMS = extension_terms(TERMS)
+TERMS |= EXTENSION_TERMS
+FITTED_TERMS = (*BASE_TERMS, *EXTENSION_TERMS)
 
 
 def term_of(name: str) -> Term:
@@ -139,4 +140,4 @@ def coefficient_names(terms: Sequence[str]) -> list[str]:
 
 def friction_columns(motion: JointMotion, terms: Sequence[str]) -> Array:
     """Return the columns (N, M) of terms, one for each coefficient."""
-    return np.stack([own for term in terms for own in term_of(term).columns(motion)], axis=1)
+    return np.stack([column for term in terms for column in term_of(term).columns(motion)], axis=1)

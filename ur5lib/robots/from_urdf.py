@@ -14,16 +14,17 @@ from pytorch_kinematics.urdf_parser_py.urdf import URDF
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import INVALID, Pose, Robot
+from ur5lib.robots.description import INVALID_DESCRIPTION, Pose, Robot
 from ur5lib.robots.individual import link_matrix, pose_of
 from ur5lib.robots.inertia import joined, tensor
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-FEWEST, MOST = 2, 8  # joints
-TURNING = ("revolute", "continuous")
-GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the axes of the base link
-RIGHT = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
+MIN_JOINTS = 2
+MAX_JOINTS = 8
+REVOLUTE_TYPES = ("revolute", "continuous")
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the axes of the base link
+RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
 
 
 def robot_from_urdf(
@@ -44,7 +45,7 @@ def robot_from_urdf(
     tip = _known_link(tree, tip or _tip(tree, base, path), path)
     joints = _chain(tree, base, tip, path)
     names = {joint.name for joint in joints}
-    bodies = [dict(_hanging(tree, joint.child, np.eye(4), names)) for joint in joints]
+    bodies = [dict(_hanging_links(tree, joint.child, np.eye(4), names)) for joint in joints]
     _expect_complete(tree, joints, bodies, path)
     start, *frames = _joint_frames(tree, base, tip, joints, bodies)
     tails = [_z_to(joint.axis).T @ frame for joint, frame in zip(joints, frames, strict=True)]
@@ -55,7 +56,7 @@ def robot_from_urdf(
     links = [_as_one(tree, *pair) for pair in zip(bodies, frames, strict=True)]
     description = {
         "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
-        "gravity": (start[:3, :3].T @ GRAVITY + 0.0).tolist(),
+        "gravity": (start[:3, :3].T @ STANDARD_GRAVITY + 0.0).tolist(),
         "calibration": [pose_of(tail) for tail in tails],
         "joints": [joint.name for joint in joints],
         "motors": {joint.name: _motor(joint) for joint in joints},
@@ -76,7 +77,7 @@ def robot_from_urdf(
     try:
         robot = Robot.model_validate(description)
     except ValidationError as error:
-        raise InputError(f"the arm of {path} {INVALID}: {error}") from error
+        raise InputError(f"the arm of {path} {INVALID_DESCRIPTION}: {error}") from error
     return robot, [*_remarks(tree, base, tip, joints, bodies, start)]
 
 
@@ -127,16 +128,18 @@ def _path(tree: Any, base: str, tip: str) -> list[Any] | None:
 
 def _tip(tree: Any, base: str, path: Path) -> str:
     """Return the link that the last revolute joint turns, of the only chain that is longest."""
-    turned = {j.child: _path(tree, base, j.child) for j in tree.joints if j.type in TURNING}
+    turned = {j.child: _path(tree, base, j.child) for j in tree.joints if j.type in REVOLUTE_TYPES}
     counts = {
-        link: sum(joint.type in TURNING for joint in joints)
+        link: sum(joint.type in REVOLUTE_TYPES for joint in joints)
         for link, joints in turned.items()
         if joints and not any(j.type == "prismatic" or j.mimic is not None for j in joints)
     }
     ends = [link for link, count in counts.items() if count == max(counts.values())]
     if len(ends) != 1:
-        found = f"several chains are the longest; name the end of one by --tip: {', '.join(ends)}"
-        raise InputError(f"{path}: {found if ends else 'no revolute joint moves a link'}")
+        ambiguity = (
+            f"several chains are the longest; name the end of one by --tip: {', '.join(ends)}"
+        )
+        raise InputError(f"{path}: {ambiguity if ends else 'no revolute joint moves a link'}")
     return ends[0]
 
 
@@ -147,26 +150,29 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
         raise InputError(f"{path}: {tip} does not hang on {base}; name --base and --tip")
     moving = [joint for joint in joints if joint.type != "fixed"]
     for joint in moving:
-        if joint.type not in TURNING or joint.mimic is not None:
+        if joint.type not in REVOLUTE_TYPES or joint.mimic is not None:
             kind = "follows another" if joint.mimic is not None else f"is {joint.type}"
             raise InputError(
                 f"{path}: {joint.name} {kind}; only chains of revolute joints are described"
             )
-    if not FEWEST <= len(moving) <= MOST:
+    if not MIN_JOINTS <= len(moving) <= MAX_JOINTS:
         raise InputError(
-            f"{path}: {len(moving)} joints move {tip} against {base}; arms of {FEWEST} to {MOST} "
-            "revolute joints are described; name the arm's ends by --base and --tip"
+            f"{path}: {len(moving)} joints move {tip} against {base}; arms of {MIN_JOINTS} "
+            f"to {MAX_JOINTS} revolute joints are described; name the arm's ends by --base "
+            "and --tip"
         )
     return moving
 
 
-def _hanging(tree: Any, link: str, place: Array, ends: set[str]) -> Iterator[tuple[str, Array]]:
+def _hanging_links(
+    tree: Any, link: str, place: Array, ends: set[str]
+) -> Iterator[tuple[str, Array]]:
     """Yield a link and what hangs on it, with poses (4, 4), up to the joints `ends`."""
     yield link, place
     for name, child in tree.child_map.get(link, []):
         if name not in ends:
             origin = _pose_matrix(tree.joint_map[name].origin)
-            yield from _hanging(tree, child, place @ origin, ends)
+            yield from _hanging_links(tree, child, place @ origin, ends)
 
 
 def _joint_frames(
@@ -177,10 +183,10 @@ def _joint_frames(
     The z axis of frame k - 1 is the axis of joint k; frame n is the tip's.
     """
     names = {joint.name for joint in joints}
-    standing = dict(_hanging(tree, base, np.eye(4), names))
+    standing = dict(_hanging_links(tree, base, np.eye(4), names))
     frames = []
-    for joint, before in zip(joints, [standing, *bodies], strict=False):
-        frames.append(before[joint.parent] @ _pose_matrix(joint.origin) @ _z_to(joint.axis))
+    for joint, poses in zip(joints, [standing, *bodies], strict=False):
+        frames.append(poses[joint.parent] @ _pose_matrix(joint.origin) @ _z_to(joint.axis))
     return [*frames, bodies[-1][tip]]
 
 
@@ -191,7 +197,7 @@ def _z_to(axis: Any) -> Array:
     around = np.array([-y, x, 0]) / across if across else np.array([1.0, 0, 0])
     matrix = np.eye(4)
     turn = Rotation.from_rotvec(np.arctan2(across, z) * around)
-    matrix[:3, :3] = _clean(turn.as_matrix())
+    matrix[:3, :3] = _exact_rotation(turn.as_matrix())
     return matrix
 
 
@@ -201,14 +207,14 @@ def _pose_matrix(origin: Any) -> Array:
         return np.eye(4)
     pose = Pose(position=tuple(origin.xyz or (0, 0, 0)), rpy=tuple(origin.rpy or (0, 0, 0)))
     matrix = link_matrix(pose)
-    matrix[:3, :3] = _clean(matrix[:3, :3])
+    matrix[:3, :3] = _exact_rotation(matrix[:3, :3])
     return matrix
 
 
-def _clean(rotation: Array) -> Array:
+def _exact_rotation(rotation: Array) -> Array:
     """Return a rotation with exact right angles, which files give with few digits."""
-    whole = np.round(rotation)
-    return np.where(np.abs(rotation - whole) < RIGHT, whole, rotation) + 0.0
+    rounded = np.round(rotation)
+    return np.where(np.abs(rotation - rounded) < RIGHT_ANGLE_TOLERANCE, rounded, rotation) + 0.0
 
 
 def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Array, Array]:
@@ -218,8 +224,10 @@ def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Arr
         inertial = tree.link_map[link].inertial
         if inertial is not None and inertial.mass:
             pose = np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin)
-            R, own = pose[:3, :3], inertial.inertia
-            about = tensor([own.ixx, own.iyy, own.izz, own.ixy, own.ixz, own.iyz])
+            R, moments = pose[:3, :3], inertial.inertia
+            about = tensor(
+                [moments.ixx, moments.iyy, moments.izz, moments.ixy, moments.ixz, moments.iyz]
+            )
             parts.append((float(inertial.mass), pose[:3, 3], R @ about @ R.T))
     return joined(parts)
 
@@ -249,8 +257,8 @@ def _expect_complete(
             missing.append(f"`limit` of {joint.name} with effort and velocity")
         elif joint.type == "revolute" and not (limit.lower or limit.upper):
             missing.append(f"`lower` and `upper` in the limit of {joint.name}")
-        heavy = [own for own in inertials if own is not None and own.mass]
-        if not heavy or any(own.inertia is None for own in heavy):
+        heavy = [inertial for inertial in inertials if inertial is not None and inertial.mass]
+        if not heavy or any(inertial.inertia is None for inertial in heavy):
             missing.append(f"`inertial` of {joint.child} with mass and inertia")
     if missing:
         raise InputError(f"{path} lacks {'; '.join(missing)}: add them to the file")
@@ -268,12 +276,12 @@ def _remarks(
     place = ", ".join(f"{value:.6g}" for value in start[:3, 3])
     turned = "" if np.allclose(start[:3, :3], np.eye(3)) else ", turned to the axis of joint 1"
     yield f"base frame at {place} m of {base}{turned}; forces act at the origin of {tip}"
-    held = [
+    fixed_joints = [
         tree.joint_map[name].name
         for body in bodies
         for link in body
         for name, child in tree.child_map.get(link, [])
         if child in body and tree.joint_map[name].type != "fixed"
     ]
-    if held:
-        yield f"held at 0, as they are beside the chain: {', '.join(held)}"
+    if fixed_joints:
+        yield f"held at 0, as they are beside the chain: {', '.join(fixed_joints)}"

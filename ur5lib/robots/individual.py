@@ -23,13 +23,15 @@ from ur5lib.robots.inertia import link_tail
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-DELTAS = ("delta_theta", "delta_d", "delta_a", "delta_alpha")
+DELTA_ENTRIES = ("delta_theta", "delta_d", "delta_a", "delta_alpha")
 ROS_LINKS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
-FAR, TURNED = 0.05, 0.05  # m, rad; a calibration farther from the nominal frames is another arm's
-UPRIGHT = 1e-6  # m, rad, tolerance of the first axis to that of the base
+# A calibration farther from the nominal frames is another arm's.
+MAX_FRAME_DISTANCE = 0.05  # m
+MAX_FRAME_TURN = 0.05  # rad
+FIRST_AXIS_TOLERANCE = 1e-6  # m, rad, to the axis of the base
 
 
-def calibrated(robot: Robot, path: str | Path) -> Robot:
+def calibrated_robot(robot: Robot, path: str | Path) -> Robot:
     """Return an arm with its individual calibration.
 
     path: calibration.conf of the controller, or the YAML file that `ur_calibration` of the ROS
@@ -41,7 +43,7 @@ def calibrated(robot: Robot, path: str | Path) -> Robot:
     nominal = chain([link_matrix(pose) for pose in robot.link_poses()])
     frames = [_on_axis(*pair) for pair in zip(axes[:-1], nominal[:-1], strict=True)] + axes[-1:]
     _expect_near(frames, nominal, robot.name, path)
-    steps = [pose_of(np.linalg.inv(before) @ after) for before, after in pairwise(frames)]
+    steps = [pose_of(np.linalg.inv(frame) @ next_frame) for frame, next_frame in pairwise(frames)]
     return robot.model_copy(update={"calibration": tuple(steps)})
 
 
@@ -77,9 +79,9 @@ def _from_controller(
     """Return frames 0 to 6 at q = 0 from deltas of θ, d, a, α; none without deltas."""
     lines = [line.split("#")[0].split("=") for line in text.splitlines() if "=" in line]
     entries = {parts[0].strip(): parts[1].strip().strip("[]") for parts in lines}
-    if not set(DELTAS) & set(entries):
+    if not set(DELTA_ENTRIES) & set(entries):
         return []
-    deltas = [_six(entries.get(name, ""), name, path) for name in DELTAS]
+    deltas = [_six_numbers(entries.get(name, ""), name, path) for name in DELTA_ENTRIES]
     steps = []
     for link, theta, d, a, alpha in zip(links, *deltas, strict=True):
         turn = link_matrix(Pose(position=(0, 0, 0), rpy=(0, 0, theta)))
@@ -88,7 +90,7 @@ def _from_controller(
     return chain(steps)
 
 
-def _six(text: str, name: str, path: str | Path) -> list[float]:
+def _six_numbers(text: str, name: str, path: str | Path) -> list[float]:
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -113,7 +115,7 @@ def _from_ros(text: str, path: str | Path) -> list[Array]:
         ) from error
     frames = chain(steps)[1:]
     first = frames[0][:3, 2], frames[0][:2, 3]
-    if np.abs(np.concatenate([first[0] - [0, 0, 1], first[1]])).max() > UPRIGHT:
+    if np.abs(np.concatenate([first[0] - [0, 0, 1], first[1]])).max() > FIRST_AXIS_TOLERANCE:
         raise InputError(
             f"{path}: the first axis is not the base's z axis; give the file as the ROS driver "
             "writes it, and describe how the arm is mounted by `mounting` in the study"
@@ -131,6 +133,7 @@ def _ros_matrix(link: Mapping[str, float]) -> Array:
 def _on_axis(axis: Array, nominal: Array) -> Array:
     """Return a frame whose z axis is that of `axis`, as close as possible to the nominal frame."""
     z, origin = axis[:3, 2], axis[:3, 3]
+    # the nominal x axis, made perpendicular to z
     x = nominal[:3, 0] - z * (z @ nominal[:3, 0])
     x /= np.linalg.norm(x)
     frame = np.eye(4)
@@ -142,10 +145,11 @@ def _on_axis(axis: Array, nominal: Array) -> Array:
 def _expect_near(
     frames: Sequence[Array], nominal: Sequence[Array], name: str, path: str | Path
 ) -> None:
-    for k, (frame, near) in enumerate(zip(frames, nominal, strict=True)):
-        away = float(np.linalg.norm(frame[:3, 3] - near[:3, 3]))
-        cosine = (np.trace(frame[:3, :3].T @ near[:3, :3]) - 1) / 2
-        if away > FAR or math.acos(min(1.0, cosine)) > TURNED:
+    for k, (frame, nominal_frame) in enumerate(zip(frames, nominal, strict=True)):
+        away = float(np.linalg.norm(frame[:3, 3] - nominal_frame[:3, 3]))
+        # tr R = 1 + 2 cos of the angle between both frames
+        cosine = (np.trace(frame[:3, :3].T @ nominal_frame[:3, :3]) - 1) / 2
+        if away > MAX_FRAME_DISTANCE or math.acos(min(1.0, cosine)) > MAX_FRAME_TURN:
             raise InputError(
                 f"{path} puts frame {k} {1000 * away:.3g} mm from where {name} has it; name the "
                 "arm that the calibration belongs to"
@@ -158,25 +162,29 @@ def individual_robot(
     """Return the arm described in a file, with a name and overridden numbers.
 
     override: the differences, with the file's keys; an entry of a list is named by its number,
-    counted from 1. calibration: see `calibrated`. Raises InputError where one of them is invalid.
+    counted from 1. calibration: see `calibrated_robot`. Raises InputError where one of them is
+    invalid.
     """
     try:
-        robot = robot_of(overridden(read_description(path), {**override, "name": name}))
+        robot = robot_of(overridden_data(read_description(path), {**override, "name": name}))
     except ValidationError as error:
         raise InputError(
             f"`override` of {name} does not give a valid description of an arm "
             f"(docs/robots.md): {error}"
         ) from error
-    return robot if calibration is None else calibrated(robot, calibration)
+    return robot if calibration is None else calibrated_robot(robot, calibration)
 
 
-def overridden(base: Any, changes: Any) -> Any:
+def overridden_data(base: Any, changes: Any) -> Any:
     """Return plain data with changes: mappings key by key, lists entry by entry or as a whole."""
     if not isinstance(changes, Mapping):
         return changes
     if isinstance(base, list) and all(str(key).isdecimal() for key in changes):
         place = {int(key): change for key, change in changes.items()}
-        kept = [overridden(e, place.pop(k, e)) for k, e in enumerate(base, start=1)]
-        return kept + list(place.values())
+        changed_entries = [overridden_data(e, place.pop(k, e)) for k, e in enumerate(base, start=1)]
+        return changed_entries + list(place.values())
     entries = base if isinstance(base, Mapping) else {}
-    return {**entries, **{key: overridden(entries.get(key), part) for key, part in changes.items()}}
+    return {
+        **entries,
+        **{key: overridden_data(entries.get(key), part) for key, part in changes.items()},
+    }

@@ -47,7 +47,9 @@ def joined(parts: Sequence[tuple[float, Array, Array]]) -> tuple[float, Array, A
     """
     mass = sum(mass for mass, _, _ in parts)
     center = np.sum([mass * center for mass, center, _ in parts], axis=0) / mass
-    shifted = [shift_inertia(inertia, mass, own - center) for mass, own, inertia in parts]
+    shifted = [
+        shift_inertia(inertia, mass, part_center - center) for mass, part_center, inertia in parts
+    ]
     return mass, center, np.sum(shifted, axis=0)
 
 
@@ -55,8 +57,8 @@ def combine_cylinders(cylinders: list[Cylinder]) -> Array:
     """Return the inertia tensor (3, 3) of a link about its centre of mass (Equation 2.56)."""
     total = np.zeros((3, 3))
     for part in cylinders:
-        own = cylinder_inertia(part.axis, part.mass, part.height, part.radius)
-        total += shift_inertia(own, part.mass, np.array(part.offset))
+        about_centroid = cylinder_inertia(part.axis, part.mass, part.height, part.radius)
+        total += shift_inertia(about_centroid, part.mass, np.array(part.offset))
     return total
 
 
@@ -105,6 +107,7 @@ def rigid_inertia(inertia: Array, share: float = 1e-12) -> Array:
     MuJoCo rejects the link. In that case all moments are raised by `share` of their sum, or, for a
     point mass, by `share` kg m².
     """
+    # A + B - C of principal moments with the largest, C
     slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
     margin = share * (np.trace(inertia) or 1.0)
     return inertia if slack > margin else inertia + margin * np.eye(3)

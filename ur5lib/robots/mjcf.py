@@ -9,9 +9,9 @@ from ur5lib.robots.exports import JointFriction
 from ur5lib.robots.inertia import link_tail, rigid_bodies, rigid_inertia, tensor
 from ur5lib.timeseries.arrays import Array
 
-TOOL = "tool"
-ROUNDED = 1e-5  # share of an inertia that survives rounding to six digits
-POINT = 1e-12  # kg m², inertia of a point mass
+TOOL_BODY = "tool"
+ROUNDED_INERTIA_SHARE = 1e-5  # of an inertia, which survives rounding to six digits
+POINT_MASS_INERTIA = 1e-12  # kg m²
 
 
 def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
@@ -24,14 +24,14 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
     spec = mujoco.MjSpec()
     spec.modelname, spec.compiler.degree = robot.name, False
     spec.option.gravity = robot.gravity
-    add_arm(spec, robot, model, ROUNDED)
+    add_arm(spec, robot, model, ROUNDED_INERTIA_SHARE)
     for k, (joint, ends) in enumerate(zip(spec.joints, robot.position_limits(), strict=True)):
         joint.name = f"joint_{k + 1}"
         joint.limited = np.isfinite(ends).all()
         if joint.limited:
             joint.range = ends
-        if friction is not None and (known := friction.coefficients(k + 1)):
-            joint.frictionloss, viscous = known
+        if friction is not None and (coefficients := friction.coefficients(k + 1)):
+            joint.frictionloss, viscous = coefficients
             joint.damping = (viscous, 0, 0)  # a polynomial of the velocity
         torque_max = robot.motor(k + 1).torque_max
         motor = spec.add_actuator(name=f"motor_{k + 1}", target=joint.name)
@@ -54,17 +54,17 @@ def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12)
         body = _add_link(body, f"link_{k + 1}", pose)
         body.joints[0].armature = bodies.rotor_inertia[k]
         _set_inertia(body, bodies.mass[k], bodies.center_of_mass[k], bodies.inertia[k], share)
-    tool, payload = body.add_body(name=TOOL), robot.models[model].payload
+    tool, payload = body.add_body(name=TOOL_BODY), robot.models[model].payload
     if payload is not None:
         # MuJoCo accepts no point mass, so the mass gets a negligible inertia.
-        inertia = tensor(payload.inertia) + POINT * np.eye(3)
+        inertia = tensor(payload.inertia) + POINT_MASS_INERTIA * np.eye(3)
         _set_inertia(tool, payload.mass, np.array(payload.center_of_mass), inertia, share)
     return tool
 
 
 def flange(model: mujoco.MjModel) -> int:
     """Return the number of the last link, which carries the tool."""
-    return int(model.body(TOOL).parentid[0])
+    return int(model.body(TOOL_BODY).parentid[0])
 
 
 def _add_link(parent: mujoco.MjsBody, name: str, pose: Pose) -> mujoco.MjsBody:

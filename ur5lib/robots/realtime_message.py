@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array
 
-SOFTWARE = {  # of the controller, by the size of its messages [bytes]
+SOFTWARE_BY_SIZE = {  # of the controller, by the size of its messages [bytes]
     756: "1.5, 1.6",
     764: "1.7",
     812: "1.8",
@@ -17,10 +17,12 @@ SOFTWARE = {  # of the controller, by the size of its messages [bytes]
     1140: "3.14, 3.15, 5.9",
     1220: "5.10 and later",
 }
-FROM_1_7, FROM_3 = 764, 1044  # bytes of the first layouts from software 1.7 and 3.0 on
+# Of the first layouts from software 1.7 and 3.0 on.
+SIZE_OF_1_7 = 764  # bytes
+SIZE_OF_3 = 1044  # bytes
 
 # First byte and number of doubles of the fields with an RTDE name. Bits and raw counts are omitted.
-ALWAYS = {
+COMMON_FIELDS = {
     "target_q": (12, 6),
     "target_qd": (60, 6),
     "target_qdd": (108, 6),
@@ -34,11 +36,11 @@ ALWAYS = {
     "robot_mode": (756, 1),
     "joint_mode": (764, 6),
 }
-OLD = {  # before 3.0
+FIELDS_BEFORE_3 = {  # before 3.0
     "actual_TCP_pose": (588, 6),
     "actual_TCP_speed": (636, 6),
 }
-NEW = {
+FIELDS_FROM_3 = {
     "joint_control_output": (396, 6),
     "actual_TCP_pose": (444, 6),
     "actual_TCP_speed": (492, 6),
@@ -59,7 +61,7 @@ NEW = {
     "payload_cog": (1148, 3),
     "payload_inertia": (1172, 6),
 }
-OLD_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
+FIELDS_BEFORE_3_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
 
 
 def fields(size: int) -> dict[str, slice]:
@@ -68,8 +70,14 @@ def fields(size: int) -> dict[str, slice]:
     The first double is the controller's timestamp. size: of the messages [bytes], which determines
     their layout.
     """
-    further = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
-    present = {name: at for name, at in (ALWAYS | further).items() if at[0] < size}
+    further = (
+        FIELDS_FROM_3
+        if size >= SIZE_OF_3
+        else FIELDS_BEFORE_3
+        if size < SIZE_OF_1_7
+        else FIELDS_BEFORE_3 | FIELDS_BEFORE_3_FROM_1_7
+    )
+    present = {name: at for name, at in (COMMON_FIELDS | further).items() if at[0] < size}
     ordered = sorted(present.items(), key=lambda field: field[1])
     return {n: slice((byte - 4) // 8, (byte - 4) // 8 + count) for n, (byte, count) in ordered}
 

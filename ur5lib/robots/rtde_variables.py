@@ -7,9 +7,17 @@ import struct
 from enum import IntEnum
 from itertools import chain
 
-HEADER = struct.Struct(">HB")  # size and kind of a package
-VERSION, SOFTWARE, TEXT, SETUP_OUTPUTS, SETUP_INPUTS, START, PAUSE, DATA = b"VvMOISPU"  # kinds
-FORMATS = {  # of the types, as in the module `struct`
+PACKAGE_HEADER = struct.Struct(">HB")  # size and kind of a package
+# Kinds of packages.
+VERSION_PACKAGE = ord("V")
+SOFTWARE_PACKAGE = ord("v")
+TEXT_PACKAGE = ord("M")
+OUTPUTS_PACKAGE = ord("O")
+INPUTS_PACKAGE = ord("I")
+START_PACKAGE = ord("S")
+PAUSE_PACKAGE = ord("P")
+DATA_PACKAGE = ord("U")
+STRUCT_FORMATS = {  # of the types, as in the module `struct`
     "BOOL": "?",
     "UINT8": "B",
     "UINT32": "I",
@@ -20,7 +28,7 @@ FORMATS = {  # of the types, as in the module `struct`
     "VECTOR6D": "6d",
     "VECTOR6INT32": "6i",
 }
-REGISTERS = 48  # integers and doubles each, to and from the controller
+REGISTER_COUNT = 48  # integers and doubles each, to and from the controller
 
 _OUTPUTS = {
     "DOUBLE": "timestamp actual_execution_time speed_scaling target_speed_fraction actual_momentum "
@@ -50,20 +58,21 @@ _INPUTS = {
     "tool_digital_output standard_analog_output_mask standard_analog_output_type",
     "VECTOR6D": "external_force_torque",
 }
-
-
-def _types(names: dict[str, str], direction: str) -> dict[str, str]:
-    """Return the type of each variable, registers included; direction: "input" or "output"."""
-    types = {name: kind for kind, listed in names.items() for name in listed.split()}
-    for k in range(REGISTERS):
-        types[f"{direction}_int_register_{k}"] = "INT32"
-        types[f"{direction}_double_register_{k}"] = "DOUBLE"
-    return types
-
-
-OUTPUTS = _types(_OUTPUTS, "output")
-INPUTS = _types(_INPUTS, "input")
-SINCE = {  # first minor version of the controller's software 3 and 5 that has an output
+_REGISTERS = {
+    f"{kind}_register_{k}": stored
+    for k in range(REGISTER_COUNT)
+    for kind, stored in (("int", "INT32"), ("double", "DOUBLE"))
+}
+# The type of each variable, by its name.
+OUTPUT_TYPES = {
+    **{name: kind for kind, listed in _OUTPUTS.items() for name in listed.split()},
+    **{f"output_{name}": kind for name, kind in _REGISTERS.items()},
+}
+INPUT_TYPES = {
+    **{name: kind for kind, listed in _INPUTS.items() for name in listed.split()},
+    **{f"input_{name}": kind for name, kind in _REGISTERS.items()},
+}
+FIRST_VERSIONS = {  # first minor version of the controller's software 3 and 5 that has an output
     "payload": {3: 11, 5: 6},
     "payload_cog": {3: 11, 5: 6},
     "payload_inertia": {3: 15, 5: 11},
@@ -116,18 +125,18 @@ class RuntimeState(IntEnum):
 
 def exists(output: str, major: int, minor: int) -> bool:
     """Return whether controller software `major.minor` has an output."""
-    since = SINCE.get(output, {major: 0})
-    return output in OUTPUTS and major in since and minor >= since[major]
+    since = FIRST_VERSIONS.get(output, {major: 0})
+    return output in OUTPUT_TYPES and major in since and minor >= since[major]
 
 
 def size(kind: str) -> int:
     """Return the number of values in a variable of this type."""
-    return int(FORMATS[kind][:-1] or 1)
+    return int(STRUCT_FORMATS[kind][:-1] or 1)
 
 
 def columns(name: str) -> list[str]:
     """Return the names of an output's columns in a recording: `actual_q_0` … `actual_q_5`."""
-    count = size(OUTPUTS[name])
+    count = size(OUTPUT_TYPES[name])
     return [name] if count == 1 else [f"{name}_{k}" for k in range(count)]
 
 
@@ -138,4 +147,4 @@ def all_columns(names: tuple[str, ...]) -> tuple[str, ...]:
 
 def layout(kinds: list[str]) -> struct.Struct:
     """Return the layout of variables of these types in a data package: big-endian, no padding."""
-    return struct.Struct(">" + "".join(FORMATS[kind] for kind in kinds))
+    return struct.Struct(">" + "".join(STRUCT_FORMATS[kind] for kind in kinds))

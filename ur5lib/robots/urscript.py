@@ -15,7 +15,7 @@ from ur5lib.errors import InputError
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-FRAME = ("def ", "sec ", "end", "global ")  # lines without a command
+FRAMING_STARTS = ("def ", "sec ", "end", "global ")  # of lines without a command
 MOVE_ARGUMENTS: dict[str, dict[str, float | None]] = {  # with URScript's defaults, in SI units
     "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
@@ -56,7 +56,7 @@ def calls(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
     """Yield the lines with commands, without comments, and their numbers from 1."""
     for number, line in enumerate(lines, start=1):
         text = line.split("#")[0].strip()
-        if text and not text.startswith(FRAME):
+        if text and not text.startswith(FRAMING_STARTS):
             yield number, text
 
 

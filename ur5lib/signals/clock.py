@@ -8,17 +8,19 @@ import numpy as np
 from ur5lib.errors import Remark
 from ur5lib.timeseries.arrays import Array
 
-# Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a
-# host's software: the only host whose drift is known, the thesis's, is off by 0.0033.
-UNKNOWN_DRIFT = 0.003
-WANDER = 0.004  # s, of a clock about a straight line: no jackknife of one recording contains it
-# methods
-BY_STAMPS, BY_MOTION, BY_HOST = "start stamps", "angular rate", "host's stamps"
-SHARED = "robot's clock"
+# Of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a host's software: the
+# only host whose drift is known, the thesis's, is off by 0.0033.
+UNKNOWN_DRIFT_STD = 0.003
+CLOCK_WANDER = 0.004  # s, about a straight line: no jackknife of one recording contains it
+# Sources of a clock.
+STAMPS_METHOD = "start stamps"
+MOTION_METHOD = "angular rate"
+HOST_METHOD = "host's stamps"
+SHARED_METHOD = "robot's clock"
 
 
 @dataclass(frozen=True)
-class Clock:
+class ClockRelation:
     """t_robot = offset + (1 + drift) t_device, both counted from their own start stamps.
 
     offset, offset_std: [s]; drift, drift_std: dimensionless, None if not estimated; method: source
@@ -38,14 +40,14 @@ class Clock:
     def std_after(self, duration: float) -> float:
         """Return the standard error [s] at a time [s] after the robot's start stamp.
 
-        A drift that was not estimated counts as 0 ± UNKNOWN_DRIFT.
+        A drift that was not estimated counts as 0 ± UNKNOWN_DRIFT_STD.
         """
-        drift_std = UNKNOWN_DRIFT if self.drift_std is None else self.drift_std
+        drift_std = UNKNOWN_DRIFT_STD if self.drift_std is None else self.drift_std
         return float(np.hypot(self.offset_std, drift_std * duration))
 
 
 @dataclass(frozen=True)
-class OwnClock(Clock):
+class OwnClock(ClockRelation):
     """A device's clock from its own start stamp and motion.
 
     warning: why motion does not determine it, None if it does; stamps: the offset by start stamps
@@ -57,7 +59,7 @@ class OwnClock(Clock):
 
 
 @dataclass(frozen=True)
-class SettledClock(Clock):
+class SettledClock(ClockRelation):
     """The clock by which a device's samples are put on the robot's time.
 
     warning: of its own clock; end_std: standard error at the end of the recording [s].
@@ -67,15 +69,15 @@ class SettledClock(Clock):
     end_std: float
 
 
-def clock_from_stamps(offset: float, std: float, drift_std: float | None = None) -> Clock:
+def clock_from_stamps(offset: float, std: float, drift_std: float | None = None) -> ClockRelation:
     """Return the clock of start stamps `offset` [s] apart.
 
     drift_std: error of the rate of a device whose samples the robot's host stamped, 0 of one that
     shares the robot's clock; the drift of others is unknown.
     """
     if drift_std is None:
-        return Clock(offset, std, None, None, BY_STAMPS)
-    return Clock(offset, std, 0.0, drift_std, BY_HOST if drift_std else SHARED)
+        return ClockRelation(offset, std, None, None, STAMPS_METHOD)
+    return ClockRelation(offset, std, 0.0, drift_std, HOST_METHOD if drift_std else SHARED_METHOD)
 
 
 @dataclass(frozen=True)
@@ -106,23 +108,24 @@ def pool_drifts(
     clocks: by recording and device; hosts: the devices of each host. Hosts without a clock that was
     estimated by motion are left out.
     """
-    found = {}
+    drifts = {}
     for host, devices in hosts.items():
-        known = {
-            recording: own[device]
-            for recording, own in clocks.items()
+        moved_clocks = {
+            recording: devices_clocks[device]
+            for recording, devices_clocks in clocks.items()
             for device in devices
-            if device in own and own[device].method == BY_MOTION
+            if device in devices_clocks and devices_clocks[device].method == MOTION_METHOD
         }
-        if known:
+        if moved_clocks:
             names = ("drift", "drift_std", "offset", "offset_std", "stamps")
             drift, std, offset, offset_std, stamps = (
-                np.array([getattr(clock, name) for clock in known.values()]) for name in names
+                np.array([getattr(clock, name) for clock in moved_clocks.values()])
+                for name in names
             )
             # the error of the robot's own start stamp is common to all devices
             start = pool(offset - stamps, offset_std)
-            found[host] = HostDrift(list(devices), *pool(drift, std), *start, list(known))
-    return found
+            drifts[host] = HostDrift(list(devices), *pool(drift, std), *start, list(moved_clocks))
+    return drifts
 
 
 def pool(value: Array, std: Array) -> tuple[float, float, float]:
@@ -144,7 +147,7 @@ def pool(value: Array, std: Array) -> tuple[float, float, float]:
 
 
 def settle_clocks(
-    own: Mapping[str, OwnClock], drifts: Mapping[str, HostDrift], duration: float
+    clocks: Mapping[str, OwnClock], drifts: Mapping[str, HostDrift], duration: float
 ) -> dict[str, SettledClock]:
     """Return the clocks of a recording's devices; drifts: of the hosts; duration: [s].
 
@@ -152,12 +155,12 @@ def settle_clocks(
     its host if known.
     """
     settled = {}
-    for device, clock in own.items():
+    for device, clock in clocks.items():
         host = next((host for host in drifts.values() if device in host.devices), None)
-        if host is not None and clock.method == BY_STAMPS:
+        if host is not None and clock.method == STAMPS_METHOD:
             # errors of the mean, the spread between recordings, and the wander
             start = clock.offset_std, host.start_std_error, host.start_spread
-            drift = host.std_error, host.spread, WANDER / duration
+            drift = host.std_error, host.spread, CLOCK_WANDER / duration
             clock = replace(
                 clock,
                 offset=clock.offset + host.start,
@@ -166,7 +169,7 @@ def settle_clocks(
                 drift_std=float(np.linalg.norm(drift)),
                 method=f"{clock.method}, start and drift of its host",
             )
-        known = {field.name: getattr(clock, field.name) for field in fields(Clock)}
+        clock_fields = {field.name: getattr(clock, field.name) for field in fields(ClockRelation)}
         end_std = clock.std_after(duration)
-        settled[device] = SettledClock(**known, warning=clock.warning, end_std=end_std)
+        settled[device] = SettledClock(**clock_fields, warning=clock.warning, end_std=end_std)
     return settled

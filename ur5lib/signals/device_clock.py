@@ -6,23 +6,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.errors import Remark, remark
-from ur5lib.signals.clock import BY_MOTION, BY_STAMPS, WANDER, Clock
+from ur5lib.signals.clock import CLOCK_WANDER, MOTION_METHOD, STAMPS_METHOD, ClockRelation
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.sampling import differentiate, interpolated
 from ur5lib.timeseries.segments import by_segment, period
 
-GAP = 5.0  # mean steps of a device; a longer one is a gap
-BAND, ORDER = 4.0, 4  # Hz; motion of the arm is below, vibration above
-REACH, TRUST = 10.0, 5.0  # stamps' standard errors: range of the search, and of plausible offsets
+GAP_STEPS = 5.0  # mean steps of a device; a longer one is a gap
+BAND_LIMIT = 4.0  # Hz; motion of the arm is below, vibration above
+FILTER_ORDER = 4
+# Of the search, and of plausible offsets, in standard errors of the stamps.
+SEARCH_DEVIATIONS = 10.0
+PLAUSIBLE_DEVIATIONS = 5.0
 MAX_DRIFT = 0.01  # far above the drift of a quartz
-EXPLAINED = 0.8  # least share of the gyroscope's variance that the joints must explain
-BLOCKS = 8  # of the jackknife: few, so that each is longer than the residuals' correlation time
-SAMPLES = 20  # least number in a block
-# Error that a jackknife of one recording does not contain [s]: clocks from gyroscope and
-# accelerometer of one IMU differ by 3 to 7 ms.
-LATENCY = 0.005
-NOTHING = 1e-30  # (rad/s)²: avoids infinities for a perfect fit or a dead gyroscope
+MIN_EXPLAINED_SHARE = 0.8  # of the gyroscope's variance, by the joints
+JACKKNIFE_BLOCKS = 8  # few, so that each is longer than the residuals' correlation time
+MIN_BLOCK_SAMPLES = 20
+# Error that a jackknife of one recording does not contain: clocks from gyroscope and accelerometer
+# of one IMU differ by 3 to 7 ms.
+LATENCY_STD = 0.005  # s
+MIN_RATE_VARIANCE = 1e-30  # (rad/s)²: avoids infinities for a perfect fit or a dead gyroscope
 
 
 def clock_from_rotation(
@@ -31,8 +34,8 @@ def clock_from_rotation(
     segment: Labels,
     device_time: Array,
     gyroscope: Array,
-    stamps: Clock,
-) -> tuple[Clock, Remark | None]:
+    stamps: ClockRelation,
+) -> tuple[ClockRelation, Remark | None]:
     """Estimate the clock for which a gyroscope measures the angular velocity of the joints.
 
     time: (N,) [s], the robot's; rate: (N, 3) [rad/s], angular velocity of frame 6 in frame 6,
@@ -42,11 +45,12 @@ def clock_from_rotation(
 
     Least squares of gyroscope(t_device) = ω + ω × θ + b over offset, drift, a small mounting
     rotation θ and the bias b, both sides low-passed alike. Standard errors by a jackknife over
-    blocks of time, as neighbouring residuals are correlated, widened by LATENCY and WANDER.
+    blocks of time, as neighbouring residuals are correlated, widened by LATENCY_STD and
+    CLOCK_WANDER.
     """
-    if min(len(time), len(device_time)) < SAMPLES * BLOCKS:
+    if min(len(time), len(device_time)) < MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS:
         return stamps, remark("short record")
-    if max(np.diff(time).mean(), np.diff(device_time).mean()) > 1 / (4 * BAND):
+    if max(np.diff(time).mean(), np.diff(device_time).mean()) > 1 / (4 * BAND_LIMIT):
         return stamps, remark("slow record")
     pair = _compare(time, rate, segment, device_time, gyroscope)
     starts = _search(pair, stamps)
@@ -55,10 +59,10 @@ def clock_from_rotation(
     # best clock, its standard errors, and the share of variance it explains
     (offset, drift), columns, residual = _choose(pair, starts, stamps)
     offset_std, drift_std = _jackknife(columns, residual)
-    offset_std = float(np.hypot(offset_std, LATENCY))
-    drift_std = float(np.hypot(drift_std, WANDER / (time[-1] - time[0])))
-    clock = Clock(float(offset), offset_std, float(drift), drift_std, BY_MOTION)
-    variance = np.nanvar(pair.gyroscope, axis=0).mean() + NOTHING
+    offset_std = float(np.hypot(offset_std, LATENCY_STD))
+    drift_std = float(np.hypot(drift_std, CLOCK_WANDER / (time[-1] - time[0])))
+    clock = ClockRelation(float(offset), offset_std, float(drift), drift_std, MOTION_METHOD)
+    variance = np.nanvar(pair.gyroscope, axis=0).mean() + MIN_RATE_VARIANCE
     explained = 1 - float(np.mean(residual**2) / variance) if len(residual) else 0.0
     doubt = _objection(clock, stamps, explained)
     return (clock, None) if doubt is None else (stamps, doubt)
@@ -80,27 +84,29 @@ def interpolate(at: Array, time: Array, values: Array) -> Array:
     if len(time) < 2:
         return np.full((len(at), values.shape[1]), np.nan)
     result = interpolated(at, time, values, outside=np.nan)
-    after = np.searchsorted(time, at).clip(1, len(time) - 1)
-    result[(np.diff(time)[after - 1] > _longest_step(time)) & (at < time[after])] = np.nan
+    next_sample = np.searchsorted(time, at).clip(1, len(time) - 1)
+    result[(np.diff(time)[next_sample - 1] > _longest_step(time)) & (at < time[next_sample])] = (
+        np.nan
+    )
     return result
 
 
 def _longest_step(time: Array) -> float:
     """Return the longest step of a device [s] that is no gap."""
-    return GAP * float(np.diff(time).mean())
+    return GAP_STEPS * float(np.diff(time).mean())
 
 
 @dataclass(frozen=True)
 class _Pair:
     """Angular velocities of robot and device, low-passed alike.
 
-    time: (N,) and rate: (N, 3), the robot's, thinned as far as the band allows; own: (M,),
+    time: (N,) and rate: (N, 3), the robot's, thinned as far as the band allows; device_time: (M,),
     gyroscope: (M, 3) and its derivative slope: (M, 3), the device's on its own clock.
     """
 
     time: Array
     rate: Array
-    own: Array
+    device_time: Array
     gyroscope: Array
     slope: Array
 
@@ -112,18 +118,18 @@ def _compare(
     # the robot's ω, at some 4 samples per period of the band's upper end
     period = float(np.median(np.diff(time)))
     rate = _in_band(rate, segment, period)
-    every = max(1, int(1 / (4 * BAND * period)))
-    kept = np.flatnonzero(np.isfinite(rate).all(axis=1))[::every]
+    stride = max(1, int(1 / (4 * BAND_LIMIT * period)))
+    rows = np.flatnonzero(np.isfinite(rate).all(axis=1))[::stride]
     # the gyroscope, at even steps of its own clock
-    own, even = even_samples(device_time, gyroscope)
-    step = own[1] - own[0]
-    even = _in_band(even, np.zeros(len(own), dtype=np.int64), step)
-    return _Pair(time[kept], rate[kept], own, even, np.gradient(even, step, axis=0))
+    device_clock_time, even = even_samples(device_time, gyroscope)
+    step = device_clock_time[1] - device_clock_time[0]
+    even = _in_band(even, np.zeros(len(device_clock_time), dtype=np.int64), step)
+    return _Pair(time[rows], rate[rows], device_clock_time, even, np.gradient(even, step, axis=0))
 
 
 def _in_band(values: Array, segment: Labels, period: float) -> Array:
     """Low-pass without delay; NaN near the ends of a stretch, where the filter extrapolates."""
-    return by_segment(inner_lowpass, values, segment, 1 / period, ORDER, BAND)
+    return by_segment(inner_lowpass, values, segment, 1 / period, FILTER_ORDER, BAND_LIMIT)
 
 
 def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
@@ -131,23 +137,23 @@ def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
 
     clock: offset and drift. Rows are those of the robot's samples that both sides recorded.
     """
-    own = (pair.time - clock[0]) / (1 + clock[1])
-    misfit = interpolate(own, pair.own, pair.gyroscope) - pair.rate
+    device_time = (pair.time - clock[0]) / (1 + clock[1])
+    misfit = interpolate(device_time, pair.device_time, pair.gyroscope) - pair.rate
     rows = np.flatnonzero(np.isfinite(misfit).all(axis=1))
-    return own[rows], misfit[rows], rows
+    return device_time[rows], misfit[rows], rows
 
 
 def _linearise(pair: _Pair, clock: Array) -> tuple[Array, Array]:
     """Return columns (N', 3, 8) of offset, drift, θ (3) and b (3), and the misfit (N', 3)."""
-    own, misfit, rows = _misfit(pair, clock)
+    device_time, misfit, rows = _misfit(pair, clock)
     # -∂(gyroscope)/∂offset = g' / (1 + drift), -∂(gyroscope)/∂drift = t_device g' / (1 + drift)
-    slope = interpolate(own, pair.own, pair.slope)[:, :, None] / (1 + clock[1])  # (N', 3, 1)
+    slope = interpolate(device_time, pair.device_time, pair.slope)[:, :, None] / (1 + clock[1])
     # ω × θ and b
     turned = np.cross(pair.rate[rows, None], np.eye(3)).swapaxes(1, 2)  # (N', 3, 3)
     bias = np.broadcast_to(np.eye(3), turned.shape)
-    columns = np.concatenate([slope, slope * own[:, None, None], turned, bias], axis=2)
-    known = np.isfinite(slope).all(axis=(1, 2))
-    return columns[known], misfit[known]
+    columns = np.concatenate([slope, slope * device_time[:, None, None], turned, bias], axis=2)
+    finite = np.isfinite(slope).all(axis=(1, 2))
+    return columns[finite], misfit[finite]
 
 
 def _solve(columns: Array, misfit: Array) -> Array:
@@ -156,13 +162,13 @@ def _solve(columns: Array, misfit: Array) -> Array:
     return np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True) @ (A.T @ misfit.ravel())
 
 
-def _search(pair: _Pair, stamps: Clock) -> list[Array]:
+def _search(pair: _Pair, stamps: ClockRelation) -> list[Array]:
     """Return clocks (offset, drift) to start a fit from: local minima over the offset.
 
     The misfit is computed on a grid around the stamps' offset; per offset, the best drift counts.
     """
     length = float(np.ptp(pair.time)) if len(pair.time) else 0.0
-    reach, step = REACH * stamps.offset_std, 1 / (4 * BAND)
+    reach, step = SEARCH_DEVIATIONS * stamps.offset_std, 1 / (4 * BAND_LIMIT)
     offsets = stamps.offset + np.arange(-reach, reach + step, step)
     # neighbouring drifts shift the ends of the record by one step of the offset
     drifts = np.linspace(-MAX_DRIFT, MAX_DRIFT, 3 + 2 * int(MAX_DRIFT * length / (2 * step)))
@@ -170,7 +176,7 @@ def _search(pair: _Pair, stamps: Clock) -> list[Array]:
     def variance(clock: Array) -> float:
         """Return the misfit's variance: without its mean, the bias; θ hardly matters here."""
         misfit = _misfit(pair, clock)[1]
-        enough = max(SAMPLES * BLOCKS, len(pair.time) // 2)
+        enough = max(MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS, len(pair.time) // 2)
         return float(misfit.var(axis=0).sum()) if len(misfit) >= enough else np.inf
 
     misfit = np.array([[variance(np.array([o, d])) for d in drifts] for o in offsets])
@@ -181,7 +187,7 @@ def _search(pair: _Pair, stamps: Clock) -> list[Array]:
     return [np.array([offsets[row], drifts[misfit[row].argmin()]]) for row in rows]
 
 
-def _choose(pair: _Pair, starts: list[Array], stamps: Clock) -> tuple[Array, Array, Array]:
+def _choose(pair: _Pair, starts: list[Array], stamps: ClockRelation) -> tuple[Array, Array, Array]:
     """Return the best fit from any start: clock, columns and residuals.
 
     A periodic motion fits equally well one period later, so the stamps count as a measurement, too.
@@ -189,12 +195,12 @@ def _choose(pair: _Pair, starts: list[Array], stamps: Clock) -> tuple[Array, Arr
 
     def cost(fit: tuple[Array, Array, Array]) -> float:
         clock, _, residual = fit
-        if len(residual) < SAMPLES * BLOCKS:
+        if len(residual) < MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS:
             return np.inf
         # -2 log likelihood: n log σ² + ((offset - stamps) / std)²
-        independent = 2 * BAND * float(np.ptp(pair.time))
+        independent = 2 * BAND_LIMIT * float(np.ptp(pair.time))
         deviation = (clock[0] - stamps.offset) / stamps.offset_std
-        return independent * float(np.log(np.mean(residual**2) + NOTHING)) + deviation**2
+        return independent * float(np.log(np.mean(residual**2) + MIN_RATE_VARIANCE)) + deviation**2
 
     return min((_fit(pair, start) for start in starts), key=cost)
 
@@ -210,22 +216,22 @@ def _fit(pair: _Pair, clock: Array) -> tuple[Array, Array, Array]:
 
 def _jackknife(columns: Array, residual: Array) -> tuple[float, float]:
     """Return the standard errors of offset and drift by a jackknife over blocks of time."""
-    blocks = np.array_split(np.arange(len(columns)), BLOCKS)
+    blocks = np.array_split(np.arange(len(columns)), JACKKNIFE_BLOCKS)
     changes = [
         _solve(np.delete(columns, block, axis=0), np.delete(residual, block, axis=0))
         for block in blocks
     ]
-    variance = (BLOCKS - 1) / BLOCKS * np.square(changes).sum(axis=0)
+    variance = (JACKKNIFE_BLOCKS - 1) / JACKKNIFE_BLOCKS * np.square(changes).sum(axis=0)
     return float(np.sqrt(variance[0])), float(np.sqrt(variance[1]))
 
 
-def _objection(clock: Clock, stamps: Clock, explained: float) -> Remark | None:
+def _objection(clock: ClockRelation, stamps: ClockRelation, explained: float) -> Remark | None:
     """Return why the motion does not determine the clock; None if it does."""
-    apart, drift = clock.offset - stamps.offset, clock.drift or 0.0
-    if explained < EXPLAINED:
+    difference, drift = clock.offset - stamps.offset, clock.drift or 0.0
+    if explained < MIN_EXPLAINED_SHARE:
         return remark("unexplained rotation", share=max(explained, 0.0))
-    if abs(apart) > TRUST * stamps.offset_std or abs(drift) > MAX_DRIFT:
-        return remark("implausible clock", apart_s=apart, drift=drift)
+    if abs(difference) > PLAUSIBLE_DEVIATIONS * stamps.offset_std or abs(drift) > MAX_DRIFT:
+        return remark("implausible clock", apart_s=difference, drift=drift)
     if clock.offset_std > stamps.offset_std:
         stds = {"std_s": clock.offset_std, "stamps_std_s": stamps.offset_std}
         return remark("uncertain clock", **stds)
@@ -235,10 +241,10 @@ def _objection(clock: Clock, stamps: Clock, explained: float) -> Remark | None:
 def device_clock(
     device_time: Array,
     gyroscope: Array | None,
-    stamps: Clock,
+    stamps: ClockRelation,
     robot: tuple[Array, Labels, Array],
     frames: tuple[Array, Array],
-) -> tuple[Clock, Remark | None]:
+) -> tuple[ClockRelation, Remark | None]:
     """Return a device's clock, and why it is by its start stamp alone, if it is.
 
     device_time: (M,) [s], as read, on its own clock; gyroscope: (M, 3) [rad/s], if it has one;
@@ -249,7 +255,7 @@ def device_clock(
     used. Otherwise, a gyroscope is compared with the angular rate of frame 6; other devices measure
     no motion that could be distinguished from contact, so their start stamps are used.
     """
-    if gyroscope is None or stamps.method != BY_STAMPS:
+    if gyroscope is None or stamps.method != STAMPS_METHOD:
         return stamps, None
     (time, segment, q), (rotation, jacobian) = robot, frames
     # not the controller's velocities, which lag the positions by some ms

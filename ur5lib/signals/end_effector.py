@@ -13,6 +13,8 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment, in_chunks
 
+MIN_GAUSSIAN_WIDTH = 0.1  # samples; a Gaussian below changes nothing
+
 
 def point_jacobian(R6: Array, J: Array, point: Array) -> Array:
     """Return J_v of a point of the last frame, (N, 3, n): J_v − [R p]× J_w."""
@@ -66,9 +68,6 @@ def felt_acceleration(
     return np.concatenate([linear, np.matvec(rotation, angular_acceleration)], axis=1)
 
 
-NARROWEST = 0.1  # samples; a Gaussian below changes nothing
-
-
 @dataclass(frozen=True)
 class ToolMotion:
     """Weight and acceleration of what is fixed to frame 6, in its axes, (N, 3) each.
@@ -113,14 +112,14 @@ def tool_motion(
     return ToolMotion(*in_chunks(felt, rotation, jacobian, qd, qdd).swapaxes(0, 1))
 
 
-def expected(values: Array, segment: Labels, period: float, clock_std: float) -> Array:
+def expected_values(values: Array, segment: Labels, period: float, clock_std: float) -> Array:
     """Return the mean of values (N, M) at times that are known to a standard error [s].
 
     For a normal error of the clock this is a Gaussian filter. What moves faster than the clock is
     known, such as a vibration, has a mean of zero: subtracting it unfiltered would add noise.
     """
     width = clock_std / period
-    if width < NARROWEST:
+    if width < MIN_GAUSSIAN_WIDTH:
         return values
     return by_segment(
         partial(gaussian_filter1d, sigma=width, axis=0, mode="nearest"), values, segment

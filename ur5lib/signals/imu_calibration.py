@@ -10,10 +10,12 @@ from scipy.spatial.transform import Rotation
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import differentiate
-from ur5lib.timeseries.segments import BLOCK, by_segment
+from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment
 
-OWN = 4  # parameters of a recording: the accelerometer's bias and a remaining clock error
-PLACE = slice(8, 11)  # of the IMU, after mounting, tilt and gyroscope's bias
+RECORDING_PARAMETERS = (
+    4  # parameters of a recording: the accelerometer's bias and a remaining clock error
+)
+PLACE_COLUMNS = slice(8, 11)  # of the IMU, after mounting, tilt and gyroscope's bias
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,13 @@ class ImuCalibration:
 
         gravity: (3,) [m/s²], base frame, as the arm's description has it.
         """
+        # up is a unit vector: its components across gravity leave √(1 - β²) along it
         upright = np.sqrt(1 - self.tilt @ self.tilt)
         return np.linalg.norm(gravity) * (level_axes(gravity) @ self.tilt) - upright * gravity
+
+
+_UNCHANGED: list[Any] = [*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3, 3, 3, 3)), 1.0]
+NOMINAL_CALIBRATION = ImuCalibration(*_UNCHANGED)  # as in the arm's drawing
 
 
 def level_axes(gravity: Array) -> Array:
@@ -90,10 +97,6 @@ def level_axes(gravity: Array) -> Array:
     return np.column_stack([first, np.cross(up, first)])
 
 
-_NOTHING: list[Any] = [*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3, 3, 3, 3)), 1.0]
-AS_DRAWN = ImuCalibration(*_NOTHING)
-
-
 def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCalibration]:
     """Return a calibration from all records, "all", and for each record one from the others.
 
@@ -101,24 +104,27 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCal
     estimated is chosen once, on all of them.
     """
     sums = {name: _Sums.of(record) for name, record in records.items()}
-    held_out = _held_out(list(sums.values()))
+    held_out = _place_error_ratio(list(sums.values()))
     choices = {"all": sums} | {
         name: {other: part for other, part in sums.items() if other != name} for name in sums
     }
     return {
-        name: replace(_calibration([*chosen.values()], held_out), from_=tuple(chosen))
-        for name, chosen in choices.items()
-        if chosen
+        name: replace(_calibration([*contributing.values()], held_out), from_=tuple(contributing))
+        for name, contributing in choices.items()
+        if contributing
     }
 
 
-def calibration_for(recording: str, known: Mapping[str, ImuCalibration]) -> ImuCalibration:
+def calibration_for(recording: str, calibrations: Mapping[str, ImuCalibration]) -> ImuCalibration:
     """Return the calibration from other recordings; as drawn without any.
 
-    known: result of `calibrate_without_each`.
+    calibrations: result of `calibrate_without_each`.
     """
-    candidates = [known[key] for key in (recording, "all") if key in known]
-    return next((found for found in candidates if recording not in found.from_), AS_DRAWN)
+    candidates = [calibrations[key] for key in (recording, "all") if key in calibrations]
+    return next(
+        (calibration for calibration in candidates if recording not in calibration.from_),
+        NOMINAL_CALIBRATION,
+    )
 
 
 def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
@@ -133,37 +139,37 @@ def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     residuals are correlated.
     """
     sums = [_Sums.of(record) for record in records]
-    return _calibration(sums, _held_out(sums))
+    return _calibration(sums, _place_error_ratio(sums))
 
 
 def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
     """Fit the calibration with the place estimated, and with it as described if that is better."""
     value, std = _jackknife(sums)
     described = sums[0].place
-    place = [value[PLACE] + described, std[PLACE], described]
+    place = [value[PLACE_COLUMNS] + described, std[PLACE_COLUMNS], described]
     if held_out >= 1:
         value, std = _jackknife([part.as_described() for part in sums])
     parts = (slice(0, 3), slice(3, 5), slice(5, 8))
-    found: list[Any] = [values[part] for part in parts for values in (value, std)]
-    found += [*place, held_out]
-    return ImuCalibration(*found)
+    fields: list[Any] = [values[part] for part in parts for values in (value, std)]
+    fields += [*place, held_out]
+    return ImuCalibration(*fields)
 
 
-def _held_out(sums: "Sequence[_Sums]") -> float:
+def _place_error_ratio(sums: "Sequence[_Sums]") -> float:
     """Return the error of forces left out, with the estimated place by that as described."""
     if len(sums) < 2:
         return 1.0
-    estimated, described = map(_left_out, (sums, [part.as_described() for part in sums]))
+    estimated, described = map(_left_out_squares, (sums, [part.as_described() for part in sums]))
     return float(np.sqrt(estimated / described))
 
 
-def _left_out(sums: "Sequence[_Sums]") -> float:
+def _left_out_squares(sums: "Sequence[_Sums]") -> float:
     """Return the squares of forces that calibrations from the other recordings leave."""
     scale = _scale(sums)
     reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
     others = np.sum(reduced, axis=0) - reduced
-    parts = zip(sums, _solved(others), strict=True)
-    return float(sum(part.left(scale, shared)[0] for part, shared in parts))
+    parts = zip(sums, _normal_solution(others), strict=True)
+    return float(sum(part.unexplained_squares(scale, shared)[0] for part, shared in parts))
 
 
 def accelerometer_bias(record: ImuRecord, calibration: ImuCalibration) -> Array:
@@ -184,8 +190,8 @@ class _Sums:
     """The normal equations of a recording: sums over each of its B blocks, by force and rate.
 
     products: Zᵀ Z (B, 2, P + 1, P + 1) of the columns X of shared parameters, the misfit y, and the
-    columns of the recording's own OWN parameters, Z = [X_shared y X_own], P = 15; count: N, the
-    samples behind them; place: (3,) [m], as described.
+    columns of the recording's own RECORDING_PARAMETERS, Z = [X_shared y X_own], P = 15;
+    count: N, the samples behind them; place: (3,) [m], as described.
     """
 
     products: Array
@@ -195,7 +201,7 @@ class _Sums:
     @classmethod
     def of(cls, record: ImuRecord) -> Self:
         """Return the sums of a recording."""
-        block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
+        block = ((record.time - record.time[0]) // BLOCK_DURATION).astype(np.int64)
         starts = np.flatnonzero(np.diff(block, prepend=-1))
         Z = _columns(record).reshape(len(block), 2, 3, -1)
         products = np.add.reduceat(np.einsum("nkip,nkiq->nkpq", Z, Z), starts, axis=0)
@@ -203,20 +209,22 @@ class _Sums:
 
     def as_described(self) -> Self:
         """Return the sums without the columns of the IMU's place, P = 12."""
-        products = np.delete(np.delete(self.products, PLACE, axis=2), PLACE, axis=3)
+        products = np.delete(np.delete(self.products, PLACE_COLUMNS, axis=2), PLACE_COLUMNS, axis=3)
         return replace(self, products=products)
 
     def weighted(self, scale: Array) -> Array:
         """Return the products (B, P + 1, P + 1), forces and rates divided by a scale (2,)."""
         return np.einsum("bkpq,k->bpq", self.products, scale**-2.0)
 
-    def left(self, scale: Array, shared: Array) -> Array:
+    def unexplained_squares(self, scale: Array, shared: Array) -> Array:
         """Return the squares (2,) that are left of forces and rates, given shared parameters."""
-        whole = self.weighted(scale).sum(axis=0)
+        normal = self.weighted(scale).sum(axis=0)
         z = np.append(-shared, 1.0)
         # the recording's own parameters that fit best, given the shared ones
-        own = np.linalg.pinv(whole[-OWN:, -OWN:], hermitian=True) @ (whole[-OWN:, :-OWN] @ z)
-        z = np.append(z, -own)
+        own_parameters = np.linalg.pinv(
+            normal[-RECORDING_PARAMETERS:, -RECORDING_PARAMETERS:], hermitian=True
+        ) @ (normal[-RECORDING_PARAMETERS:, :-RECORDING_PARAMETERS] @ z)
+        z = np.append(z, -own_parameters)
         # |y - X p|² = zᵀ Zᵀ Z z, never zero
         return np.maximum(self.products.sum(axis=0) @ z @ z, 1e-24)
 
@@ -232,7 +240,7 @@ def _columns(record: ImuRecord) -> Array:
     columns[:, :3, :3] = _cross_matrix(record.specific_force)
     lean = np.linalg.norm(record.gravity) * level_axes(record.gravity)
     columns[:, :3, 3:5] = record.rotation.swapaxes(1, 2) @ lean
-    columns[:, :3, PLACE] = record.by_place
+    columns[:, :3, PLACE_COLUMNS] = record.by_place
     columns[:, :3, 12:15] = np.eye(3)
     # ω × θ + b_g
     columns[:, 3:, :3] = _cross_matrix(record.angular_rate)
@@ -258,9 +266,14 @@ def _without_own(products: Array) -> Array:
 
     The recording's own parameters are eliminated (Schur complement).
     """
-    own = np.linalg.pinv(products[..., -OWN:, -OWN:], hermitian=True)
-    cross = products[..., :-OWN, -OWN:]
-    return products[..., :-OWN, :-OWN] - cross @ own @ cross.mT
+    own_inverse = np.linalg.pinv(
+        products[..., -RECORDING_PARAMETERS:, -RECORDING_PARAMETERS:], hermitian=True
+    )
+    cross = products[..., :-RECORDING_PARAMETERS, -RECORDING_PARAMETERS:]
+    return (
+        products[..., :-RECORDING_PARAMETERS, :-RECORDING_PARAMETERS]
+        - cross @ own_inverse @ cross.mT
+    )
 
 
 def _scale(sums: Sequence[_Sums]) -> Array:
@@ -268,9 +281,9 @@ def _scale(sums: Sequence[_Sums]) -> Array:
     scale, count = np.ones(2), 3 * sum(part.count for part in sums)
     for _ in range(2):
         reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
-        shared = _solved(np.sum(reduced, axis=0))
-        left = np.sum([part.left(scale, shared) for part in sums], axis=0)
-        scale = np.sqrt(left / count) + 1e-12  # root mean squares, never zero
+        shared = _normal_solution(np.sum(reduced, axis=0))
+        squares = np.sum([part.unexplained_squares(scale, shared) for part in sums], axis=0)
+        scale = np.sqrt(squares / count) + 1e-12  # root mean squares, never zero
     return scale
 
 
@@ -278,18 +291,18 @@ def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
     """Return the shared parameters (S,), with standard errors by a jackknife over blocks."""
     scale = _scale(sums)
     blocks = [part.weighted(scale) for part in sums]  # (B, P + 1, P + 1) each
-    reduced = [_without_own(own.sum(axis=0)) for own in blocks]
-    whole = np.sum(reduced, axis=0)
+    reduced = [_without_own(recording.sum(axis=0)) for recording in blocks]
+    total = np.sum(reduced, axis=0)
     without = [
-        whole - own + _without_own(each.sum(axis=0) - each)
-        for own, each in zip(reduced, blocks, strict=True)
+        total - recording + _without_own(recording_blocks.sum(axis=0) - recording_blocks)
+        for recording, recording_blocks in zip(reduced, blocks, strict=True)
     ]
-    estimate = _solved(whole)
-    change = _solved(np.concatenate(without)) - estimate
+    estimate = _normal_solution(total)
+    change = _normal_solution(np.concatenate(without)) - estimate
     return estimate, np.sqrt((len(change) - 1) / len(change) * np.sum(change**2, axis=0))
 
 
-def _solved(products: Array) -> Array:
+def _normal_solution(products: Array) -> Array:
     """Solve normal equations (..., S + 1, S + 1), the last column the right side, for (..., S);
     zero for undetermined parameters.
     """

@@ -7,7 +7,7 @@ import numpy as np
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clock import BY_HOST, BY_MOTION, SHARED, Clock
+from ur5lib.signals.clock import HOST_METHOD, MOTION_METHOD, SHARED_METHOD, ClockRelation
 from ur5lib.signals.end_effector import point_velocity
 from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
@@ -15,9 +15,9 @@ from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment
 
 
-def has_valid_imu(clocks: Mapping[str, Clock]) -> bool:
+def has_valid_imu(clocks: Mapping[str, ClockRelation]) -> bool:
     """Return whether a recording has an IMU with a clock known from more than its start stamp."""
-    return "imu" in clocks and clocks["imu"].method in (BY_MOTION, BY_HOST, SHARED)
+    return "imu" in clocks and clocks["imu"].method in (MOTION_METHOD, HOST_METHOD, SHARED_METHOD)
 
 
 def imu_samples(

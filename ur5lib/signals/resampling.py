@@ -5,15 +5,16 @@ import pandas as pd
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
-from ur5lib.signals.clock import Clock
+from ur5lib.signals.clock import ClockRelation
 from ur5lib.signals.device_clock import even_samples, interpolate
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
 
-PASSED, STOPPED = 0.8, 60.0  # share of the robot's Nyquist frequency; dB from there on
+PASSBAND_SHARE = 0.8  # of the robot's Nyquist frequency
+STOPBAND_ATTENUATION = 60.0  # dB, from the Nyquist frequency on
 
 
-def resample(device: pd.DataFrame, clock: Clock, time: Array) -> pd.DataFrame:
+def resample(device: pd.DataFrame, clock: ClockRelation, time: Array) -> pd.DataFrame:
     """Resample a device's channels at the robot's times without aliasing.
 
     device: `time` [s] on its own clock, increasing, and channels; time: (N,) [s].
@@ -21,17 +22,17 @@ def resample(device: pd.DataFrame, clock: Clock, time: Array) -> pd.DataFrame:
     Nyquist frequency; a slower one is interpolated linearly. In the device's gaps, before its
     first sample and after its last, the result is NaN.
     """
-    own, at = device["time"].to_numpy(), clock.device_time(time)
+    device_time, at = device["time"].to_numpy(), clock.device_time(time)
     channels = device.drop(columns="time")
     values = channels.to_numpy(np.float64)
-    result = interpolate(at, own, values)
+    result = interpolate(at, device_time, values)
     rate = 1 / float(np.median(np.diff(time)))
-    if len(own) > 1 and 1 / np.diff(own).mean() > rate:
-        grid, even = even_samples(own, values)
+    if len(device_time) > 1 and 1 / np.diff(device_time).mean() > rate:
+        grid, even = even_samples(device_time, values)
         smooth = _below_nyquist(grid, even, rate)
-        known = np.isfinite(smooth).all(axis=1)
+        finite = np.isfinite(smooth).all(axis=1)
         # a cubic, because linear interpolation would damp 30 Hz by 5 %
-        cubic = CubicSpline(grid[known], smooth[known])(at)
+        cubic = CubicSpline(grid[finite], smooth[finite])(at)
         result = np.where(np.isnan(result), np.nan, cubic)
     return pd.DataFrame(result, columns=channels.columns)
 
@@ -43,10 +44,11 @@ def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
     straight lines remain unchanged, up to the ends.
     """
     own_rate = 1 / (grid[1] - grid[0])
-    count, beta = signal.kaiserord(STOPPED, (1 - PASSED) * rate / own_rate)
+    # a Kaiser window whose transition ends at the robot's Nyquist frequency
+    count, beta = signal.kaiserord(STOPBAND_ATTENUATION, (1 - PASSBAND_SHARE) * rate / own_rate)
     half = count // 2
     window = signal.firwin(
-        2 * half + 1, (1 + PASSED) / 4 * rate, window=("kaiser", beta), fs=own_rate
+        2 * half + 1, (1 + PASSBAND_SHARE) / 4 * rate, window=("kaiser", beta), fs=own_rate
     )[:, None]
 
     def smooth(stretch: Array) -> Array:

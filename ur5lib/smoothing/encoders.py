@@ -11,11 +11,12 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import InnovationTest, LinearSystem, System, innovation_test, smooth
 from ur5lib.timeseries.segments import starts
 
-STATES = 6  # of a joint: θ, θ̇, θ̈, δ, δ̇, δ̈
-LINK = np.hstack([np.eye(3), np.eye(3)])  # from them to q, q̇, q̈
-TICK, TICK_DECIMALS = 1e-6, 6  # s; steps of time are rounded to it, and none is shorter
-SHORT_STEP = 0.1  # time step of a vibration with ω = 1
-UNKNOWN = np.array([10.0, 10.0, 100.0])  # rad, rad/s, rad/s²: std at the start of a segment
+STATES_PER_JOINT = 6  # θ, θ̇, θ̈, δ, δ̇, δ̈
+LINK_FROM_STATES = np.hstack([np.eye(3), np.eye(3)])  # from them to q, q̇, q̈
+TIME_TICK = 1e-6  # s; steps of time are rounded to it, and none is shorter
+TIME_DECIMALS = 6
+UNIT_VIBRATION_STEP = 0.1  # time step of a vibration with ω = 1
+INITIAL_STD = np.array([10.0, 10.0, 100.0])  # rad, rad/s, rad/s²: at the start of a segment
 
 
 @dataclass(frozen=True)
@@ -94,12 +95,12 @@ def smooth_encoders(
     count, joints = q.shape
     state, std = np.empty((2, count, 3, joints))
     innovations, (shared, motor_qd) = np.empty((count, 2, joints)), np.empty((2, count, joints))
-    for rows, own, off in smooth(encoder_system(time, segment, q, qd, noise), count):
+    for rows, states, normalised in smooth(encoder_system(time, segment, q, qd, noise), count):
         # x_link = [I I] [θ, δ]
-        covariance = LINK @ own.covariance @ LINK.T
-        state[rows], innovations[rows] = np.matvec(LINK, own.mean).mT, off.mT
+        covariance = LINK_FROM_STATES @ states.covariance @ LINK_FROM_STATES.T
+        state[rows], innovations[rows] = np.matvec(LINK_FROM_STATES, states.mean).mT, normalised.mT
         std[rows] = np.sqrt(np.diagonal(covariance, axis1=2, axis2=3)).mT
-        shared[rows], motor_qd[rows] = covariance[:, :, 1, 2], own.mean[:, :, 1]
+        shared[rows], motor_qd[rows] = covariance[:, :, 1, 2], states.mean[:, :, 1]
     flat = innovations.reshape(count, -1)
     test = innovation_test(flat, segment)
     shared *= widening(test, joints) ** 2
@@ -116,6 +117,7 @@ def widen(std: Array, test: InnovationTest, q: Array) -> None:
     """
     joints = q.shape[1]
     std *= np.tile(widening(test, joints), 3)
+    # an error anywhere within ± half a step: step / √12
     rounding = np.array([quantum(joint) for joint in q.T]) / np.sqrt(12)
     std[:, :joints] = np.hypot(std[:, :joints], rounding)
 
@@ -134,8 +136,8 @@ def encoder_system(
     with a lag.
     """
     step, fresh, count = np.diff(time, prepend=time[0]), starts(segment), len(time)
-    steps, which = np.unique(np.round(step, TICK_DECIMALS), return_inverse=True)
-    steps = np.maximum(steps, TICK)[:, None]
+    steps, which = np.unique(np.round(step, TIME_DECIMALS), return_inverse=True)
+    steps = np.maximum(steps, TIME_TICK)[:, None]
     F_of, driven_of = motion_step(steps, noise.frequency, noise.damping)  # of each step and joint
     H_joint = measures(noise.lag)
 
@@ -147,25 +149,26 @@ def encoder_system(
         Q = driven @ driven.mT
         # a new segment starts the filter again
         first = np.flatnonzero(fresh[rows])
-        F[first], Q[first] = 0, _unknown(noise, first + rows.indices(count)[0])
+        F[first], Q[first] = 0, _initial_covariance(noise, first + rows.indices(count)[0])
         # z = [θ + δ, θ̇ − lag θ̈] + v, cov v = diag(R)
         z = np.stack([q[rows], qd[rows]], axis=2)  # (N, n, 2)
         R = np.stack([noise.position[rows], noise.velocity[rows]], axis=2) ** 2
-        return LinearSystem(F, Q, np.broadcast_to(H_joint, (*z.shape, STATES)), z, R)
+        return LinearSystem(F, Q, np.broadcast_to(H_joint, (*z.shape, STATES_PER_JOINT)), z, R)
 
     return part
 
 
-def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
+def _initial_covariance(noise: EncoderNoise, fresh: Labels) -> Array:
     """Return the covariances (N, n, 6, 6) of the joints' states at the starts of segments.
 
     A vibration has the covariance that its jerk sustains, P = F P Fᵀ + Q. It is solved for ω = 1
     and scaled: P of δ's k-th and l-th derivatives is proportional to ω^(k + l − 5).
     """
-    covariance = np.zeros((len(fresh), len(noise.frequency), STATES, STATES))
-    covariance[..., :3, :3] = np.diag(UNKNOWN**2)
+    covariance = np.zeros((len(fresh), len(noise.frequency), STATES_PER_JOINT, STATES_PER_JOINT))
+    covariance[..., :3, :3] = np.diag(INITIAL_STD**2)
     for joint, (frequency, damping) in enumerate(zip(noise.frequency, noise.damping, strict=True)):
-        F, driven = motion_step(SHORT_STEP, 1.0, damping)
+        F, driven = motion_step(UNIT_VIBRATION_STEP, 1.0, damping)
+        # P = F P Fᵀ + Q for ω = 1
         unit = solve_discrete_lyapunov(F[3:, 3:], np.outer(driven[3:, 1], driven[3:, 1]))
         power = frequency ** (np.arange(3) - 2.5)
         intensity = noise.vibration[fresh, joint, None, None]

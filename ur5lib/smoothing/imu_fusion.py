@@ -8,8 +8,8 @@ from scipy.linalg import block_diag
 
 from ur5lib.signals.end_effector import jacobian_derivative, point_jacobian
 from ur5lib.smoothing.encoders import (
-    LINK,
-    STATES,
+    LINK_FROM_STATES,
+    STATES_PER_JOINT,
     KnownJoints,
     SmoothedMotion,
     encoder_system,
@@ -20,8 +20,16 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
 from ur5lib.timeseries.segments import chunks
 
-MOTION = 18  # states of six joints: q, q̇, q̈
-BIASES = 6  # states of the IMU: biases of accelerometer and gyroscope
+MOTION_STATES = 18  # of six joints: q, q̇, q̈
+BIAS_STATES = 6  # of the IMU: biases of accelerometer and gyroscope
+BIAS_STD = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: of the biases, before any reading
+BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s: their random walk
+IMU_WINDOW = 0.5  # s, over which the noise is taken as constant
+QUIET_WINDOW_SHARE = 0.05  # of the windows, the quietest, which set the least noise
+JOINT_STATES = 6 * STATES_PER_JOINT  # entries of the state before the biases
+ALL_STATES = JOINT_STATES + BIAS_STATES
+# The matrix from motions, vibrations and biases to q, q̇, q̈ and biases.
+OUTPUTS_FROM_STATES = block_diag(np.kron(LINK_FROM_STATES, np.eye(6)), np.eye(BIAS_STATES))
 
 
 @dataclass(frozen=True)
@@ -40,7 +48,7 @@ class LinearImu:
         motion, std: (N, 18), q, q̇ and q̈ side by side, and their standard deviations; shared:
         (N, 6), covariance of q̇ and q̈.
         """
-        H = self.H[..., :MOTION]
+        H = self.H[..., :MOTION_STATES]
         by_qd, by_qdd = H[..., 6:12], H[..., 12:]  # nothing depends on q
         variance = np.matvec(H**2, std**2) + 2 * np.matvec(by_qd * by_qdd, shared)
         return self.offset + np.matvec(H, motion), variance
@@ -62,26 +70,17 @@ def linearise_imu(
     J_v_rate = np.einsum("ncij,nj->nci", jacobian_derivative(J_v, J_w), qd)  # J̇_v (N, 3, 6)
     to_sensor = axes.T @ R6.swapaxes(1, 2)  # R_mᵀ R_6ᵀ (N, 3, 3)
     # J̇_v q̇ is quadratic in q̇: about the measured q̇₀ it is −J̇_v q̇₀ + 2 J̇_v q̇
-    H = np.zeros((len(J), 6, MOTION + BIASES))
+    H = np.zeros((len(J), 6, MOTION_STATES + BIAS_STATES))
     H[:, :3, 6:12] = to_sensor @ (2 * J_v_rate)
     H[:, :3, 12:18] = to_sensor @ J_v
     H[:, 3:, 6:12] = to_sensor @ J_w
-    H[:, :, MOTION:] = np.eye(BIASES)
+    H[:, :, MOTION_STATES:] = np.eye(BIAS_STATES)
     # offset = R_mᵀ R_6ᵀ (−J̇_v q̇₀ − g0)
-    free = -(J_v_rate @ qd[..., None])[..., 0] + up
+    specific_force = -(J_v_rate @ qd[..., None])[..., 0] + up
     offset = np.zeros((len(J), 6))
-    offset[:, :3] = (to_sensor @ free[..., None])[..., 0]
+    offset[:, :3] = (to_sensor @ specific_force[..., None])[..., 0]
     return LinearImu(offset, H)
 
-
-BIAS = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: prior standard deviation of the biases
-BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s: their random walk
-IMU_WINDOW = 0.5  # s, over which the noise is taken as constant
-QUIET = 0.05  # share of windows, the quietest, which set the least noise
-JOINTS = 6 * STATES  # entries of the state before the biases
-ALL = JOINTS + BIASES
-# The matrix from motions, vibrations and biases to q, q̇, q̈ and biases.
-WITH_BIASES = block_diag(np.kron(LINK, np.eye(6)), np.eye(BIASES))
 
 Model = Callable[[slice], LinearImu]
 """Returns an IMU's equation at some samples: a kilobyte each, too much for all at once."""
@@ -104,22 +103,22 @@ def smooth_with_imu(
     # local noise of the IMU from its residuals under the encoders' motion
     residual, explained = np.empty_like(readings), np.empty_like(readings)
     for rows in chunks(len(time)):
-        known = encoders.state[rows], encoders.std[rows], encoders.shared[rows]
-        predicted, explained[rows] = model(rows).predict(*known)
+        encoder_motion = encoders.state[rows], encoders.std[rows], encoders.shared[rows]
+        predicted, explained[rows] = model(rows).predict(*encoder_motion)
         residual[rows] = readings[rows] - predicted
     noise = imu_noise(time, segment, residual, explained)
     # smoother of q, q̇, q̈ and both biases
     joints = encoder_system(time, segment, q, qd, encoders.noise)
     system = add_imu(joints, time, readings, model, noise)
-    state, std = np.empty((2, len(time), MOTION + BIASES))
-    innovations, motor_qd = np.empty((len(time), 12 + BIASES)), np.empty((len(time), 6))
-    for rows, (mean, covariance), off in smooth(system, len(time)):
-        state[rows], innovations[rows] = mean[:, 0] @ WITH_BIASES.T, off[:, 0]
+    state, std = np.empty((2, len(time), MOTION_STATES + BIAS_STATES))
+    innovations, motor_qd = np.empty((len(time), 12 + BIAS_STATES)), np.empty((len(time), 6))
+    for rows, (mean, covariance), normalised in smooth(system, len(time)):
+        state[rows], innovations[rows] = mean[:, 0] @ OUTPUTS_FROM_STATES.T, normalised[:, 0]
         motor_qd[rows] = mean[:, 0, 6:12]
-        covariance = WITH_BIASES @ covariance[:, 0] @ WITH_BIASES.T
+        covariance = OUTPUTS_FROM_STATES @ covariance[:, 0] @ OUTPUTS_FROM_STATES.T
         std[rows] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     test = innovation_test(innovations, segment)
-    widen(std[:, :MOTION], test, q)
+    widen(std[:, :MOTION_STATES], test, q)
     return SmoothedMotion(state, std, motor_qd, innovations, test, encoders.noise, noise)
 
 
@@ -128,20 +127,23 @@ def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: A
     step = np.diff(time, prepend=time[0])
 
     def part(rows: slice) -> LinearSystem:
-        own, imu = joints(rows), model(rows)
-        count, (begin, *_) = len(own.z), rows.indices(len(time))
+        encoders, imu = joints(rows), model(rows)
+        count, (begin, *_) = len(encoders.z), rows.indices(len(time))
         # motion as for the joints alone
-        F, Q = np.zeros((2, count, ALL, ALL))
-        F[:, :JOINTS, :JOINTS], Q[:, :JOINTS, :JOINTS] = joined(own.F), joined(own.Q)
+        F, Q = np.zeros((2, count, ALL_STATES, ALL_STATES))
+        F[:, :JOINT_STATES, :JOINT_STATES] = joint_matrix(encoders.F)
+        Q[:, :JOINT_STATES, :JOINT_STATES] = joint_matrix(encoders.Q)
         # biases: random walk, unknown at the first sample
-        F[:, JOINTS:, JOINTS:] = np.eye(BIASES)
-        Q[:, JOINTS:, JOINTS:] = step[rows, None, None] * np.diag(BIAS_WALK**2)
+        F[:, JOINT_STATES:, JOINT_STATES:] = np.eye(BIAS_STATES)
+        Q[:, JOINT_STATES:, JOINT_STATES:] = step[rows, None, None] * np.diag(BIAS_WALK**2)
         if begin == 0:
-            F[0, JOINTS:, JOINTS:], Q[0, JOINTS:, JOINTS:] = 0, np.diag(BIAS**2)
+            F[0, JOINT_STATES:, JOINT_STATES:] = 0
+            Q[0, JOINT_STATES:, JOINT_STATES:] = np.diag(BIAS_STD**2)
         # z = [encoders, readings - offset]
-        H = np.zeros((count, 12 + BIASES, ALL))
-        H[:, :12, :JOINTS], H[:, 12:] = joined(own.H), np.nan_to_num(imu.H) @ WITH_BIASES
-        z, R = (values.mT.reshape(count, 12) for values in (own.z, own.R))
+        H = np.zeros((count, 12 + BIAS_STATES, ALL_STATES))
+        H[:, :12, :JOINT_STATES] = joint_matrix(encoders.H)
+        H[:, 12:] = np.nan_to_num(imu.H) @ OUTPUTS_FROM_STATES
+        z, R = (values.mT.reshape(count, 12) for values in (encoders.z, encoders.R))
         z = np.concatenate([z, readings[rows] - imu.offset], axis=1)
         R = np.concatenate([R, noise[rows] ** 2], axis=1)
         return LinearSystem(F[:, None], Q[:, None], H[:, None], z[:, None], R[:, None])
@@ -149,16 +151,16 @@ def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: A
     return part
 
 
-def joined(parts: Array) -> Array:
+def joint_matrix(parts: Array) -> Array:
     """Return matrices (N, 6 A, 6 B) of independent joints (N, 6, A, B).
 
     The first six rows and columns belong to the first state of all joints, and so on.
     """
     count, joints, *size = parts.shape
-    whole = np.zeros((count, size[0], joints, size[1], joints))
-    each = np.arange(joints)
-    whole[:, :, each, :, each] = parts.swapaxes(0, 1)
-    return whole.reshape(count, joints * size[0], joints * size[1])
+    matrix = np.zeros((count, size[0], joints, size[1], joints))
+    joint = np.arange(joints)
+    matrix[:, :, joint, :, joint] = parts.swapaxes(0, 1)
+    return matrix.reshape(count, joints * size[0], joints * size[1])
 
 
 def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -> Array:
@@ -170,8 +172,11 @@ def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -
     minus the explained variance, and at least the mean square that a twentieth of all windows stay
     below.
     """
+    # local mean square, less what the encoders' motion explains, at least that of quiet windows
     square = (residual - np.nanmedian(residual, axis=0)) ** 2
     count = round(IMU_WINDOW / float(np.median(np.diff(time))))
     square = moving_mean(square, segment, count)
-    quietest = np.nanquantile(np.where(np.isfinite(residual), square, np.nan), QUIET, axis=0)
+    quietest = np.nanquantile(
+        np.where(np.isfinite(residual), square, np.nan), QUIET_WINDOW_SHARE, axis=0
+    )
     return np.sqrt(np.fmax(square - moving_mean(explained, segment, count), quietest))

@@ -15,22 +15,25 @@ from ur5lib.smoothing.steady_filter import SteadyFilter, steady_filter
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
-JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
-VIBRATIONS = np.array([0.03, 0.2, 1.0, 4.0])  # intensities, relative to that of the whole recording
-WINDOW = 0.1  # s, over which intensities and noise are taken as constant
-FAITH = 8  # degrees of freedom with which the noise of the whole recording counts in a window
-OUTLIER = 30.0  # squared normalised innovation, beyond which only its logarithm grows
-RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
-DIGITS = 6  # decimals in which positions are compared
-RARE = 0.05  # share of the most frequent difference's count, below which another is rare
-NOTHING = 1e-20  # keeps the likelihood of perfect data bounded
-LONGEST = 40.0  # s, of the stretch from which constant parameters are estimated
+JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
+VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # relative to that of the whole recording
+NOISE_WINDOW = 0.1  # s, over which intensities and noise are taken as constant
+# With which the noise of the whole recording counts in a window.
+PRIOR_DEGREES_OF_FREEDOM = 8
+OUTLIER_SQUARE = 30.0  # of a normalised innovation, beyond which only its logarithm grows
+RECORDED_RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
+POSITION_DECIMALS = 6  # in which positions are compared
+RARE_COUNT_SHARE = 0.05  # of the most frequent difference's count, below which another is rare
+MIN_INNOVATION_VARIANCE = 1e-20  # keeps the likelihood of perfect data bounded
+TUNING_DURATION = 40.0  # s, of the stretch from which constant parameters are estimated
 # What the optimiser varies: log jerk and log precision of velocities, both relative to the
 # positions' noise; lag in cycles; log intensity of the vibration, relative to that noise, too; log
 # damping of the vibration.
-BOUNDS = [(-12.0, 6.0), (-8.0, 8.0), (-1.0, 1.0), (-12.0, 6.0), (-4.0, -1.0)]
-START, STEPS = [-2.8, 0.2, 0.0, -6.0, -2.0], [1.5, -1.0, 0.25, 4.0, 0.7]
-SLOWEST, FASTEST = 10.0, 50.0  # Hz, of vibrations
+PARAMETER_BOUNDS = [(-12.0, 6.0), (-8.0, 8.0), (-1.0, 1.0), (-12.0, 6.0), (-4.0, -1.0)]
+SIMPLEX_START = [-2.8, 0.2, 0.0, -6.0, -2.0]
+SIMPLEX_STEPS = [1.5, -1.0, 0.25, 4.0, 0.7]
+MIN_VIBRATION_FREQUENCY = 10.0  # Hz
+MAX_VIBRATION_FREQUENCY = 50.0  # Hz
 NYQUIST_SHARE = 0.7  # of the Nyquist frequency, up to which vibrations are found
 
 
@@ -59,22 +62,24 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
     rad/s], NaN where missing. Raises ValueError if a joint has no velocities.
 
     First, constant parameters maximise the likelihood of the innovations (Schweppe) on the stretch
-    of LONGEST in which the joint moves most. Then filters with different jerks and vibrations run
-    over the whole recording, and jerk, vibration and noise at each sample are means of their
-    logarithms, weighted by the likelihood of each filter in the window around the sample.
+    of TUNING_DURATION in which the joint moves most. Then filters with different jerks and
+    vibrations run over the whole recording, and jerk, vibration and noise at each sample are means
+    of their logarithms, weighted by the likelihood of each filter in the window around the sample.
     """
     period = float(np.median(np.diff(time)))
     joints = [*zip(q.T, qd.T, strict=True)]
-    busiest = [_busiest(qd, round(LONGEST / period)) for _, qd in joints]
+    busiest = [_busiest(qd, round(TUNING_DURATION / period)) for _, qd in joints]
     parts = [
-        _Record(time[rows], segment[rows], q[rows], qd[rows], period)
+        _JointRecord(time[rows], segment[rows], q[rows], qd[rows], period)
         for rows, (q, qd) in zip(busiest, joints, strict=True)
     ]
-    found = [
-        _joint_noise(ratios, part, _Record(time, segment, *joint, period), quantum(joint[0]))
+    joint_noises = [
+        _joint_noise(ratios, part, _JointRecord(time, segment, *joint, period), quantum(joint[0]))
         for ratios, part, joint in zip(_most_likely(parts, period), parts, joints, strict=True)
     ]
-    return EncoderNoise(*(np.stack(each, axis=-1) for each in zip(*found, strict=True)))
+    return EncoderNoise(
+        *(np.stack(quantity, axis=-1) for quantity in zip(*joint_noises, strict=True))
+    )
 
 
 def quantum(q: Array) -> float:
@@ -84,32 +89,34 @@ def quantum(q: Array) -> float:
     visit every point of its encoder's grid, but it visits some neighbours; a few values off the
     grid do not count.
     """
-    steps = np.diff(np.unique(np.round(q[np.isfinite(q)], DIGITS)))
+    steps = np.diff(np.unique(np.round(q[np.isfinite(q)], POSITION_DECIMALS)))
     if len(steps) == 0:
         return 0.0
-    sizes, counts = np.unique(np.round(steps, DIGITS), return_counts=True)
-    return float(sizes[counts >= RARE * counts.max()][0])
+    sizes, counts = np.unique(np.round(steps, POSITION_DECIMALS), return_counts=True)
+    return float(sizes[counts >= RARE_COUNT_SHARE * counts.max()][0])
 
 
-def _most_likely(parts: list["_Record"], period: float) -> Iterator["_Ratios"]:
+def _most_likely(parts: list["_JointRecord"], period: float) -> Iterator["_Ratios"]:
     """Yield the parameters that maximise the likelihood of each joint's innovations in its part."""
-    highest = min(FASTEST, NYQUIST_SHARE / (2 * period))
-    swings = np.log(2 * np.pi * period * np.array([min(SLOWEST, highest / 2), highest]))
-    start = np.array([*START, swings.mean()])
+    highest = min(MAX_VIBRATION_FREQUENCY, NYQUIST_SHARE / (2 * period))
+    swings = np.log(
+        2 * np.pi * period * np.array([min(MIN_VIBRATION_FREQUENCY, highest / 2), highest])
+    )
+    start = np.array([*SIMPLEX_START, swings.mean()])
 
-    def most_likely(part: _Record) -> _Ratios:
+    def most_likely(part: _JointRecord) -> _Ratios:
         def cost(parameters: Array) -> float:
             # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
-            white, logdet = _whitened(_Ratios.from_parameters(parameters))
-            return float(logdet + 2 * np.log(part.variance(white) + NOTHING))
+            white, logdet = _whitened_filters(_Ratios.from_parameters(parameters))
+            return float(logdet + 2 * np.log(part.variance(white) + MIN_INNOVATION_VARIANCE))
 
         best = minimize(
             cost,
             start,
             method="Nelder-Mead",
-            bounds=[*BOUNDS, tuple(swings)],
+            bounds=[*PARAMETER_BOUNDS, tuple(swings)],
             options={
-                "initial_simplex": np.vstack([start, start + np.diag([*STEPS, 0.3])]),
+                "initial_simplex": np.vstack([start, start + np.diag([*SIMPLEX_STEPS, 0.3])]),
                 "xatol": 0.1,
                 "fatol": 1e-3,
             },
@@ -120,15 +127,16 @@ def _most_likely(parts: list["_Record"], period: float) -> Iterator["_Ratios"]:
 
 
 def _joint_noise(
-    ratios: "_Ratios", part: "_Record", record: "_Record", step: float
+    ratios: "_Ratios", part: "_JointRecord", record: "_JointRecord", step: float
 ) -> tuple[Array | float, ...]:
     """Return the noise of one joint, in the order of EncoderNoise.
 
     part: from which the ratios are; record: the whole recording; step: of its positions [rad].
     """
     period = record.period
-    finest = max(step / np.sqrt(12), RESOLUTION)
-    position = max(float(np.sqrt(part.variance(_whitened(ratios)[0]))), finest)
+    # no noise is below what rounding to the encoder's grid makes
+    finest = max(step / np.sqrt(12), RECORDED_RESOLUTION)
+    position = max(float(np.sqrt(part.variance(_whitened_filters(ratios)[0]))), finest)
     jerk, vibration, scale = record.local(ratios, position)
     return (
         jerk,
@@ -136,7 +144,7 @@ def _joint_noise(
         ratios.frequency / period,
         ratios.damping,
         np.maximum(scale * position, finest),
-        np.maximum(scale * position / (ratios.precision * period), RESOLUTION),
+        np.maximum(scale * position / (ratios.precision * period), RECORDED_RESOLUTION),
         ratios.lag * period,
     )
 
@@ -145,7 +153,7 @@ def _busiest(qd: Array, count: int) -> slice:
     """Return the stretch of so many samples in which a joint was measured to move most."""
     if len(qd) <= count:
         return slice(None)
-    speed = np.where(np.isfinite(qd), np.abs(qd) + RESOLUTION, 0)
+    speed = np.where(np.isfinite(qd), np.abs(qd) + RECORDED_RESOLUTION, 0)
     travelled = np.concatenate([[0], np.cumsum(speed)])
     first = int(np.argmax(travelled[count:] - travelled[:-count]))
     return slice(first, first + count)
@@ -173,7 +181,7 @@ class _Ratios(NamedTuple):
         return cls(jerk, precision, parameters[..., 2], vibration, damping, frequency)
 
 
-class _Record:
+class _JointRecord:
     """One joint's measurements with time in cycles: q and q̇ T [rad], evenly spaced.
 
     Missing ones are filled in. From each segment, the straight line on which it starts is
@@ -197,10 +205,12 @@ class _Record:
         self.valid = observed & after_observed
 
     def squares(self, white: SteadyFilter) -> Array:
-        """Return eᵀ S⁻¹ e (N,) of the innovations e of a steady filter that is `_whitened`."""
+        """Return eᵀ S⁻¹ e (N,) of the innovations e of one of `_whitened_filters`."""
         square = np.empty(len(self.values))
         for rows in self.parts:
-            square[rows] = sum(own**2 for own in white.innovations(self.values[rows]).T)
+            square[rows] = sum(
+                innovation**2 for innovation in white.innovations(self.values[rows]).T
+            )
         return square
 
     def variance(self, white: SteadyFilter) -> float:
@@ -214,40 +224,44 @@ class _Record:
         They are means of logarithms over a bank of filters, each weighted by its likelihood in the
         window. The prior of the noise's variance is inverse-gamma about that of the recording.
         """
-        count, unit = max(1, round(WINDOW / self.period)), position / self.period**2.5
-        known = count * _window_mean(self.valid.astype(float), self.parts, count)
-        jerks, shares = np.array([*product(JERKS, VIBRATIONS)]).T
+        count, unit = max(1, round(NOISE_WINDOW / self.period)), position / self.period**2.5
+        window_count = count * _window_mean(self.valid.astype(float), self.parts, count)
+        jerks, shares = np.array([*product(JERK_BANK, VIBRATION_BANK)]).T
         bank = ratios._replace(jerk=jerks / unit, vibration=shares * ratios.vibration)
         driven = np.log([bank.jerk * unit, bank.vibration * unit]).T
-        weight, total = np.zeros(len(known)), np.zeros((3, len(known)))
-        best = np.full(len(known), -np.inf)
-        filters, logdets = _whitened(bank)
+        weight, total = np.zeros(len(window_count)), np.zeros((3, len(window_count)))
+        best = np.full(len(window_count), -np.inf)
+        filters, logdets = _whitened_filters(bank)
         for white, logdet, logs in zip(filters.each(), logdets, driven, strict=True):
-            square = np.where(self.valid, _tamed(self.squares(white) / position**2), 0)
-            square = np.log(FAITH + count * _window_mean(square, self.parts, count))
+            square = np.where(self.valid, _limited_squares(self.squares(white) / position**2), 0)
+            square = np.log(
+                PRIOR_DEGREES_OF_FREEDOM + count * _window_mean(square, self.parts, count)
+            )
             # log p(innovations of the window | jerk, vibration), the noise integrated out
-            likelihood = -known * logdet / 2 - (FAITH / 2 + known) * square
+            likelihood = (
+                -window_count * logdet / 2 - (PRIOR_DEGREES_OF_FREEDOM / 2 + window_count) * square
+            )
             top = np.maximum(best, likelihood)
             forget, trust = np.exp(best - top), np.exp(likelihood - top)
             weight, best = forget * weight + trust, top
-            for own, log in zip(total, (*logs, square / 2), strict=True):
-                own *= forget
-                own += trust * log
+            for sum_of_logs, log in zip(total, (*logs, square / 2), strict=True):
+                sum_of_logs *= forget
+                sum_of_logs += trust * log
         mean = total / weight
         # all that drives the joint is relative to the noise, too
-        mean[2] -= np.log(FAITH + 2 * known) / 2
+        mean[2] -= np.log(PRIOR_DEGREES_OF_FREEDOM + 2 * window_count) / 2
         mean[:2] += mean[2]
         jerk, vibration, scale = np.exp(mean)
         return jerk, vibration, scale
 
 
-def _tamed(square: Array) -> Array:
+def _limited_squares(square: Array) -> Array:
     """Return squares (N,), large ones reduced, so that one outlier does not dominate a window."""
-    beyond = np.log(np.maximum(square / OUTLIER, 1))
-    return np.minimum(square, OUTLIER) + OUTLIER * beyond
+    beyond = np.log(np.maximum(square / OUTLIER_SQUARE, 1))
+    return np.minimum(square, OUTLIER_SQUARE) + OUTLIER_SQUARE * beyond
 
 
-def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
+def _whitened_filters(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
     """Return steady filters, from q and q̇ T to innovations scaled to covariance one, and log |S|.
 
     S is the covariance of the innovations before they are scaled. One filter is returned, or a
@@ -307,9 +321,9 @@ def moving_mean(values: Array, segment: Labels, count: int) -> Array:
 
     count: rows over which the mean is taken.
     """
-    parts, known = unbroken(segment), np.isfinite(values)
-    total = _window_mean(np.where(known, values, 0), parts, count)
-    share = _window_mean(known.astype(float), parts, count)
+    parts, finite = unbroken(segment), np.isfinite(values)
+    total = _window_mean(np.where(finite, values, 0), parts, count)
+    share = _window_mean(finite.astype(float), parts, count)
     return total / np.where(share > 0, share, 1)
 
 

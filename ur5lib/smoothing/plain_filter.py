@@ -6,14 +6,14 @@ import numpy as np
 from filterpy.common import Q_discrete_white_noise
 from filterpy.kalman import ExtendedKalmanFilter
 
-from ur5lib.smoothing.noise import RESOLUTION
+from ur5lib.smoothing.noise import RECORDED_RESOLUTION
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import starts, unbroken
 
-JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³, of which the most likely is chosen
-TUNED_ON = 300  # samples with the most motion, on which the jerk is chosen
-SETTLED = 1e-10  # share of a gain by which it changes in a sample, below which it is kept
-UNKNOWN = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: std at the start of a segment
+CANDIDATE_JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³, of which the most likely is chosen
+TUNING_SAMPLES = 300  # with the most motion, on which the jerk is chosen
+SETTLED_GAIN_CHANGE = 1e-10  # of a gain in a sample, relative: below, the gain is kept
+INITIAL_STD = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: at the start of a segment
 
 
 class FilteredMotion(NamedTuple):
@@ -28,18 +28,20 @@ def filter_encoders(segment: Labels, q: Array, qd: Array, period: float) -> Filt
 
     segment: (N,) labels, each filtered on its own; q, qd: (N, 6) [rad, rad/s], NaN where missing;
     period: [s]. Its noise is fixed: that of measurements is white (`white_noise`), and one jerk of
-    all joints, of `JERKS`, is the most likely.
+    all joints, of `CANDIDATE_JERKS`, is the most likely.
     """
     z = np.hstack([q, qd])
     noise = white_noise(z, segment)
-    count = len(z) // TUNED_ON or 1
+    count = len(z) // TUNING_SAMPLES or 1
     parts = np.array_split(np.arange(len(z)), count)
-    most = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
+    busiest = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
 
     def likelihood(jerk: float) -> float:
-        return _filtered(z[most], starts(segment[most]), period, noise, jerk)[1]
+        return _filtered_states(z[busiest], starts(segment[busiest]), period, noise, jerk)[1]
 
-    state, _ = _filtered(z, starts(segment), period, noise, max(JERKS, key=likelihood))
+    state, _ = _filtered_states(
+        z, starts(segment), period, noise, max(CANDIDATE_JERKS, key=likelihood)
+    )
     return FilteredMotion(state[:, 6:12], state[:, 12:])
 
 
@@ -48,12 +50,13 @@ def white_noise(z: Array, segment: Labels) -> Array:
 
     White noise has third differences of 1 + 9 + 9 + 1 = 20 times its variance.
     """
+    # a smooth motion has hardly any third differences
     differences = [np.diff(z[part], 3, axis=0) for part in unbroken(segment)]
     square = np.nanmean(np.concatenate(differences) ** 2, axis=0) / 20
-    return np.maximum(np.sqrt(square), RESOLUTION)
+    return np.maximum(np.sqrt(square), RECORDED_RESOLUTION)
 
 
-def _filtered(
+def _filtered_states(
     z: Array, fresh: Mask, period: float, noise: Array, jerk: float
 ) -> tuple[Array, float]:
     """Return the states q, q̇, q̈ (N, 18) and the log-likelihood of their innovations."""
@@ -61,10 +64,12 @@ def _filtered(
     step = np.array([[1, period, period**2 / 2], [0, 1, period], [0, 0, 1]])
     ekf.F, ekf.R = np.kron(step, np.eye(6)), np.diag(noise**2)
     ekf.Q = Q_discrete_white_noise(3, period, (jerk * period) ** 2, 6, order_by_dim=False)
-    states, known = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
+    states, measured_rows = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
     settled = False
     for k, measured in enumerate(z):
-        if settled and known[k] and not fresh[k]:  # covariance and gain would stay as they are
+        if (
+            settled and measured_rows[k] and not fresh[k]
+        ):  # covariance and gain would stay as they are
             ekf.predict_x()
             ekf.y = measured - ekf.x[:12]
             ekf.x = ekf.x + ekf.K @ ekf.y
@@ -72,13 +77,13 @@ def _filtered(
             gain = ekf.K
             ekf.predict()
             if fresh[k]:
-                ekf.x, ekf.P = np.zeros(18), np.diag(UNKNOWN**2)
-            if known[k]:
+                ekf.x, ekf.P = np.zeros(18), np.diag(INITIAL_STD**2)
+            if measured_rows[k]:
                 ekf.update(measured, lambda _: H, lambda x: x[:12])
             # converged, as the noise is fixed
             change, size = (np.abs(of).max(axis=1) for of in (ekf.K - gain, ekf.K))
-            settled = bool(known[k]) and bool((change <= SETTLED * size).all())
-        if known[k]:
+            settled = bool(measured_rows[k]) and bool((change <= SETTLED_GAIN_CHANGE * size).all())
+        if measured_rows[k]:
             likelihood -= (ekf.y @ ekf.SI @ ekf.y + np.linalg.slogdet(ekf.S)[1]) / 2
         states[k] = ekf.x
     return states, likelihood

@@ -8,8 +8,8 @@ from scipy.signal import lfilter
 
 from ur5lib.timeseries.arrays import Array
 
-# Largest number of rounds, and relative change of P at which they end.
-DOUBLINGS, CONVERGED = 60, 1e-12
+MAX_DOUBLINGS = 60
+CONVERGENCE_TOLERANCE = 1e-12  # relative change of P in a doubling, at which they end
 
 
 class SteadyFilter(NamedTuple):
@@ -61,12 +61,12 @@ def _prediction_covariance(F: Array, Q: Array, G: Array) -> Array:
     International Journal of Control 77 (2004)).
     """
     A, P, eye = F.mT, Q, np.eye(F.shape[-1])
-    for _ in range(DOUBLINGS):
+    for _ in range(MAX_DOUBLINGS):
         W = np.linalg.inv(eye + G @ P)
         AW = A @ W
         gained = A.mT @ (P @ W) @ A
         A, G, P = AW @ A, _symmetric(G + AW @ G @ A.mT), _symmetric(P + gained)
-        if (_largest(gained) <= CONVERGED * _largest(P)).all():
+        if (_largest(gained) <= CONVERGENCE_TOLERANCE * _largest(P)).all():
             break
     return P
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ur5lib.commands.compare import COLUMNS, compare, rows
+from ur5lib.commands.compare import CHANGE_COLUMNS, compare, rows
 
 
 def compare_studies(own: list[Path], others: list[Path]) -> pd.DataFrame:
@@ -16,4 +16,4 @@ def compare_studies(own: list[Path], others: list[Path]) -> pd.DataFrame:
         for before in theirs
         for row in rows(before.name, compare(before, after))
     ]
-    return pd.DataFrame(found, columns=COLUMNS)
+    return pd.DataFrame(found, columns=CHANGE_COLUMNS)

@@ -11,7 +11,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv
 from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
-from ur5lib.thesis.printed_numbers import COLUMNS, Explained, compared
+from ur5lib.thesis.printed_numbers import PRINTED_COLUMNS, ExplainedRow, compared
 from ur5lib.thesis.reference import Explanation, read_reference
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
@@ -44,12 +44,12 @@ def compare_with_print(
         known = robot, signals[recording], kinematics[recording], imu[recording], start
         return mean_absolute_error(*explained_accelerations(*known, way.acceleration))
 
-    def explained() -> Iterator[Explained]:
+    def explained() -> Iterator[ExplainedRow]:
         for number, erratum in enumerate(published.errata, 1):
             for way in erratum.explains:
                 recording = published.printed[way.printed].recording
                 if recording in signals:
-                    yield Explained(number, way.printed, way.row, values(recording, way))
+                    yield ExplainedRow(number, way.printed, way.row, values(recording, way))
 
     own = {path.stem: read_csv(path) for path in tables}
-    return pd.DataFrame(compared(published, own, [*explained()]), columns=COLUMNS)
+    return pd.DataFrame(compared(published, own, [*explained()]), columns=PRINTED_COLUMNS)

@@ -30,10 +30,10 @@ from ur5lib.timeseries.segments import by_segment
 
 Row = dict[Hashable, Any]
 Truths = Mapping[str, TrueParameters]  # by recording
-Part = TypeVar("Part")
-AXES = ["x", "y", "z"]
-PARTS = 8  # of an only recording, in a jackknife
-INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
+TruthPart = TypeVar("TruthPart")
+AXIS_NAMES = ["x", "y", "z"]
+JACKKNIFE_PARTS = 8  # of an only recording, in a jackknife
+SHARE_WITHIN_2_STD = float(norm.cdf(2) - norm.cdf(-2))
 
 
 def compare_with_truth(
@@ -167,13 +167,13 @@ def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Ro
 
 
 def shared(
-    truths: Truths, recordings: Collection[str], part: Callable[[TrueParameters], Part]
-) -> Part | None:
+    truths: Truths, recordings: Collection[str], part: Callable[[TrueParameters], TruthPart]
+) -> TruthPart | None:
     """Return a part of the truth that recordings have in common, None where they have not."""
     if not recordings or not set(recordings) <= set(truths):
         return None
     parts = [part(truths[name]) for name in recordings]
-    return parts[0] if all(json_text(one) == json_text(parts[0]) for one in parts) else None
+    return parts[0] if all(json_text(other) == json_text(parts[0]) for other in parts) else None
 
 
 def rows(
@@ -206,16 +206,18 @@ def values(
     stated = np.isfinite(half)
     inside = pd.Series(off <= half).map({True: "yes", False: "no"}).where(stated)
     intervals = {"std_error": np.where(stated, std, np.nan), "within95": inside}
-    found = rows(quantity, index, unit, truth, estimate, **intervals)
-    return [row for row in found if not np.isnan(row["estimate"])]
+    candidates = rows(quantity, index, unit, truth, estimate, **intervals)
+    return [row for row in candidates if not np.isnan(row["estimate"])]
 
 
 def errors(
     quantity: str, index: Sequence[object], unit: Any, truth: Array, estimate: Array, method: str
 ) -> list[Row]:
     """Return a row for each column of a series (N, M): its RMSE, and that of zero."""
-    kept = np.isfinite(estimate).all(axis=1) & np.isfinite(truth).all(axis=1)
-    off, zero = (np.sqrt(np.mean(array[kept] ** 2, axis=0)) for array in (estimate - truth, truth))
+    finite = np.isfinite(estimate).all(axis=1) & np.isfinite(truth).all(axis=1)
+    off, zero = (
+        np.sqrt(np.mean(array[finite] ** 2, axis=0)) for array in (estimate - truth, truth)
+    )
     return rows(f"{quantity}_rmse", index, unit, 0.0, off, zero=zero, method=method)
 
 
@@ -227,11 +229,11 @@ def clock_rows(clocks: Mapping[str, SettledClock], truth: TrueParameters) -> Ite
     for device, clock in clocks.items():
         true, drift_std = truth.clocks[device], clock.drift_std or 0.0
         numbers = [true["offset_s"]], [clock.offset], [clock.offset_std]
-        found = values("clock_offset", [device], "s", *numbers)
+        rows_of_device = values("clock_offset", [device], "s", *numbers)
         if clock.drift is not None and "drift_ppm" in true:
             numbers = [true["drift_ppm"]], [1e6 * clock.drift], [1e6 * drift_std]
-            found += values("clock_drift", [device], "ppm", *numbers)
-        yield from (row | {"method": clock.method} for row in found)
+            rows_of_device += values("clock_drift", [device], "ppm", *numbers)
+        yield from (row | {"method": clock.method} for row in rows_of_device)
 
 
 def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iterator[Row]:
@@ -240,10 +242,10 @@ def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iter
         if len(motion.time):
             estimate, true = motion.qdd, truth.qdd
             joints, quantity = joint_numbers(true), "joint_acceleration"
-            inside = coverage(estimate, motion.qdd_std, true, INSIDE2)
+            inside = coverage(estimate, motion.qdd_std, true, SHARE_WITHIN_2_STD)
             yield from errors(quantity, joints, "rad/s2", true, estimate, method)
             quantity += "_inside_2_std"
-            yield from rows(quantity, joints, "1", INSIDE2, inside, method=method)
+            yield from rows(quantity, joints, "1", SHARE_WITHIN_2_STD, inside, method=method)
 
 
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
@@ -255,8 +257,8 @@ def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
         yield from errors("wrench", *of_wrench, true, estimate, method)
         yield from rows("wrench_mae", *of_wrench, 0.0, mae, zero=zero, method=method)
         if (std := forces.std.get(method)) is not None:
-            held = coverage(estimate, std, true)
-            yield from rows("wrench_coverage95", WRENCH, "1", 0.95, held, method=method)
+            covered = coverage(estimate, std, true)
+            yield from rows("wrench_coverage95", WRENCH, "1", 0.95, covered, method=method)
 
 
 def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
@@ -265,9 +267,9 @@ def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
     Their standard errors are a jackknife over recordings, or over parts of the only one.
     """
     if rotors.value is not None and rotors.std_error is not None:
-        known = truth, rotors.value.inertia, rotors.std_error.inertia
-        freedom = len(rotors.from_) - 1 or PARTS - 1
-        yield from values("rotor_inertia", joint_numbers(truth), "kg m2", *known, freedom)
+        numbers = truth, rotors.value.inertia, rotors.std_error.inertia
+        freedom = len(rotors.from_) - 1 or JACKKNIFE_PARTS - 1
+        yield from values("rotor_inertia", joint_numbers(truth), "kg m2", *numbers, freedom)
 
 
 def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
@@ -281,9 +283,9 @@ def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
         ("gyroscope_bias", "rad/s", imu.gyroscope_bias),
         ("place", "m", calibration.described),
     ):
-        axes = AXES[: len(truth)]
-        found, std = getattr(calibration, name), getattr(calibration, f"{name}_std")
-        yield from values(f"imu_{name}", axes, unit, truth, found, std)
+        axes = AXIS_NAMES[: len(truth)]
+        estimate, std = getattr(calibration, name), getattr(calibration, f"{name}_std")
+        yield from values(f"imu_{name}", axes, unit, truth, estimate, std)
 
 
 def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array]) -> Iterator[Row]:

@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.channels import too_short
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.stop_signs import CHECKED_COLUMNS, stop_signs
+from ur5lib.checks.torques import given_load
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.recordings.checked import Checked
-from ur5lib.recordings.checks import too_short
 from ur5lib.recordings.quality import Contradictions, Finding
-from ur5lib.recordings.stop_signs import CHECKED, given_load, stop_signs
 from ur5lib.records.carried import Carried, carried, disagreements
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
@@ -57,7 +58,7 @@ def contradicting(
 
     signals: file of `Signals`, of which the checks read what they need.
     """
-    names = CHECKED.intersection(read_footer(signals).schema.names)
+    names = CHECKED_COLUMNS.intersection(read_footer(signals).schema.names)
     checked = Checked(
         read_table(signals, [*names]), robot, load.configured, load.payload, role == "fit"
     )

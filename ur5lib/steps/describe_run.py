@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.crate import run_crate
+from ur5lib.report.page.crate import run_crate
 from ur5lib.strict import read_yaml
 from ur5lib.workspace.places import CITATION, SNAKEFILE
 

@@ -3,8 +3,8 @@
 import pandas as pd
 
 from ur5lib.force.estimators import NEW
-from ur5lib.report.charts import calibration_panels
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.charts import calibration_panels
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.timeseries.arrays import Array
 
 BANDS = [50, 80, 95]  # %

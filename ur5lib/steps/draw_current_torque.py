@@ -2,8 +2,8 @@
 
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
-from ur5lib.report.friction_figures import printed_friction
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.friction_figures import printed_friction
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.thesis.published_constants import current_torque
 

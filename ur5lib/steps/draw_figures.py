@@ -5,8 +5,8 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.signals import Signals
-from ur5lib.report import recording_figures as figures
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures import recording_figures as figures
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 
 

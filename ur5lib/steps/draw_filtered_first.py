@@ -7,8 +7,8 @@ import pandas as pd
 from ur5lib.recordings.quality import Quality
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
-from ur5lib.report.house_style import Drawing
-from ur5lib.report.recording_figures import euler_figure
+from ur5lib.report.figures.house_style import Drawing
+from ur5lib.report.figures.recording_figures import euler_figure
 from ur5lib.robots.description import Robot
 from ur5lib.thesis.explained_errors import explained_accelerations
 from ur5lib.thesis.reference import read_reference

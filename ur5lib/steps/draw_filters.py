@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ur5lib.report.charts import response_panel
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.charts import response_panel
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import (
     THESIS_ACCELERATION,

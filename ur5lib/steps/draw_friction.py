@@ -10,8 +10,8 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
-from ur5lib.report.friction_figures import MovingSamples, friction_figures, knowledge_bars
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.friction_figures import MovingSamples, friction_figures, knowledge_bars
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
 

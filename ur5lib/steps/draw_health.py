@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from ur5lib.report.arm_state_figures import health_figure
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.arm_state_figures import health_figure
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.report.arm_figures import UPRIGHT, frame_panels, mass_panels, placed
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures.arm_figures import UPRIGHT_POSTURE, frame_panels, mass_panels, placed
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 
 
 def draw_models(arm: Robot) -> dict[str, Drawing]:
     """Return the figures of an arm's link models and frames."""
-    posture = UPRIGHT if arm.denavit_hartenberg else [0.0] * len(arm.joints)
+    posture = UPRIGHT_POSTURE if arm.denavit_hartenberg else [0.0] * len(arm.joints)
     rotation, origin = (part[0] for part in link_frames(arm, np.array([posture])))
     models = {", ".join(names): placed(arm, names[0], rotation, origin) for names in alike(arm)}
     return {

@@ -6,8 +6,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.records.carried import configured_payload
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.signals import Signals
-from ur5lib.report import recording_figures as figures
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.figures import recording_figures as figures
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.thesis.reference import OLDER_MODEL, Published, read_reference
 from ur5lib.timeseries.arrays import Array

@@ -1,8 +1,8 @@
 """The published estimates of contact wrenches, as printed and corrected: Figures 6.5 to 6.9."""
 
 from ur5lib.records.forces import PublishedForces, SensorWrenches
-from ur5lib.report.house_style import Drawing
-from ur5lib.report.recording_figures import published_force_figure
+from ur5lib.report.figures.house_style import Drawing
+from ur5lib.report.figures.recording_figures import published_force_figure
 
 WITHOUT_FRICTION, WITH_FRICTION = ("F", "Fu"), ("F*",)
 

@@ -2,8 +2,8 @@
 
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.signals import Signals
-from ur5lib.report.house_style import Drawing
-from ur5lib.report.recording_figures import chosen_gains, tracking_figure
+from ur5lib.report.figures.house_style import Drawing
+from ur5lib.report.figures.recording_figures import chosen_gains, tracking_figure
 from ur5lib.robots.description import Robot
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.contact_wrench import LEAST_ERROR, at_rest, static_wrench, torque_std
+from ur5lib.force.contact_wrench import MIN_CONSTANT_ERROR, at_rest, static_wrench, torque_std
 from ur5lib.force.estimators import ESTIMATORS, Run, Stated
 from ur5lib.force.problem import causal_odds, fmap_problem, is_fitted
 from ur5lib.force.residual_model import Residuals
@@ -109,5 +109,5 @@ def static_forces(
     motor = smooth(record.current, record) / inverse
     torque = inner(smooth(record.torque, record) - motor, record, cutoff)
     torque[~at_rest(record.qd)] = np.nan
-    std = torque_std(motor, np.maximum(error, LEAST_ERROR), prior.torque_max)
+    std = torque_std(motor, np.maximum(error, MIN_CONSTANT_ERROR), prior.torque_max)
     return Stated(*static_wrench(torque, std, jacobian))

@@ -21,9 +21,9 @@ from ur5lib.identification.current_samples import (
 )
 from ur5lib.identification.currents import CurrentFit, parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Record, Smooth, record_paths
+from ur5lib.identification.samples import CurrentSamples, Smooth, record_paths
 from ur5lib.identification.validation import (
-    explained,
+    explained_share,
     fitted_on_tested_on,
     least_squares_coefficients,
 )
@@ -88,7 +88,7 @@ class ContradictionError(RefusalError):
 
 
 def fitted_friction(
-    records: Sequence[Record], prior: Prior, smooth: Smooth, model: str = ""
+    records: Sequence[CurrentSamples], prior: Prior, smooth: Smooth, model: str = ""
 ) -> Friction:
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
@@ -140,7 +140,9 @@ def known_constants(prior: Prior) -> KnownConstants:
 
 
 def explained_by_others(
-    records: Sequence[Record], left_out: Sequence[tuple[list[str], CurrentFit]], smooth: Smooth
+    records: Sequence[CurrentSamples],
+    left_out: Sequence[tuple[list[str], CurrentFit]],
+    smooth: Smooth,
 ) -> Array | None:
     """Return the share (6,) of the currents' variance that fits to other paths explain.
 
@@ -149,7 +151,7 @@ def explained_by_others(
     unseen = {name: fit for names, fit in left_out for name in names}
     if not unseen:
         return None
-    return explained(records, [predict(unseen[own.name], own) for own in records], smooth)
+    return explained_share(records, [predict(unseen[own.name], own) for own in records], smooth)
 
 
 def _without_replicates(fit: CurrentFit) -> CurrentFit:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.errors import RefusalError, Remark, remark
 from ur5lib.force.external_torque import (
-    RELAXING,
+    RELAXATION_TIME,
     finite_rows,
     is_still,
     joint_states,
@@ -15,10 +15,10 @@ from ur5lib.force.external_torque import (
 )
 from ur5lib.force.force_input import ForceInput, inputs
 from ur5lib.force.residual_model import (
-    SLOWEST,
+    MIN_RENEWAL_RATE,
     ResidualModel,
     Residuals,
-    Stretch,
+    TorqueStretch,
     fit_residual_model,
 )
 from ur5lib.identification.currents import (
@@ -27,7 +27,7 @@ from ur5lib.identification.currents import (
     constants_band,
     torque_constants,
 )
-from ur5lib.identification.samples import LEAST_PATHS
+from ur5lib.identification.samples import MIN_PATHS
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
@@ -107,7 +107,15 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
     return ResidualModel(
         spread=spread,
         change=FAST[:, None] * spread,
-        rate=np.array([SLOWEST, SLOWEST, 1 / RELAXING, 1 / RELAXING, SLOWEST]),
+        rate=np.array(
+            [
+                MIN_RENEWAL_RATE,
+                MIN_RENEWAL_RATE,
+                1 / RELAXATION_TIME,
+                1 / RELAXATION_TIME,
+                MIN_RENEWAL_RATE,
+            ]
+        ),
         independent=1 / (2 * cutoff),
         breakaway=coulomb,
         constants_doubt=constants_band(fit),
@@ -116,7 +124,7 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
 
 def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
     """Return the residual models without contact-free recordings; arguments as above."""
-    model = usual_model(fit, cutoff).of_few_paths(LEAST_PATHS)
+    model = usual_model(fit, cutoff).of_few_paths(MIN_PATHS)
     return Residuals(tau_ext=replace(model, usual=True))
 
 
@@ -124,7 +132,7 @@ def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Itera
     """Say what so few paths, and so little rest, do not show."""
     if paths == 1:
         yield remark("one path of all")
-    if paths < LEAST_PATHS:
+    if paths < MIN_PATHS:
         runs = inputs(recordings)
         still = [is_still(one.states) & finite_rows(one.torque) for one in runs]
         rest = sum(float(own.sum() * one.period) for own, one in zip(still, runs, strict=True))
@@ -135,15 +143,15 @@ def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Itera
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:
     """Return what the runs show; other arms' errors stand for paths that are missing."""
     stretches = [
-        Stretch(one.torque[rows], one.states[rows], one.period)
+        TorqueStretch(one.torque[rows], one.states[rows], one.period)
         for one in runs
         for rows in unbroken(one.segment)
     ]
     fit, sensed = friction.fit, friction.senses_torque()
     model = fit_residual_model(stretches, cutoff, breakaway_torque(fit))
     # the errors of other arms are those of motor currents
-    missing = 0 if sensed else max(0, LEAST_PATHS - friction.paths)
+    missing = 0 if sensed else max(0, MIN_PATHS - friction.paths)
     if missing:
-        model = model.at_least(usual_model(fit, cutoff), missing / LEAST_PATHS)
+        model = model.at_least(usual_model(fit, cutoff), missing / MIN_PATHS)
     model = model.of_few_paths(friction.paths + missing)
     return replace(model, constants_doubt=constants_band(fit), sensed=sensed)

@@ -10,7 +10,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import reason
 from ur5lib.identification import rotor_inertia
 from ur5lib.identification.base_parameters import (
-    Estimate,
+    InertialEstimate,
     Stack,
     base_parameters,
     identified_model,
@@ -19,7 +19,7 @@ from ur5lib.identification.base_parameters import (
     stack,
     torque_error,
 )
-from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.consistency import consistent_parameters, smallest_eigenvalues
 from ur5lib.identification.excitation import candidate_motions, check_excitation
 from ur5lib.records.carried import configured_payload
 from ur5lib.records.models import BaseParameter, Identification, Rotors
@@ -30,8 +30,8 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
-from ur5lib.timeseries.sampling import STEP, differentiate
-from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
+from ur5lib.timeseries.sampling import THINNED_STEP, differentiate
+from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment, unbroken
 
 RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
@@ -127,7 +127,7 @@ def with_identified(
     unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
     models = [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
     estimate = identify(data, models[0].parameters, prior_width(len(models[0].parameters)))
-    parameters = consistent(estimate)
+    parameters = consistent_parameters(estimate)
     model = identified_model(robot, parameters, DESCRIPTION)
     found = identification(models, data, estimate, parameters, blocks)
     return robot.with_model("identified", model), found
@@ -136,7 +136,7 @@ def with_identified(
 def identification(
     models: Sequence[LinkModel],
     data: Stack,
-    estimate: Estimate,
+    estimate: InertialEstimate,
     parameters: Array,
     blocks: list[Block],
 ) -> Identification:
@@ -226,7 +226,7 @@ def torque_blocks(
     columns = bare.regressor(*states).reshape(len(signals.time), -1)
     rows = np.hstack([columns, signals.target_moment - load])
     rows = comparable(rows, signals, exact, design)
-    every = max(1, round(STEP / signals.period))
-    for part in unbroken(signals.segment, (signals.time // BLOCK).astype(np.int64)):
+    every = max(1, round(THINNED_STEP / signals.period))
+    for part in unbroken(signals.segment, (signals.time // BLOCK_DURATION).astype(np.int64)):
         chosen = rows[part][::every]
         yield chosen[:, :-6].reshape(-1, 6, 66), chosen[:, -6:]

@@ -21,7 +21,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
 from ur5lib.signals.imu_calibration import (
-    AS_DRAWN,
+    NOMINAL_CALIBRATION,
     ImuCalibration,
     accelerometer_bias,
     calibration_for,
@@ -144,7 +144,8 @@ def as_published(known: BesideImu, by_stamps: Array) -> tuple[Array, dict[str, A
     by_stamps: the IMU's reading (N, 6), placed by its start stamp.
     """
     robot, signals, kinematics, *_ = known
-    up, turning = AS_DRAWN.up(np.array(robot.gravity)), derivative(signals, by_stamps[:, 3:])
+    up = NOMINAL_CALIBRATION.up(np.array(robot.gravity))
+    turning = derivative(signals, by_stamps[:, 3:])
     felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
     smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
     angles = {

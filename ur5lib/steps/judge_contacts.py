@@ -9,21 +9,27 @@ import numpy as np
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import (
-    TOUCH,
+    TOUCH_FORCE,
     Span,
     alarms,
     compare,
     contacts,
     force_alarms,
     is_free,
+    live_alarms,
     pushes_above,
-    raised_live,
     receiver_curve,
 )
-from ur5lib.force.external_torque import MOVING, finite_rows
-from ur5lib.force.flange_contact import SAMPLES, SURE, flange_probability, lever, places
+from ur5lib.force.external_torque import JointState, finite_rows
+from ur5lib.force.flange_contact import (
+    MAX_CONTACT_SAMPLES,
+    MIN_PROBABILITY_ELSEWHERE,
+    flange_probability,
+    place_jacobian,
+    places,
+)
 from ur5lib.force.force_input import ForceInput, gears
-from ur5lib.force.gate import Noise, diagonal
+from ur5lib.force.gate import TorqueVariances, diagonal
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.problem import Problem
 from ur5lib.records.contacts import Alarm, Detected, ForceClass, Matched, OnAxis
@@ -32,9 +38,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.steps.evidence import Evidence
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import marked
+from ur5lib.timeseries.segments import inside_spans
 
-CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
+CLASSES = [TOUCH_FORCE, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
 
 Named = Callable[[Span, Alarm], Alarm]
@@ -93,7 +99,7 @@ def detected(
             **vars(matched(own.raised, sensor)),
             threshold=thresholds[name],
             raised=[named(span, strongest(span, sensor.time, own)) for span in own.raised],
-            time_in_alarm=float(marked(own.raised, len(sensor.time)).mean()),
+            time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
             free_time_in_alarm=free_time_in_alarm(own, sensor),
             roc_area=roc_area(own, sensor),
@@ -108,7 +114,7 @@ def causally(
     """Return the alarms raised from past samples only, and their comparison with the sensor."""
     if forces.causal_log_odds is None or "causal" not in thresholds:
         return None
-    return matched(raised_live(forces.causal_log_odds, thresholds["causal"]), sensor)
+    return matched(live_alarms(forces.causal_log_odds, thresholds["causal"]), sensor)
 
 
 def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:
@@ -131,7 +137,7 @@ def load_finder(evidence: Evidence) -> Named:
     torque = external - background
     if (known_gears := gears(currents)) is not None:
         torque, _ = known_gears.contact_torque(torque)
-    spread = model.doubt * model.spread[MOVING]
+    spread = model.doubt * model.spread[JointState.MOVING]
     robot, motion = evidence.robot, evidence.motion
 
     def named(span: Span, alarm: Alarm) -> Alarm:
@@ -160,14 +166,14 @@ def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
     if (force := sensed_force(sensor)) is None:
         return None
     free = is_free(force, sensor.period)
-    return float(marked(own.raised, len(force))[free].mean()) if free.any() else None
+    return float(inside_spans(own.raised, len(force))[free].mean()) if free.any() else None
 
 
 def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
     """Return the area under the receiver's curve by sample, None without a sensor."""
     if (force := sensed_force(sensor)) is None:
         return None
-    wrong, right = receiver_curve(own.evidence, force >= TOUCH)
+    wrong, right = receiver_curve(own.evidence, force >= TOUCH_FORCE)
     return float(np.trapezoid(right, wrong))
 
 
@@ -224,22 +230,25 @@ def is_off_flange(
     rows = middle_half(run, time, alarm.start, alarm.end)
     if alarm.kind != "contact" or not len(rows):
         return False
-    noise = Noise.of(run.states[rows], model, prior, run.load_std()[rows])
+    noise = TorqueVariances.of(run.states[rows], model, prior, run.load_std()[rows])
     spread = diagonal(noise.spread + noise.hidden)
     frames = link_frames(robot, run.q[rows])
     levers = {
-        link: [lever(*frames, link, place) for place in along]
+        link: [place_jacobian(*frames, link, place) for place in along]
         for link, along in places(*frames).items()
     }
-    return 1 - flange_probability(run.torque[rows], levers, spread, prior.sizes) >= SURE
+    return (
+        1 - flange_probability(run.torque[rows], levers, spread, prior.sizes)
+        >= MIN_PROBABILITY_ELSEWHERE
+    )
 
 
 def middle_half(run: ForceInput, time: Array, start: float, end: float) -> Labels:
-    """Return at most SAMPLES rows of known torque in the middle half of a contact [s].
+    """Return at most MAX_CONTACT_SAMPLES rows of known torque in the middle half of a contact [s].
 
     The low-pass blurs its ends.
     """
     quarter = (end - start) / 4
     inside = (time >= start + quarter) & (time <= end - quarter)
     rows = np.flatnonzero(inside & finite_rows(run.torque) & finite_rows(run.q))
-    return rows[:: max(1, len(rows) // SAMPLES)]
+    return rows[:: max(1, len(rows) // MAX_CONTACT_SAMPLES)]

@@ -6,14 +6,14 @@ import numpy as np
 
 from ur5lib.identification.condition import joint_conditions
 from ur5lib.identification.currents import CurrentFit
-from ur5lib.identification.samples import Record, Smooth
+from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.recordings.quality import Quality
 from ur5lib.records.arm_state import Checkup
 from ur5lib.records.prediction import Prediction
 
 
 def checkup(
-    record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Quality
+    record: CurrentSamples, smooth: Smooth, fit: CurrentFit, day: date, quality: Quality
 ) -> Checkup:
     """Return the condition by one recording; fit: of its arm."""
     lost = sum(one.count for one in quality.findings if one.finding == "lost frames")

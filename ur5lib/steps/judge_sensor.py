@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
-from ur5lib.force.detection import felt
+from ur5lib.force.detection import sensed_contact
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.published import controller_estimate
 from ur5lib.force.sensor import (
+    measured_columns,
     mounting_doubt,
     move_to_frame_6,
     offset_doubt,
     opposite_axes,
-    sensed,
     wrench_of_environment,
 )
 from ur5lib.records.force_errors import ByPeriod, Compared, Figures, OffsetAccount
@@ -128,7 +128,9 @@ def beside_sensor(
     sensor without moments, forces alone are compared. compared: of `compared_estimates`.
     """
     own, best = reading.offset, sensor.wrench["compensated"]
-    force, columns, opposite = np.linalg.norm(best[:, :3], axis=1), sensed(best), list[str]()
+    force = np.linalg.norm(best[:, :3], axis=1)
+    columns = measured_columns(best)
+    opposite = list[str]()
     if LEADING in compared["compensated"]:
         estimated, _ = compared["compensated"][LEADING]
         opposite = opposite_axes(best[:, :3], estimated[:, :3], rotation)
@@ -144,7 +146,7 @@ def beside_sensor(
         offset=OffsetAccount(**account),
         offset_doubt=offset_doubt(own, reading.each),
         mounting_doubt=mounting_doubt(own, opposite),
-        felt=felt(force, sensor.time),
+        felt=sensed_contact(force, sensor.time),
         errors={
             kind: {name: errors(*estimate, reference) for name, estimate in compared[kind].items()}
             for kind, reference in sensor.wrench.items()

@@ -18,7 +18,7 @@ from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.trial_contacts import Trials, felt_push, try_each_place
 from ur5lib.identification.currents import CurrentFit, torque_constants
-from ur5lib.identification.samples import STEP
+from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.identification.validation import ShareBySpeed, share_by_speed
 from ur5lib.records.arm_state import Observed
 from ur5lib.records.contacts import SmallestPush
@@ -103,7 +103,7 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
 
     fit: has not seen the recording's path. The external torque is k times the error of the current.
     """
-    every = max(1, round(STEP / motion.period))
+    every = max(1, round(INDEPENDENT_STEP / motion.period))
     torque = currents.external_torque
     assert torque is not None
     torque, qd = torque[::every], motion.motor_qd[::every]

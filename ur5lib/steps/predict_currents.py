@@ -25,12 +25,12 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.payload import (
-    LEFT,
+    SCALED_TORQUE_ERROR,
     PayloadEstimate,
     joint_gains,
     judged_load,
 )
-from ur5lib.identification.samples import Record, blocks
+from ur5lib.identification.samples import CurrentSamples, blocks
 from ur5lib.identification.validation import (
     Scores,
     baseline_current,
@@ -47,7 +47,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass
-from ur5lib.timeseries.segments import by_segment, extrapolated
+from ur5lib.timeseries.segments import by_segment, extrapolated_samples
 
 NEAR = 0.02  # rad, by which a joint may leave the tared posture
 LEAST_REST = 0.5  # s, of known torque at rest
@@ -104,7 +104,7 @@ def predict_currents(
 
 
 def predicted_currents(
-    record: Record, fit: CurrentFit, load_torque: Array, torques: Torques, smooth: Smoother
+    record: CurrentSamples, fit: CurrentFit, load_torque: Array, torques: Torques, smooth: Smoother
 ) -> Currents:
     """Return prediction, band, external torques and friction of a recording.
 
@@ -119,14 +119,14 @@ def predicted_currents(
         current_band=band(fit, record, smooth),
         external_torque=inner(smooth(external, record), record, smooth.cutoff),
         causal_torque=causally_smoothed(external, record, smooth.cutoff),
-        load_doubt=LEFT * np.abs(smooth(load_torque, record)),
+        load_doubt=SCALED_TORQUE_ERROR * np.abs(smooth(load_torque, record)),
         gear_torque=smooth(record.torque, record),
         friction_torque=constant * smooth(friction_current(fit, record), record),
         load_loss=smooth(load_loss(fit, record), record),
     )
 
 
-def causally_smoothed(torque: Array, record: Record, cutoff: float) -> Array:
+def causally_smoothed(torque: Array, record: CurrentSamples, cutoff: float) -> Array:
     """Return a torque (N, 6) [Nm] low-passed [Hz] from each sample and those before it.
 
     The low-pass is of first order, which delays slow changes by 1 / (2π f_c).
@@ -135,8 +135,8 @@ def causally_smoothed(torque: Array, record: Record, cutoff: float) -> Array:
 
 
 def with_load(
-    record: Record, load_torque: Array, fit: CurrentFit, smooth: Smoother
-) -> tuple[Record, Array]:
+    record: CurrentSamples, load_torque: Array, fit: CurrentFit, smooth: Smoother
+) -> tuple[CurrentSamples, Array]:
     """Return the record with a load's torque (N, 6) [Nm] in it, and that torque as motors feel it.
 
     By which factor each motor feels a load, the same recording says.
@@ -151,7 +151,7 @@ def with_load(
 
 
 def baselines(
-    record: Record, robot: Robot, least_squares: Array, signals: Signals
+    record: CurrentSamples, robot: Robot, least_squares: Array, signals: Signals
 ) -> Iterator[tuple[str, Array]]:
     """Yield currents (N, 6) [A] by Coulomb and viscous least squares, by published constants, and
     as the controller expected them.
@@ -176,7 +176,10 @@ def baselines(
 
 
 def scores(
-    record: Record, currents: Currents, others: Iterable[tuple[str, Array]], smooth: Smoother
+    record: CurrentSamples,
+    currents: Currents,
+    others: Iterable[tuple[str, Array]],
+    smooth: Smoother,
 ) -> dict[str, Scores]:
     """Return how well each current is predicted; a band is stated for ours alone."""
     assert currents.predicted_current is not None
@@ -190,9 +193,9 @@ def scores(
     return figures
 
 
-def inner(torque: Array, record: Record, cutoff: float) -> Array:
+def inner(torque: Array, record: CurrentSamples, cutoff: float) -> Array:
     """Return a torque (N, 6), NaN at the ends of segments, where a low-pass [Hz] extrapolates."""
-    return without_edges(torque, record.segment, extrapolated(cutoff, record.period))
+    return without_edges(torque, record.segment, extrapolated_samples(cutoff, record.period))
 
 
 def tared(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ur5lib.excitation.outlook import Bands, Earlier, Outlook, Recorded, feels_forces
+from ur5lib.excitation.outlook import Bands, Earlier, Outlook, RecordedStates, feels_forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
@@ -31,7 +31,7 @@ def rank_recordings(
         if name in {*friction.from_, *identification.from_}:
             moved, load = motion[name], premises[name].load.payload
             robot = arm.carrying(load).mounted(gravities[name])
-            recordings.append(Recorded.along(robot, moved.time, moved.q, moved.qd, moved.qdd))
+            recordings.append(RecordedStates.along(robot, moved.time, moved.q, moved.qd, moved.qdd))
     known = Earlier(
         friction.fit,
         friction.parameters,

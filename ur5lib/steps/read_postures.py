@@ -6,15 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.errors import InputError, UnreadableError
-from ur5lib.recordings import postures as posture_files
-from ur5lib.recordings.entries import Entry, Files
-from ur5lib.recordings.innovations import CURRENT
-from ur5lib.recordings.posture_checks import (
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.channels import check_robot
+from ur5lib.checks.postures import (
     large_constants,
+    posture_means,
     posture_stop_signs,
     what_gravity_shows,
 )
+from ur5lib.errors import InputError, UnreadableError
+from ur5lib.recordings import postures as posture_files
+from ur5lib.recordings.entries import Entry, Files
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.judgement import Judgement
@@ -69,11 +71,11 @@ def checked_postures(
     """
     table, quality = posture_files.read_postures(recording, arm)
     counted = table.assign(time=np.arange(len(table)), segment=0, interpolated=False)
-    signals, means = Signals.from_table(counted), posture_files.posture_means(table)
+    signals, means = Signals.from_table(counted), posture_means(table)
     load = carried(declared, signals)
     postures = Postures(
         q=means.q,
-        current=means.currents[CURRENT],
+        current=means.currents[MEASURED_CURRENT],
         gravity=[*arm.gravity],
         payload=load.payload,
         contradictions=Contradictions(
@@ -81,7 +83,8 @@ def checked_postures(
             disagreements(declared, tcp, signals),
         ),
     )
-    shown = what_gravity_shows(means, arm, load.payload)
+    shown = check_robot(table, 1.0, arm.position_limits(), arm.velocity_limits())
+    shown += what_gravity_shows(means, arm, load.payload)
     if not postures.contradictions.stop_signs:
         shown += large_constants(means, arm.carrying(load.payload))
     return postures, replace(quality, findings=[*quality.findings, *shown])

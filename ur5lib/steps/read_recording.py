@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from ur5lib.checks.devices import checked_intake
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings.entries import Entry
@@ -49,7 +50,7 @@ def read_recording(
     used.
     """
     try:
-        intake = read_and_repair(recording, arm, max_gap_s)
+        intake = checked_intake(read_and_repair(recording, arm, max_gap_s), arm)
     except InputError as error:
         raise UnreadableError(str(error)) from None
     force, imu = (intake.sensors.get(device, NO_SAMPLES) for device in SENSORS)

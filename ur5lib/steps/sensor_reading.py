@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.sensor import SensorOffset, bias, fit_offset
+from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
 from ur5lib.recordings.quality import StartOffset
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.signals.end_effector import ToolMotion, expected, tool_motion
+from ur5lib.signals.end_effector import ToolMotion, expected_values, tool_motion
 from ur5lib.steps.read_recording import by_stamps
 from ur5lib.timeseries.arrays import Array
 
@@ -58,10 +58,10 @@ def sensor_reading(
     values, known = in_frame_6(signals.force_sensor, robot), (signals.segment, signals.period)
     moment = np.zeros_like(values)
     if tool is not None:  # n = ... - I α - ω × I ω
-        moment[:, 3:] = -expected(moved.gyration(tool.inertia), *known, clock_std)
+        moment[:, 3:] = -expected_values(moved.gyration(tool.inertia), *known, clock_std)
     origin, center = np.array(robot.mounting.force_sensor), np.zeros(3)
     for _ in range(ROUNDS):
-        pull = expected(moved.pull_at(origin + center), *known, clock_std)
+        pull = expected_values(moved.pull_at(origin + center), *known, clock_std)
         offset = fit_offset(values - moment, pull, signals.period)
         center = within_reach(offset.center())
     placed = values if by_stamps is None else in_frame_6(by_stamps, robot)
@@ -70,7 +70,7 @@ def sensor_reading(
         offset.reading(pull) + moment,
         offset,
         placed,
-        start_bias=bias(placed, signals.time, bias_window),
+        start_bias=initial_bias(placed, signals.time, bias_window),
         own_clock=by_stamps is not None,
     )
 

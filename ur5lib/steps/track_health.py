@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.identification.condition import UNITS
+from ur5lib.identification.condition import QUANTITY_UNITS
 from ur5lib.identification.samples import path_of
 from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.changes import FEWEST, Series, find_changes, over_spans
+from ur5lib.timeseries.changes import MIN_DATES, DatedSeries, find_changes, over_spans
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
@@ -44,11 +44,11 @@ def track_health(
 
 
 def health_of(checkups: Sequence[Checkup], paths: Iterable[PathStates]) -> Health:
-    """Return each quantity by date and its changes; nothing with fewer than FEWEST dates.
+    """Return each quantity by date and its changes; nothing with fewer than MIN_DATES dates.
 
     paths: along which the arm moved, one for each checkup.
     """
-    if len({one.date for one in checkups}) < FEWEST:
+    if len({one.date for one in checkups}) < MIN_DATES:
         return Health()
     rows = [*_by_date(checkups, group_by_path(paths))]
     return Health(rows, [*_changes(rows)])
@@ -73,7 +73,7 @@ def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Cond
     for joint in range(len(checkups[0].joints)):
         warmth = float(np.mean([one.temperature[joint] for one in checkups]))
         here = partial(Condition, date=day, joint=joint + 1, temperature_c=warmth, group=group)
-        for quantity in UNITS:
+        for quantity in QUANTITY_UNITS:
             found = np.array([one.joints[joint][quantity] for one in checkups])
             found = found[np.isfinite(found).all(axis=1)]
             if len(found):
@@ -98,7 +98,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
     for row in rows:
         if row.joint is not None:
             groups[row.joint, row.quantity].append(row)
-    tested = {key: own for key, own in groups.items() if len(own) >= FEWEST}
+    tested = {key: own for key, own in groups.items() if len(own) >= MIN_DATES}
     for (joint, quantity), own in tested.items():
         for change in find_changes(over_spans(_series(own)), FALSE_ALARMS / len(tested)):
             dates = {"first": _day(change.first), "last": _day(change.last)}
@@ -107,7 +107,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
             yield JointChange(**found, joint=joint, quantity=quantity)
 
 
-def _series(rows: Sequence[Condition]) -> Series:
+def _series(rows: Sequence[Condition]) -> DatedSeries:
     """Return a quantity on all dates, temperatures as its covariate where all are known."""
     day = np.array([date.fromisoformat(row.date).toordinal() for row in rows], dtype=float)
     value, error = (
@@ -116,7 +116,7 @@ def _series(rows: Sequence[Condition]) -> Series:
     warmth = np.array([row.temperature_c for row in rows], dtype=float)
     tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > WARMER)
     group = np.array([row.group for row in rows])
-    return Series(day, value, error, warmth if tells else None, group)
+    return DatedSeries(day, value, error, warmth if tells else None, group)
 
 
 def _day(ordinal: float) -> str:

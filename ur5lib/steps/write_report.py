@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ur5lib.report.compose import compose
-from ur5lib.report.document import contents
-from ur5lib.report.render import html_page, pdf_document
+from ur5lib.report.page.compose import compose
+from ur5lib.report.page.document import contents
+from ur5lib.report.page.render import html_page, pdf_document
+from ur5lib.report.page.summary import summary, summary_schema
 from ur5lib.report.results import Results
-from ur5lib.report.summary import summary, summary_schema
 from ur5lib.robots.description import Robot
 
 

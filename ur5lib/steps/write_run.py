@@ -3,9 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
-from ur5lib.report.compose import compose
-from ur5lib.report.document import contents
-from ur5lib.report.render import html_page
+from ur5lib.report.page.compose import compose
+from ur5lib.report.page.document import contents
+from ur5lib.report.page.render import html_page
 from ur5lib.report.results import Results
 from ur5lib.robots.description import Robot
 

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
 from ur5lib.robots.description import (
-    FOLDER,
+    DESCRIPTION_FOLDER,
     PROJECT_FOLDER,
     Gravity,
     Payload,
@@ -23,15 +23,15 @@ from ur5lib.robots.description import (
 from ur5lib.robots.individual import individual_robot
 from ur5lib.strict import Strict, existing_file
 
-TILTS = {"floor": 0.0, "wall": 90.0, "ceiling": 180.0}  # degrees
+TILT_ANGLES = {"floor": 0.0, "wall": 90.0, "ceiling": 180.0}  # degrees
 
-NAME = r"^[A-Za-z0-9_-][A-Za-z0-9_.-]{0,199}$"  # a file's name, with an ending
-CHARACTERS = "at most 200 letters, digits, `_`, `-`; dots too, except as the first character"
-PERIODIC = re.compile(r"(.+)\1{19}$")  # Snakemake takes such a name for a circle of rules
+NAME_PATTERN = r"^[A-Za-z0-9_-][A-Za-z0-9_.-]{0,199}$"  # a file's name, with an ending
+NAME_CHARACTERS = "at most 200 letters, digits, `_`, `-`; dots too, except as the first character"
+PERIODIC_NAME = re.compile(r"(.+)\1{19}$")  # Snakemake takes such a name for a circle of rules
 
 
 def _aperiodic(name: str) -> str:
-    if PERIODIC.search(name):
+    if PERIODIC_NAME.search(name):
         raise ValueError("a name that does not end in 20 times the same")
     return name
 
@@ -39,9 +39,9 @@ def _aperiodic(name: str) -> str:
 Name = Annotated[  # becomes the name of a folder
     str,
     Field(
-        pattern=NAME,
+        pattern=NAME_PATTERN,
         description="name, also of its folder in results",
-        json_schema_extra={"characters": CHARACTERS},
+        json_schema_extra={"characters": NAME_CHARACTERS},
     ),
     AfterValidator(_aperiodic),
 ]
@@ -50,15 +50,17 @@ Name = Annotated[  # becomes the name of a folder
 def _described(name: str) -> str:
     if name not in robot_names():
         raise PydanticCustomError("no_description", "{message}", {"message": no_description(name)})
-    if (FOLDER / f"{name}.yaml").is_file() and (PROJECT_FOLDER / f"{name}.yaml").is_file():
+    if (DESCRIPTION_FOLDER / f"{name}.yaml").is_file() and (
+        PROJECT_FOLDER / f"{name}.yaml"
+    ).is_file():
         file = PROJECT_FOLDER / f"{name}.yaml"
         raise ValueError(f"another name to {file}: ur5lib describes a {name} too")
-    if not re.match(NAME, name):
-        raise ValueError(f"a name of {CHARACTERS}; rename {PROJECT_FOLDER / name}.yaml")
+    if not re.match(NAME_PATTERN, name):
+        raise ValueError(f"a name of {NAME_CHARACTERS}; rename {PROJECT_FOLDER / name}.yaml")
     return name
 
 
-Described = Annotated[str, AfterValidator(_described)]
+DescribedArm = Annotated[str, AfterValidator(_described)]
 
 
 class Tilt(Strict):
@@ -81,7 +83,7 @@ def _type_of(value: Any) -> str:
     return "array" if isinstance(value, list | tuple) else "object"
 
 
-Mounting = Annotated[
+MountingSetting = Annotated[
     Annotated[Literal["floor", "wall", "ceiling"], Tag("string")]
     | Annotated[Gravity, Tag("array")]
     | Annotated[Tilt, Tag("object")],
@@ -98,7 +100,7 @@ def base_gravity(mounting: Any, size: float) -> Vector3:
     """
     if isinstance(mounting, tuple):
         return mounting
-    tilt = mounting if isinstance(mounting, Tilt) else Tilt(tilt_deg=TILTS[mounting])
+    tilt = mounting if isinstance(mounting, Tilt) else Tilt(tilt_deg=TILT_ANGLES[mounting])
     theta, phi = math.radians(tilt.tilt_deg), math.radians(tilt.rotation_deg)
     up = math.sin(theta) * math.sin(phi), math.sin(theta) * math.cos(phi), math.cos(theta)
     x, y, z = (round(-size * part, 12) + 0.0 for part in up)
@@ -121,10 +123,10 @@ class Tool(Payload):
         return Payload(mass=self.mass, center_of_mass=self.center_of_mass, inertia=self.inertia)
 
 
-class Arm(Strict):
+class ArmSettings(Strict):
     """One individual arm: a described arm and its differences."""
 
-    arm: Described = Field(description="the arm as described in ur5lib/robots/ or robots/")
+    arm: DescribedArm = Field(description="the arm as described in ur5lib/robots/ or robots/")
     name: Name | None = Field(
         None, description="its name in results; default: that of the description"
     )
@@ -138,7 +140,7 @@ class Arm(Strict):
         description="its kinematic calibration: calibration.conf of the controller, or the YAML "
         "file that the ROS driver extracts",
     )
-    mounting: Mounting | None = Field(
+    mounting: MountingSetting | None = Field(
         None,
         description="how it stands: floor, wall, ceiling, angles, or gravity in the base frame "
         "[m/s²]; default: as described",
@@ -150,7 +152,7 @@ class Arm(Strict):
         """Return the arm's name in results."""
         return self.name or self.arm
 
-    def itself(self) -> "Arm":
+    def itself(self) -> "ArmSettings":
         """Return the arm without its mounting and tool, which may differ between recordings."""
         return self.model_copy(update={"mounting": None, "tool": None})
 
@@ -167,5 +169,6 @@ class Arm(Strict):
 
 
 NamedArm = Annotated[
-    Annotated[Described, Tag("string")] | Annotated[Arm, Tag("object")], Discriminator(_type_of)
+    Annotated[DescribedArm, Tag("string")] | Annotated[ArmSettings, Tag("object")],
+    Discriminator(_type_of),
 ]

@@ -15,7 +15,7 @@ from snakemake.settings import types
 from ur5lib.errors import InputError
 
 if TYPE_CHECKING:
-    from ur5lib.study.reading import Raw
+    from ur5lib.study.reading import PlainData
 
 
 def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
@@ -34,7 +34,7 @@ def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
         _data(path)
 
 
-def _data(path: str | Path) -> "Raw":
+def _data(path: str | Path) -> "PlainData":
     """Return a study as plain data. Raises WorkflowError."""
     try:
         from ur5lib.study.reading import (

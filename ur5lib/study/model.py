@@ -26,7 +26,13 @@ from ur5lib.recordings.entries import (
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.strict import PathText, Strict, existing_file
-from ur5lib.study.arms import Arm, Mounting, Name, NamedArm, Tool
+from ur5lib.study.arms import ArmSettings, MountingSetting, Name, NamedArm, Tool
+
+ORDER_TEXT = "order of the Butterworth filter, which runs forwards and backwards"
+CUTOFF_TEXT = (
+    "frequency at which a signal loses half its amplitude (-6 dB); a recording of at most twice "
+    "this rate is not filtered"
+)
 
 
 def _day(value: Any) -> datetime.date:
@@ -68,7 +74,7 @@ class Part(Strict):
         description="vector in the base frame [m/s²], for an arm on a ceiling, a wall or a slope; "
         "default: that of the arm's description",
     )
-    mounting: Mounting | None = Field(
+    mounting: MountingSetting | None = Field(
         None,
         description="how the arm stands: floor, wall, ceiling, angles, or gravity in the base "
         "frame [m/s²]; default: that of `robot`",
@@ -94,10 +100,10 @@ class Part(Strict):
     )
 
     @cached_property
-    def arm(self) -> Arm:
+    def arm(self) -> ArmSettings:
         """Return the arm, also where the entry has its name alone."""
         assert self.robot is not None, "`parse_study` gives each recording its arm"
-        return Arm(arm=self.robot) if isinstance(self.robot, str) else self.robot
+        return ArmSettings(arm=self.robot) if isinstance(self.robot, str) else self.robot
 
     def known_gravity(self) -> Vector3 | None:
         """Return gravity in the base frame [m/s²]; None: as described for the arm."""
@@ -157,8 +163,8 @@ class Simulable(Files, Part):
         return layout.file_names(self.format, self.simulate.sensors())
 
 
-class Recorded(Simulable):
-    """A recording that may be one of `ur5 record --emulate`."""
+class RecordedEntry(Simulable):
+    """A recording that may be one of an emulated lab."""
 
     truth: PathText | None = Field(
         None,
@@ -171,11 +177,11 @@ class ThesisRecording(ThesisFiles, Simulable):
     """A folder `csv_files` with one CSV per channel, as recorded for the thesis."""
 
 
-class StreamRecording(StreamFiles, Recorded):
+class StreamRecording(StreamFiles, RecordedEntry):
     """A capture of the controller's realtime port, with lines received_s,payload_hex."""
 
 
-class RtdeRecording(RtdeFiles, Recorded):
+class RtdeRecording(RtdeFiles, RecordedEntry):
     """One CSV with RTDE names in its header, as written by ur_rtde and UR's own client."""
 
 
@@ -202,13 +208,6 @@ Recording = Annotated[
 ]
 
 
-ORDER = "order of the Butterworth filter, which runs forwards and backwards"
-CUTOFF = (
-    "frequency at which a signal loses half its amplitude (-6 dB); a recording of at most twice "
-    "this rate is not filtered"
-)
-
-
 class Frames(Strict):
     """Repair of frames on the controller's time grid."""
 
@@ -223,8 +222,8 @@ class Frames(Strict):
 class MotionLowpass(Strict):
     """For the controller's torque and the measured motion, in the identification."""
 
-    order: int = Field(4, ge=1, le=12, description=ORDER)
-    cutoff_hz: float = Field(10.0, gt=0, lt=1000, description=CUTOFF)
+    order: int = Field(4, ge=1, le=12, description=ORDER_TEXT)
+    cutoff_hz: float = Field(10.0, gt=0, lt=1000, description=CUTOFF_TEXT)
 
 
 class CurrentLowpass(MotionLowpass):
@@ -238,13 +237,13 @@ class CurrentLowpass(MotionLowpass):
 class AccelerationLowpass(MotionLowpass):
     """For the comparison of accelerations by joints and IMU."""
 
-    cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF)
+    cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF_TEXT)
 
 
 class PublishedLowpass(Strict):
     """For the external torque in the thesis's estimates of a contact force."""
 
-    order: int = Field(5, ge=1, le=12, description=ORDER)
+    order: int = Field(5, ge=1, le=12, description=ORDER_TEXT)
     cutoff_hz: float = Field(
         1.454, gt=0, lt=1000, description="cut-off frequency in the thesis (erratum 4)"
     )
@@ -270,7 +269,7 @@ class Contact(Strict):
     )
 
 
-class Alarms(Strict):
+class AlarmSettings(Strict):
     """Alarms that report a contact."""
 
     false_per_min: float = Field(
@@ -303,7 +302,7 @@ class Settings(Strict):
     frames: Frames = Frames()
     lowpass: Lowpass = Lowpass()
     contact: Contact = Contact()
-    alarms: Alarms = Alarms()
+    alarms: AlarmSettings = AlarmSettings()
     sensor: ForceSensorSettings = ForceSensorSettings()
     singularities: Singularities = Singularities()
 
@@ -335,7 +334,7 @@ class Study(Strict):
     )
     settings: Settings = Field(Settings(), description="settings of the analysis")
 
-    def arms(self) -> dict[str, Arm]:
+    def arms(self) -> dict[str, ArmSettings]:
         """Return the arms by their names in results, without mountings and tools."""
         arms = [recording.arm for recording in self.recordings]
         return {arm.known_as: arm.itself() for arm in reversed(arms)}  # the first of a name counts
@@ -353,5 +352,9 @@ def schema_text() -> str:
 def arms_without_fit(study: Study) -> list[str]:
     """Return the arms without a recording in motion of role `fit`, which determines friction."""
     recordings = study.recordings
-    fitted = {one.arm.known_as for one in recordings if one.role == "fit" and not one.at_rest}
+    fitted = {
+        recording.arm.known_as
+        for recording in recordings
+        if recording.role == "fit" and not recording.at_rest
+    }
     return sorted({recording.arm.known_as for recording in recordings} - fitted)

@@ -23,13 +23,13 @@ from ur5lib.lab.stand import layout
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.strict import FAST_DUMPER, expect_few_values, read_yaml
 from ur5lib.study.model import Study
-from ur5lib.study.schema import explain, shown
+from ur5lib.study.schema import explain, quoted
 
-Raw = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
+PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
 WILDCARD = re.compile(r"[*?\[]")
-DAY = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
-NOT_OF_NAMES = re.compile(r"[^A-Za-z0-9_.-]+")
-CODE = "__use_yte__"  # Snakemake runs what a file with this key holds
+DAY_IN_PATH = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
+FORBIDDEN_CHARACTERS = re.compile(r"[^A-Za-z0-9_.-]+")
+CODE_KEY = "__use_yte__"  # Snakemake runs what a file with this key holds
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 
 
@@ -38,7 +38,7 @@ def read_study(path: Path) -> Study:
     return parse_study(read_plain(path), str(path))
 
 
-def read_plain(path: Path) -> Raw:
+def read_plain(path: Path) -> PlainData:
     """Return a study as plain data. Raises InputError where the file has no YAML mapping."""
     try:
         raw = read_yaml(path)
@@ -53,15 +53,15 @@ def read_plain(path: Path) -> Raw:
         raise InputError(f"{place}: cannot be read as YAML ({reason}); correct it") from error
     if not isinstance(raw, dict):
         raise InputError(f"{path} is not a study: it needs `study`, `title` and `recordings`")
-    if CODE in raw:
+    if CODE_KEY in raw:
         raise InputError(
-            f"{path}: `{CODE}` tells Snakemake to run code that the file holds, but a study is "
+            f"{path}: `{CODE_KEY}` tells Snakemake to run code that the file holds, but a study is "
             "data; remove the key, and write values instead of expressions"
         )
     return raw
 
 
-def parse_study(raw: Raw, source: str) -> Study:
+def parse_study(raw: PlainData, source: str) -> Study:
     """Return the study that a configuration describes.
 
     raw: the configuration as plain data; source: its file, for the messages.
@@ -83,8 +83,8 @@ def parse_study(raw: Raw, source: str) -> Study:
             problems += [*_different_arms(study), *_wrong_arms(study), *_misfits(study)]
     except ValidationError as error:
         schema = Study.model_json_schema()
-        found = (explain(_as_stated(detail, stated), schema) for detail in error.errors())
-        problems = [*found, *problems]
+        mistakes = (explain(_as_stated(detail, stated), schema) for detail in error.errors())
+        problems = [*mistakes, *problems]
     if problems:
         raise InputError("\n".join(f"{source}: {problem}" for problem in dict.fromkeys(problems)))
     return study
@@ -107,64 +107,66 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     in the path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
     """
     folder = Path(entry["folder"])
-    found = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))
-    for file in sorted(file for file in found if (folder / file).is_file()):
-        own = NOT_OF_NAMES.sub("-", str(file.with_suffix("")))
-        day = DAY.search(str(file))
+    matches = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))
+    for file in sorted(file for file in matches if (folder / file).is_file()):
+        path_in_folder = FORBIDDEN_CHARACTERS.sub("-", str(file.with_suffix("")))
+        day = DAY_IN_PATH.search(str(file))
         date = {"date": "-".join(day.groups())} if day else {}
-        yield date | {**entry, "file": str(file), "name": f"{entry.get('name')}_{own}"}
+        yield date | {**entry, "file": str(file), "name": f"{entry.get('name')}_{path_in_folder}"}
 
 
 def names_by_pattern(entries: Iterable[Any]) -> frozenset[str]:
     """Return the names of the recordings that a study takes by patterns."""
     patterns = (entry for entry in entries if is_pattern(entry))
-    return frozenset(str(one["name"]) for entry in patterns for one in of_each_file(entry))
+    return frozenset(
+        str(expanded["name"]) for entry in patterns for expanded in of_each_file(entry)
+    )
 
 
-def _with_each_file(raw: Raw) -> tuple[Raw, list[int]]:
+def _with_each_file(raw: PlainData) -> tuple[PlainData, list[int]]:
     """Return the configuration with an entry of each file, and the index of each as stated."""
     recordings = raw.get("recordings")
     if not isinstance(recordings, list):
         return raw, []
     entries, places = [], []
     for k, entry in enumerate(recordings):
-        found = ([*of_each_file(entry)] if is_pattern(entry) else []) or [entry]
-        entries += found
-        places += [k] * len(found)
+        expanded = ([*of_each_file(entry)] if is_pattern(entry) else []) or [entry]
+        entries += expanded
+        places += [k] * len(expanded)
     return {**raw, "recordings": entries}, places
 
 
 def _as_stated(error: ErrorDetails, stated: list[int]) -> ErrorDetails:
     """Return an error of an entry at the index that the entry has in the file."""
-    first, *rest = error["loc"]
-    if first == "recordings" and rest and isinstance(rest[0], int):
-        error["loc"] = (first, stated[rest[0]], *rest[1:])
+    key, *rest = error["loc"]
+    if key == "recordings" and rest and isinstance(rest[0], int):
+        error["loc"] = (key, stated[rest[0]], *rest[1:])
     return error
 
 
-def _without_files(raw: Raw) -> Iterator[str]:
+def _without_files(raw: PlainData) -> Iterator[str]:
     """Yield errors for patterns that no file matches."""
     for _, entry in _entries(raw):
         if is_pattern(entry) and os.path.isdir(entry["folder"]):
             yield (
-                f"recordings: no file in {entry['folder']} matches `file` {shown(entry['file'])} "
+                f"recordings: no file in {entry['folder']} matches `file` {quoted(entry['file'])} "
                 f"of {entry.get('name')}; correct the pattern, or add the recordings"
             )
 
 
-def _entries(raw: Raw) -> list[tuple[int, Raw]]:
+def _entries(raw: PlainData) -> list[tuple[int, PlainData]]:
     """Return the entries of the recordings that are mappings, each with its index."""
     entries = enumerate(_listed(raw, "recordings"))
     return [(k, entry) for k, entry in entries if isinstance(entry, dict)]
 
 
-def _listed(raw: Raw, key: str) -> list[Any]:
+def _listed(raw: PlainData, key: str) -> list[Any]:
     """Return a list of the configuration; empty where it is none."""
     value = raw.get(key)
     return value if isinstance(value, list) else []
 
 
-def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
+def _faults(stated: int, entry: PlainData, raw: PlainData) -> Iterator[str]:
     """Yield the errors of a recording's entry that its schema does not show.
 
     stated: its index in the file.
@@ -176,7 +178,7 @@ def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
             yield f"`{place}.{key}` is of real files, but the entry has `simulate`; remove one"
     elif isinstance(folder, str) and not os.path.isdir(folder):
         yield (
-            f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; run in "
+            f"`{place}.folder` is {quoted(folder)}, which does not exist in {Path.cwd()}; run in "
             "the study's folder, correct the path, or fetch the data (`ur5 fetch`)"
         )
     if entry.get("robot") is None and raw.get("robot") is None:
@@ -196,18 +198,18 @@ def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
         yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"
 
 
-def _missing_results(raw: Raw) -> Iterator[str]:
+def _missing_results(raw: PlainData) -> Iterator[str]:
     for name in _listed(raw, "compare_with"):
         if name == raw.get("study"):
-            yield f"`compare_with` names {shown(name)}, this study itself; name another"
+            yield f"`compare_with` names {quoted(name)}, this study itself; name another"
         elif isinstance(name, str) and not os.path.isdir(Path("results", name, "tables")):
             yield (
-                f"`compare_with` names {shown(name)}, but results/{name} holds no results; run "
+                f"`compare_with` names {quoted(name)}, but results/{name} holds no results; run "
                 "snakemake on that study first"
             )
 
 
-def _with_files(raw: Raw) -> Raw:
+def _with_files(raw: PlainData) -> PlainData:
     """Return the configuration with the files that the test stand will write."""
     entries = [*_listed(raw, "recordings")]
     for k, entry in _entries(raw):
@@ -280,13 +282,13 @@ def _misfits(study: Study) -> Iterator[str]:
             yield f"{place}.format` is {recording.format}, of UR arms alone; give rtde-csv"
 
 
-def _repeated_names(raw: Raw) -> Iterator[str]:
+def _repeated_names(raw: PlainData) -> Iterator[str]:
     names = Counter(str(entry["name"]) for _, entry in _entries(raw) if "name" in entry)
     for name in sorted(name for name, count in names.items() if count > 1):
         yield f"recordings: {name!r} is used twice as a name; give each recording its own"
 
 
-def _repeated_files(raw: Raw) -> Iterator[str]:
+def _repeated_files(raw: PlainData) -> Iterator[str]:
     """Yield errors for recordings of the same frames: validating on fit data proves nothing."""
     files = defaultdict(list)
     for _, entry in _entries(raw):
@@ -302,7 +304,7 @@ def _repeated_files(raw: Raw) -> Iterator[str]:
             )
 
 
-def _extent(entry: Raw) -> tuple[float, float]:
+def _extent(entry: PlainData) -> tuple[float, float]:
     """Return start and end [s] of the part of its file that an entry uses."""
     start, end = entry.get("from_s"), entry.get("to_s")
     return (
@@ -311,7 +313,7 @@ def _extent(entry: Raw) -> tuple[float, float]:
     )
 
 
-def _devices_on_two_hosts(raw: Raw) -> Iterator[str]:
+def _devices_on_two_hosts(raw: PlainData) -> Iterator[str]:
     hosts = raw.get("hosts")
     lists = hosts.values() if isinstance(hosts, dict) else []
     named = [device for devices in lists if isinstance(devices, list) for device in devices]

@@ -7,9 +7,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ur5lib.strict import PLACEHOLDER
+from ur5lib.strict import SNAKEMAKE_PLACEHOLDER
 from ur5lib.study.model import Study
-from ur5lib.thesis.reference import Reference
+from ur5lib.thesis.reference import PublishedValues
 
 MAX_EXAMINED_WHOLE = 100  # recordings of a study of which all are examined
 MAX_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
@@ -27,7 +27,7 @@ class Selection:
     """
 
     study: Study
-    published: Reference
+    published: PublishedValues
 
     @cached_property
     def entries(self) -> dict[str, Any]:
@@ -140,7 +140,7 @@ class Selection:
             return [str(path) for path in stated]
         files = stated or [*folder.glob("*"), *folder.glob("csv_files/*")]
         paths = sorted(str(path) for path in files if path.is_file())
-        return [path for path in paths if not PLACEHOLDER.search(path)]
+        return [path for path in paths if not SNAKEMAKE_PLACEHOLDER.search(path)]
 
     def entry_to_read(self, name: str) -> dict[str, Any]:
         """Return the description of a recording for its reader, without its use in the study."""

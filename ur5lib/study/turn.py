@@ -12,8 +12,8 @@ from typing import TextIO
 
 from ur5lib.errors import InputError
 
-LOCK = ".running"
-TURN = "UR5_TURN"  # environment variable by which a run's jobs on a cluster know their run
+LOCK_FILE = ".running"
+TURN_VARIABLE = "UR5_TURN"  # environment variable by which a run's jobs on a cluster know their run
 
 
 def take_turn(results: Path, wait: bool = False) -> TextIO:
@@ -40,7 +40,7 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
     lock.truncate(0)
     lock.write(f"{name}\n")
     lock.flush()
-    os.environ[TURN] = name
+    os.environ[TURN_VARIABLE] = name
     fcntl.flock(lock, fcntl.LOCK_SH)  # its jobs on a cluster share it
     return lock
 
@@ -54,14 +54,14 @@ def share_turn(results: Path) -> TextIO:
     lock = open_lock(results)
     with contextlib.suppress(BlockingIOError):
         fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        if holder(lock) == os.environ.get(TURN, holder(lock)):
+        if holder(lock) == os.environ.get(TURN_VARIABLE, holder(lock)):
             return lock
     raise InputError(f"the run that submitted this job has ended; now {results} is made by another")
 
 
 def open_lock(results: Path) -> TextIO:
     """Return the file to be locked."""
-    return open(results / LOCK, "a+", encoding="utf-8")
+    return open(results / LOCK_FILE, "a+", encoding="utf-8")
 
 
 def holder(lock: TextIO) -> str:

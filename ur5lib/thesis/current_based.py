@@ -4,8 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.robots.description import CurrentToTorque, Friction
+from ur5lib.robots.description import CurrentToTorque, DeadZoneFriction
 from ur5lib.timeseries.arrays import Array, Labels
+
+# The published script takes the Jacobian by an index that starts 20 samples of 4 ms earlier
+# than the torques': found by matching Table 6.2, whose maxima for F are then met within 0.6 %.
+PUBLISHED_JACOBIAN_LAG = 0.08  # s
 
 
 @dataclass(frozen=True)
@@ -55,11 +59,6 @@ def _jackknife(values: Array) -> Array:
     return np.sqrt((count - 1) / count * np.sum((values - values.mean(axis=0)) ** 2, axis=0))
 
 
-# The published script takes the Jacobian by an index that starts 20 samples of 4 ms earlier
-# than the torques': found by matching Table 6.2, whose maxima for F are then met within 0.6 %.
-PUBLISHED_JACOBIAN_LAG = 0.08  # s
-
-
 def motor_torque(current: Array, constants: CurrentToTorque) -> Array:
     """Return tau = k i + b (Equation 6.6). current: (N, 6) [A]; returns (N, 6) [Nm]."""
     return current * constants.torque_constant + constants.offset
@@ -72,7 +71,7 @@ def motor_torque_as_published(current: Array, constants: CurrentToTorque) -> Arr
     return torque
 
 
-def friction_torque(qd: Array, friction: Friction) -> Array:
+def friction_torque(qd: Array, friction: DeadZoneFriction) -> Array:
     """Return Coulomb friction with a dead zone plus viscous friction (Equations 3.12, 3.14, 6.4).
 
     qd: (N, 6) [rad/s]; returns (N, 6) [Nm].
@@ -89,6 +88,7 @@ def wrench_from_torque(jacobian: Array, torque: Array, min_singular_value: float
     """
     wrench = np.full_like(torque, np.nan)
     finite = np.isfinite(torque).all(axis=1)
+    # elsewhere, small torques would be large forces
     regular = np.linalg.svd(jacobian, compute_uv=False)[:, -1] >= min_singular_value
     rows = finite & regular
     wrench[rows] = np.linalg.solve(jacobian[rows].mT, torque[rows, :, None])[..., 0]

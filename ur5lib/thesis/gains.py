@@ -18,13 +18,13 @@ from scipy.special import fdtri
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import chunks, unbroken
 
-NODES = 31  # of the grid of gains, on each axis
-STARTS = 5  # local minima of the grid from which least squares start
+GRID_NODES = 31  # of the grid of gains, on each axis
+DESCENT_STARTS = 5  # local minima of the grid from which least squares start
 PROFILE_STEP = 1e-3  # of a log gain, to which a profile's minima are searched
-LEVEL = 0.95  # of the confidence region
-AT_ONCE = 64  # samples whose states under all gains of the grid fit into a cache
-ENOUGH = 120.0  # s, of motion: more would make gains surer than the loop is known
-KNOWN = 10.0  # factor between the ends of a range, above which a gain is undetermined
+CONFIDENCE_LEVEL = 0.95
+CACHED_SAMPLES = 64  # whose states under all gains of the grid fit into a cache
+MAX_MOTION_DURATION = 120.0  # s: more would make gains surer than the loop is known
+MAX_RANGE_FACTOR = 10.0  # between the ends of a range, above which a gain is undetermined
 
 
 @dataclass(frozen=True)
@@ -128,13 +128,12 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
     The search range is what a recording can determine: natural frequencies from one radian over its
     longest stretch up to Nyquist's, critically damped (2.74). Least squares start from the deepest
     local minima of a grid in the logarithm of both gains; the noise is first that of a stiff joint,
-    then that of the gains found. The 95 % range is
-    J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the 95 % point of Fisher's distribution, n the
-    number of independent samples; J_min is that of a joint that follows exactly, where the best of
-    as many gains as the grid has would fit better by chance. Of a recording of more than ENOUGH
-    seconds, the gains come from those parts in which a joint's target accelerates most. A joint
-    whose target rests throughout determines nothing. Raises ValueError if no two successive samples
-    are complete.
+    then that of the gains found. The 95 % range is J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the
+    95 % point of Fisher's distribution, n the number of independent samples; J_min is that of a
+    joint that follows exactly, where the best of as many gains as the grid has would fit better by
+    chance. Of a recording of more than MAX_MOTION_DURATION seconds, the gains come from those parts
+    in which a joint's target accelerates most. A joint whose target rests throughout determines
+    nothing. Raises ValueError if no two successive samples are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]
 
@@ -142,7 +141,7 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
 # The loop of one joint
 
 
-class _Step(NamedTuple):
+class _LoopStep(NamedTuple):
     """x[k+1] = A x[k] + B0 u[k] + B1 u[k+1], x = [q, q̇]; of many loops (P, ...) or one."""
 
     A: Array
@@ -150,7 +149,7 @@ class _Step(NamedTuple):
     B1: Array
 
 
-def _step(position_gain: Array | float, velocity_gain: Array | float, period: float) -> _Step:
+def _step(position_gain: Array | float, velocity_gain: Array | float, period: float) -> _LoopStep:
     """Discretise q̈ = u - K0 q - K1 q̇ over one period with linear u (Van Loan 1978)."""
     # d/dt [q, q̇, u, Δu] = G [q, q̇, u, Δu], with u' = Δu / T
     generator = np.zeros((*np.shape(position_gain), 4, 4))
@@ -159,11 +158,11 @@ def _step(position_gain: Array | float, velocity_gain: Array | float, period: fl
     generator[..., 2, 3] = 1 / period
     # exp(G T) gives x[k+1] = A x[k] + C0 u[k] + C1 (u[k+1] - u[k])
     flow = expm(generator * period)
-    given, later = flow[..., :2, 2], flow[..., :2, 3]
-    return _Step(flow[..., :2, :2], given - later, later)
+    response_to_value, response_to_change = flow[..., :2, 2], flow[..., :2, 3]
+    return _LoopStep(flow[..., :2, :2], response_to_value - response_to_change, response_to_change)
 
 
-def _run(step: _Step, drive: Array, start: Array) -> Array:
+def _run(step: _LoopStep, drive: Array, start: Array) -> Array:
     """Return the states (2, N) under u (N,) from a start (2,).
 
     By A² = tr(A) A - det(A) I (Cayley and Hamilton), x[k+1] = A x[k] + w[k+1] becomes a recursion
@@ -188,7 +187,7 @@ def _run(step: _Step, drive: Array, start: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class _Joint:
+class _JointLoop:
     """One joint's recording. stretches: (5, K): target q, q̇, q̈, measured q, q̇; period: [s]."""
 
     stretches: list[Array]
@@ -221,7 +220,7 @@ class _Joint:
             state = np.repeat(stretch[:2, :1], len(gains), axis=1)
             squares += (stretch[3:, :1] - state) ** 2
             targets = np.concatenate([stretch[:3, :-1], stretch[:3, 1:]])  # (6, K - 1)
-            for rows in chunks(targets.shape[1], AT_ONCE):
+            for rows in chunks(targets.shape[1], CACHED_SAMPLES):
                 states = np.tensordot(targets[:, rows], added, axes=(0, 0))  # (k, 2, P)
                 for now in states:
                     now += by_q * state[0]
@@ -235,11 +234,11 @@ class _Joint:
         return _cost(self.errors(gains), noise)
 
     def grid(self) -> Array:
-        """Return NODES logarithms of both gains (NODES, 2), by natural frequencies."""
+        """Return GRID_NODES logarithms of both gains (GRID_NODES, 2), by natural frequencies."""
         longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
-        least, most = np.log(np.stack([frequency**2, 2 * frequency], axis=1))
-        return np.linspace(least, most, NODES)
+        lowest, highest = np.log(np.stack([frequency**2, 2 * frequency], axis=1))
+        return np.linspace(lowest, highest, GRID_NODES)
 
     def noise(self, errors: Array) -> Array:
         """Return σ √t (2,) of errors (2, N) in position and velocity.
@@ -262,7 +261,7 @@ class _Joint:
         return noise
 
 
-def _joints(tracking: Tracking) -> list[_Joint]:
+def _joints(tracking: Tracking) -> list[_JointLoop]:
     """Split the recording by joint and into its complete stretches.
 
     Of a long one, only the parts in which a joint's target accelerates most are kept.
@@ -279,9 +278,9 @@ def _joints(tracking: Tracking) -> list[_Joint]:
         raise ValueError("no two successive samples have both targets and measured motion")
     joints = []
     for joint, acceleration in enumerate(t.target_qdd.T):
-        chosen = _accelerated_most(complete, acceleration, round(ENOUGH / t.period))
-        stretches = [np.stack([kind[rows, joint] for kind in kinds]) for rows in chosen]
-        joints.append(_Joint(stretches, t.period))
+        parts = _accelerated_most(complete, acceleration, round(MAX_MOTION_DURATION / t.period))
+        stretches = [np.stack([kind[rows, joint] for kind in kinds]) for rows in parts]
+        joints.append(_JointLoop(stretches, t.period))
     return joints
 
 
@@ -309,7 +308,7 @@ def _cost(errors: Array, noise: Array) -> float:
     return float(np.einsum("in,in->i", errors, errors) @ noise**-2.0)
 
 
-def _estimate(joint: _Joint) -> JointGains:
+def _estimate(joint: _JointLoop) -> JointGains:
     """Estimate both gains of one joint and their 95 % ranges."""
     grid = joint.grid()
     # the errors of a joint that follows its target exactly
@@ -319,38 +318,40 @@ def _estimate(joint: _Joint) -> JointGains:
         # the target never moves: no gains fit better than those of a joint that follows exactly
         cost = _cost(stiff, noise)
         position, velocity = (
-            Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
+            Gain(
+                values[-1], np.nan, values[0], values[-1], False, values, np.full(GRID_NODES, cost)
+            )
             for values in np.exp(grid).T
         )
         return JointGains(position, velocity, False, noise, cost, cost, cost)
     # squared errors on a grid of log gains
-    squares = joint.squares(np.array([*product(*grid.T)])).reshape(NODES, NODES, 2)
+    squares = joint.squares(np.array([*product(*grid.T)])).reshape(GRID_NODES, GRID_NODES, 2)
     # minimum, first with the noise of a stiff joint, then with that of the gains found
     first = _descend(joint, grid, squares, noise)
     noise = joint.noise(joint.errors(first.x))
     best = _descend(joint, grid, squares, noise)
-    free = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
-    least, stiff_cost = 2 * best.cost, _cost(stiff, noise)
+    freedom = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
+    min_cost, stiff_cost = 2 * best.cost, _cost(stiff, noise)
     # the best of so many gains fits noise: better by chance than a joint that follows exactly
-    by_chance = least * _rise(1 - (1 - LEVEL) / NODES**2, free)
-    reference = max(least, stiff_cost) if stiff_cost <= by_chance else least
-    limit = reference * _rise(LEVEL, free)
+    by_chance = min_cost * _cost_rise(1 - (1 - CONFIDENCE_LEVEL) / GRID_NODES**2, freedom)
+    reference = max(min_cost, stiff_cost) if stiff_cost <= by_chance else min_cost
+    limit = reference * _cost_rise(CONFIDENCE_LEVEL, freedom)
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
-    std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
+    std = np.sqrt(min_cost / freedom * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
     position, velocity = (
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], reference, limit, stiff_cost)
         for axis in (0, 1)
     )
-    return JointGains(position, velocity, True, noise, least, limit, stiff_cost)
+    return JointGains(position, velocity, True, noise, min_cost, limit, stiff_cost)
 
 
-def _rise(level: float, free: float) -> float:
+def _cost_rise(level: float, freedom: float) -> float:
     """Return 1 + 2/(n - 2) F(2, n - 2), the cost at the end of a confidence region by the least."""
-    return float(1 + 2 / free * fdtri(2, free, level))
+    return float(1 + 2 / freedom * fdtri(2, freedom, level))
 
 
-def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:
+def _descend(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> OptimizeResult:
     """Return the best least squares fit from the deepest local minima of the grid."""
 
     def residuals(gains: Array) -> Array:
@@ -358,18 +359,18 @@ def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> Optimi
 
     costs = squares @ noise**-2.0
     lowest = np.argwhere(costs == minimum_filter(costs, 3, mode="nearest"))
-    deepest = lowest[np.argsort(costs[tuple(lowest.T)])[:STARTS]]
+    deepest = lowest[np.argsort(costs[tuple(lowest.T)])[:DESCENT_STARTS]]
     starts = np.take_along_axis(grid, deepest, axis=0)
     fits = [least_squares(residuals, start, bounds=(grid[0], grid[-1])) for start in starts]
     return min(fits, key=lambda fit: fit.cost)
 
 
-def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[Array]:
+def _profiles(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> list[Array]:
     """Return the profile (G,) of each gain: at each node, the minimum over the other gain."""
     costs = squares @ noise**-2.0
 
     def least(axis: int, node: int) -> float:
-        other = grid[:, 1 - axis]
+        other_grid = grid[:, 1 - axis]
         k = int(np.argmin(costs.take(node, axis)))
 
         def cost(value: float) -> float:
@@ -377,11 +378,11 @@ def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[
             gains[1 - axis] = value
             return joint.cost(gains, noise)
 
-        between = other[max(k - 1, 0)], other[min(k + 1, NODES - 1)]
+        between = other_grid[max(k - 1, 0)], other_grid[min(k + 1, GRID_NODES - 1)]
         options = {"xatol": PROFILE_STEP}
         return minimize_scalar(cost, bounds=between, method="bounded", options=options).fun
 
-    return [np.array([least(axis, node) for node in range(NODES)]) for axis in (0, 1)]
+    return [np.array([least(axis, node) for node in range(GRID_NODES)]) for axis in (0, 1)]
 
 
 def _gain(
@@ -404,11 +405,12 @@ def _gain(
     place = np.searchsorted(grid, best)
     nodes = np.insert(grid, place, best)
     rise = np.insert(np.sqrt(np.maximum(profile - reference, 0)), place, 0.0)
+    # √(J - J_ref) at the ends of the range
     allowed = np.sqrt(limit - reference)
     low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
     if stiff <= limit:
         high = float(grid[-1])
-    determined = low > grid[0] and high < grid[-1] and high - low < np.log(KNOWN)
+    determined = low > grid[0] and high < grid[-1] and high - low < np.log(MAX_RANGE_FACTOR)
     value, low, high = np.exp([best, low, high])
     return Gain(value, value * std, low, high, bool(determined), np.exp(grid), profile)
 

@@ -7,15 +7,24 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.thesis.reference import Lookup, PrintedTable, Reference
+from ur5lib.thesis.reference import Lookup, PrintedTable, PublishedValues
 from ur5lib.timeseries.arrays import Array
 
-COLUMNS = ["source", "quantity", "recording", "row", "number", "printed", "rebuilt", "ratio"]
-COLUMNS += ["as_erratum_says", "erratum", "right", "status"]
+PRINTED_COLUMNS = [
+    "source",
+    "quantity",
+    "recording",
+    "row",
+    "number",
+    "printed",
+    "rebuilt",
+    "ratio",
+]
+PRINTED_COLUMNS += ["as_erratum_says", "erratum", "right", "status"]
 EQUAL, UNEXPLAINED = "equal", "unexplained"
 
 
-class Explained(NamedTuple):
+class ExplainedRow(NamedTuple):
     """The numbers (6,) of a published row, computed with the error that an erratum describes."""
 
     erratum: int
@@ -25,7 +34,9 @@ class Explained(NamedTuple):
 
 
 def compared(
-    reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[Explained]
+    reference: PublishedValues,
+    tables: Mapping[str, pd.DataFrame],
+    explained: Sequence[ExplainedRow],
 ) -> Iterator[dict[str, object]]:
     """Yield a row for each published number of the recordings in the study's tables (by name)."""
     for name, table in reference.printed.items():
@@ -71,16 +82,16 @@ def judged(
     by_erratum: the number with each erratum's error; the nearest to the print is shown, and
     explains it if equal. tolerance: largest difference that counts as equal.
     """
-    found = {"printed": printed, "rebuilt": rebuilt, "ratio": rebuilt / printed}
+    comparison = {"printed": printed, "rebuilt": rebuilt, "ratio": rebuilt / printed}
     status = UNEXPLAINED
     if by_erratum:
         nearest = min(by_erratum, key=lambda erratum: abs(by_erratum[erratum] - printed))
-        found |= {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
+        comparison |= {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
         if abs(by_erratum[nearest] - printed) <= tolerance:
             status = f"erratum {nearest}"
     if abs(rebuilt - printed) <= tolerance:  # also false where nothing could be rebuilt
         status = EQUAL
-    return found | {"status": status}
+    return comparison | {"status": status}
 
 
 def _found(
@@ -100,5 +111,5 @@ def _found(
 def _decimals(table: PrintedTable) -> int:
     """Return the most decimals of a table's numbers."""
     numbers = chain.from_iterable(dict(table.values).values())
-    shown = (np.format_float_positional(number, trim="-") for number in numbers)
-    return max(len(text.partition(".")[2]) for text in shown)
+    texts = (np.format_float_positional(number, trim="-") for number in numbers)
+    return max(len(text.partition(".")[2]) for text in texts)

@@ -15,7 +15,7 @@ from ur5lib.thesis.current_based import (
     torque_on_current,
 )
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import BLOCK
+from ur5lib.timeseries.segments import BLOCK_DURATION
 
 LINES = {"torque_on_current": torque_on_current, "current_on_torque": current_on_torque}
 
@@ -38,7 +38,8 @@ class CurrentTorque(NamedTuple):
     """What Figures 6.1 and 6.2 plot: received samples (N, 6) of a recording.
 
     current: measured [A]; rigid, total: torque at the targets without and with the printed friction
-    (6.2) to (6.4) [Nm], NaN for a joint that never moves; block: (N,) labels of BLOCK seconds.
+    (6.2) to (6.4) [Nm], NaN for a joint that never moves; block: (N,) labels of BLOCK_DURATION
+    seconds.
     """
 
     current: Array
@@ -60,7 +61,7 @@ def current_torque(robot: Robot, signals: Signals, torques: Torques) -> CurrentT
     qd = signals.target_qd[received]
     moves = (np.abs(qd) > friction.dead_zone).any(axis=0)
     rigid = np.where(moves, rigid[received], np.nan)
-    running = np.floor(signals.time[received] / BLOCK)
+    running = np.floor(signals.time[received] / BLOCK_DURATION)
     return CurrentTorque(
         current=signals.actual_current[received],
         rigid=rigid,

@@ -62,11 +62,11 @@ class Lookup(Strict):
     def of(self, row: str) -> tuple[str, dict[str, str]]:
         """Return the column of a published row's numbers, and what other columns hold there."""
 
-        def own(value: str | dict[str, str]) -> str:
+        def of_row(value: str | dict[str, str]) -> str:
             return value if isinstance(value, str) else value[row]
 
-        cells = {column: own(value) for column, value in self.where.items()}
-        return own(self.value), cells | ({self.row: row} if self.row else {})
+        cells = {column: of_row(value) for column, value in self.where.items()}
+        return of_row(self.value), cells | ({self.row: row} if self.row else {})
 
 
 class PrintedTable(Strict):
@@ -98,8 +98,8 @@ class PrintedTable(Strict):
 
 OfLoop = Literal["closed_loop_q", "closed_loop_qd", "closed_loop_q_max", "closed_loop_qd_max"]
 OfStudy = Literal["torque_mae", "acceleration_mae", "force_mae", "force_max", "current_torque"]
-Name = OfLoop | OfStudy
-Printed = dict[Name, PrintedTable]
+PrintedTableName = OfLoop | OfStudy
+Printed = dict[PrintedTableName, PrintedTable]
 """The published tables that are compared with."""
 
 
@@ -109,16 +109,16 @@ class Published(NamedTuple):
     printed: Printed
     recording: str
 
-    def values(self, table: Name) -> dict[str, tuple[float, ...]]:
+    def values(self, table: PrintedTableName) -> dict[str, tuple[float, ...]]:
         """Return a table's printed values of this recording; empty for any other recording."""
-        found = self.printed.get(table)
-        return found.values if found and found.recording == self.recording else {}
+        printed = self.printed.get(table)
+        return printed.values if printed and printed.recording == self.recording else {}
 
 
 class Explanation(Strict):
     """How an erratum explains numbers: a published table's row, and the way to compute it."""
 
-    printed: Name
+    printed: PrintedTableName
     row: str
     closed_loop: LoopError | None = None
     acceleration: AccelerationError | None = None
@@ -133,15 +133,16 @@ class Erratum(Strict):
     explains: tuple[Explanation, ...] = ()
 
 
-class Reference(Strict):
+class PublishedValues(Strict):
     """Published values of the recordings of a study."""
 
     printed: Printed = Field(default_factory=dict)
     errata: tuple[Erratum, ...] = ()
 
-    def recordings(self, *names: Name) -> set[str]:
+    def recordings(self, *names: PrintedTableName) -> set[str]:
         """Return the recordings with published values, in some tables or, without names, in any."""
-        return {one.recording for name, one in self.printed.items() if not names or name in names}
+        tables = self.printed.items()
+        return {table.recording for name, table in tables if not names or name in names}
 
     def of_older_model(self) -> set[str]:
         """Return the names of the recordings with published values of the older model."""
@@ -165,14 +166,14 @@ class Reference(Strict):
         return {tables[way.printed].recording: way.acceleration for way in ways if way.acceleration}
 
 
-def read_reference(path: str | Path | None) -> Reference:
+def read_reference(path: str | Path | None) -> PublishedValues:
     """Read a file of published values; empty without a path.
 
     Raises InputError when the file is wrong.
     """
     if path is None:
-        return Reference()
+        return PublishedValues()
     try:
-        return Reference.model_validate(read_yaml(Path(path)))
+        return PublishedValues.model_validate(read_yaml(Path(path)))
     except (ValidationError, yaml.YAMLError, UnicodeDecodeError) as error:
         raise InputError(f"{path} does not hold valid published values: {error}") from error

@@ -11,7 +11,7 @@ from ur5lib.recordings.copies import same_runs
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.signals import Signals
-from ur5lib.report.findings import sentence, worded
+from ur5lib.report.page.findings import sentence, worded
 from ur5lib.signals.clock import SettledClock
 from ur5lib.tidy import Row
 

@@ -11,10 +11,10 @@ y(t) = ρ y(t-1) + noise. Slow noise looks like a drift or a jump, and twenty da
 
 Changes are added one by one, each the likeliest of all candidates. A change is accepted by the
 ratio of the likelihoods with and without it. Without any change, the distribution of that ratio
-depends on the dates, the weights and ρ alone. It is simulated with the WORST ρ, for which large
-ratios are most frequent, and twice: with noise according to the weights, and with equal noise on
-all dates, since weights are estimates. So the chance of a false change is at most the stated one,
-although many jumps are tried.
+depends on the dates, the weights and ρ alone. It is simulated with the WORST_CORRELATION ρ, for
+which large ratios are most frequent, and twice: with noise according to the weights, and with equal
+noise on all dates, since weights are estimates. So the chance of a false change is at most the
+stated one, although many jumps are tried.
 """
 
 from collections.abc import Sequence
@@ -27,25 +27,30 @@ from scipy.signal import lfilter
 from scipy.special import stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.metrics import COVERED
+from ur5lib.timeseries.metrics import BAND_COVERAGE
 
-FREEDOM = 3  # smallest degrees of freedom of the residuals
-FEWEST = FREEDOM + 3  # dates: for a constant, a covariate and a change
-BESIDE = 2  # fewest dates on either side of a jump: one alone may be an outlier
-MOST = 3  # changes of one series
-MANY, SPANS = 120, 60  # dates beyond which a series is one of spans; at 2 years, of 12 days each
-WORST = 0.5  # largest correlation of neighbouring dates at which the chance of a false change holds
-CORRELATIONS = np.linspace(0.0, WORST, 6)  # of neighbouring dates, where changes are searched
-WIDER = np.linspace(0.0, 0.75, 6)  # for sizes: residuals look less correlated than the noise is
-DRAWS, BATCH = 20_000, 1_000  # of noise: in all, and at a time
+MIN_DEGREES_OF_FREEDOM = 3  # of the residuals
+MIN_DATES = MIN_DEGREES_OF_FREEDOM + 3  # for a constant, a covariate and a change
+MIN_DATES_BESIDE_JUMP = 2  # on either side: one alone may be an outlier
+MAX_CHANGES = 3  # of one series
+# Dates beyond which a series is one of spans, and their number; at 2 years, of 12 days each.
+MAX_SINGLE_DATES = 120
+SPAN_COUNT = 60
+# Largest correlation of neighbouring dates at which the chance of a false change holds.
+WORST_CORRELATION = 0.5
+SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # where changes are searched
+# For sizes: residuals look less correlated than the noise is.
+SIZE_CORRELATIONS = np.linspace(0.0, 0.75, 6)
+NOISE_DRAWS = 20_000  # in all
+BATCH_DRAWS = 1_000  # at a time
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
-LEAST = 1e-12  # smallest divisor, relative to its scale
-SAME = 1e-9  # largest range of a covariate within the groups that counts as constant
-APART = 1e-6  # least share of a change that other columns do not explain
+MIN_RELATIVE_DIVISOR = 1e-12  # over the scale of what is divided
+MAX_CONSTANT_RANGE = 1e-9  # of a covariate within the groups that counts as constant
+MIN_UNEXPLAINED_SHARE = 1e-6  # of a change, by the columns before it
 
 
 @dataclass(frozen=True)
-class Series:
+class DatedSeries:
     """A quantity on n dates, all arrays (n,).
 
     day: the dates, ascending, in days; value, std_error: in any unit, the error being that within
@@ -84,7 +89,7 @@ class Change:
 
 
 @dataclass(frozen=True)
-class _Problem:
+class _ChangeRegression:
     """A series as a regression; each row is multiplied by the square root of its weight.
 
     base: (n, P), columns of the constant, which is the root itself, the groups and the covariate;
@@ -99,18 +104,23 @@ class _Problem:
     adjusts: bool
 
     @classmethod
-    def from_series(cls, series: Series) -> "_Problem":
+    def from_series(cls, series: DatedSeries) -> "_ChangeRegression":
         # Standard errors are uncertain: a date with a very small one would weigh too much.
         error = np.maximum(series.std_error, np.median(series.std_error))
-        variance = error**2 + variation(series.value, error)
-        root = 1 / np.sqrt(np.maximum(variance, LEAST * np.mean(series.value**2)))[:, None]
+        variance = error**2 + variance_between_dates(series.value, error)
+        root = (
+            1
+            / np.sqrt(np.maximum(variance, MIN_RELATIVE_DIVISOR * np.mean(series.value**2)))[
+                :, None
+            ]
+        )
         groups = _indicators(series)
         base = [np.ones_like(series.day), *(groups[:, 1:] - groups[:, 1:].mean(axis=0)).T]
         if series.covariate is not None:
             within = series.covariate - groups @ np.linalg.lstsq(groups, series.covariate)[0]
-            base += [within] * bool(np.ptp(within) > SAME)
+            base += [within] * bool(np.ptp(within) > MAX_CONSTANT_RANGE)
         date = np.arange(len(series.day))
-        after = date[BESIDE : len(date) - BESIDE + 1]
+        after = date[MIN_DATES_BESIDE_JUMP : len(date) - MIN_DATES_BESIDE_JUMP + 1]
         drift = (series.day - series.day[0]) / np.ptp(series.day)
         tried = np.column_stack([drift, date[:, None] >= after])
         scaled = root * np.stack(base, axis=1), root * tried, root[:, 0] * series.value
@@ -121,60 +131,61 @@ class _Problem:
         return np.column_stack([self.base, self.tried[:, chosen]])
 
 
-def over_spans(series: Series) -> Series:
-    """Return a series of many dates as one of the means of SPANS successive spans of dates.
+def over_spans(series: DatedSeries) -> DatedSeries:
+    """Return a series of many dates as one of the means of SPAN_COUNT successive spans of dates.
 
-    Of MANY dates or fewer, the series itself. A date's value is a constant of its group and the
-    mean of its span: groups differ by as much in every span. Standard errors are the larger of two:
-    by the stated ones, and by the scatter within the span. Simulating the noise of all dates would
-    take minutes, and a change need not be dated to the day.
+    Of MAX_SINGLE_DATES dates or fewer, the series itself. A date's value is a constant of its group
+    and the mean of its span: groups differ by as much in every span. Standard errors are the larger
+    of two: by the stated ones, and by the scatter within the span. Simulating the noise of all
+    dates would take minutes, and a change need not be dated to the day.
     """
-    if len(series.day) <= MANY:
+    if len(series.day) <= MAX_SINGLE_DATES:
         return series
-    span = np.arange(len(series.day)) * SPANS // len(series.day)
-    which = (span[:, None] == np.arange(SPANS)).astype(float)
+    span = np.arange(len(series.day)) * SPAN_COUNT // len(series.day)
+    which = (span[:, None] == np.arange(SPAN_COUNT)).astype(float)
     root = 1 / np.maximum(series.std_error, np.median(series.std_error))[:, None]
     groups = _indicators(series)
     groups = groups[:, 1:] - groups[:, 1:].mean(axis=0)
     columns = root * np.hstack([which, groups])
-    found = np.linalg.lstsq(columns, root[:, 0] * series.value)[0]
-    left = root[:, 0] * series.value - columns @ found
+    coefficients = np.linalg.lstsq(columns, root[:, 0] * series.value)[0]
+    residual = root[:, 0] * series.value - columns @ coefficients
+    # Σ 1 / σ² of each span
     weight = which.T @ root[:, 0] ** 2
-    scatter = which.T @ left**2 / np.maximum(which.sum(axis=0) - 1, 1)
+    scatter = which.T @ residual**2 / np.maximum(which.sum(axis=0) - 1, 1)
     mean = which.T / which.sum(axis=0)[:, None]
     warmth = None if series.covariate is None else mean @ series.covariate
     error = np.sqrt(np.maximum(scatter, 1.0) / weight)
-    return Series(mean @ series.day, found[:SPANS], error, warmth)
+    return DatedSeries(mean @ series.day, coefficients[:SPAN_COUNT], error, warmth)
 
 
-def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
+def find_changes(series: DatedSeries, level: float, seed: int = 0) -> list[Change]:
     """Return the changes of a series in the order in which they were found, the clearest first.
 
     level: the chance of any false change, at most; seed: of the simulated noise. Returns none if
-    there are fewer than FEWEST dates, or too few for the number of groups.
+    there are fewer than MIN_DATES dates, or too few for the number of groups.
     """
-    if len(series.day) < FEWEST:
+    if len(series.day) < MIN_DATES:
         return []
-    problem = _Problem.from_series(series)
-    noise = _worst_noise(seed, DRAWS, len(series.day))
+    problem = _ChangeRegression.from_series(series)
+    noise = _worst_noise(seed, NOISE_DRAWS, len(series.day))
     chosen, chances = list[int](), list[float]()
-    while len(chosen) < MOST:
-        if len(series.day) - problem.columns(chosen).shape[1] - 1 < FREEDOM:
+    while len(chosen) < MAX_CHANGES:
+        if len(series.day) - problem.columns(chosen).shape[1] - 1 < MIN_DEGREES_OF_FREEDOM:
             break
         odds = _log_odds(problem, chosen, problem.value[None])
         chance = _chance(problem, chosen, _any_change(odds)[0], noise, level)
         if chance > level:
             break
-        chosen.append(_likeliest(odds[0]))
+        chosen.append(_likeliest_change(odds[0]))
         chances.append(chance)
     return [_change(series, problem, chosen, *pair) for pair in enumerate(chances)]
 
 
 @lru_cache(1)
 def _worst_noise(seed: int, draws: int, dates: int) -> Array:
-    """Return noise (draws, dates) of WORST correlation; kept, as series of an arm share dates."""
+    """Return noise (draws, dates) of WORST_CORRELATION; kept, as series of an arm share dates."""
     noise = np.random.default_rng(seed).standard_normal((draws, dates))
-    return coloured(noise, WORST)
+    return coloured(noise, WORST_CORRELATION)
 
 
 def coloured(noise: Array, correlation: float) -> Array:
@@ -196,7 +207,7 @@ def whitened(rows: Array, correlation: float) -> Array:
 
 
 def _chance(
-    problem: _Problem, chosen: Sequence[int], observed: float, noise: Array, level: float
+    problem: _ChangeRegression, chosen: Sequence[int], observed: float, noise: Array, level: float
 ) -> float:
     """Return the chance that noise (B, n) alone gives as large odds of any further change.
 
@@ -205,28 +216,29 @@ def _chance(
     """
     alike = noise * problem.base[:, 0]
     above = np.ones(2)
-    for first in range(0, len(noise), BATCH):
+    for first in range(0, len(noise), BATCH_DRAWS):
         for kind, drawn in enumerate((noise, alike)):
-            odds = _log_odds(problem, chosen, drawn[first : first + BATCH])
+            odds = _log_odds(problem, chosen, drawn[first : first + BATCH_DRAWS])
             above[kind] += (_any_change(odds) >= observed).sum()
         if above.max() > level * (1 + len(noise)):
             break
     return float(above.max()) / (1 + len(noise))
 
 
-def _log_odds(problem: _Problem, chosen: Sequence[int], values: Array) -> Array:
+def _log_odds(problem: _ChangeRegression, chosen: Sequence[int], values: Array) -> Array:
     """Return log odds (B, K) of each further change against none, for values (B, n).
 
-    Both likelihoods are means over CORRELATIONS, and integrals over coefficients and variance.
+    Both likelihoods are means over SEARCH_CORRELATIONS, and integrals over coefficients and
+    variance.
     """
     none, changed = list[Array](), list[Array]()
-    for correlation in CORRELATIONS:
+    for correlation in SEARCH_CORRELATIONS:
         fixed, tried = (
             whitened(part, correlation) for part in (problem.columns(chosen), problem.tried)
         )
         rows = whitened(values.T, correlation).T
         none.append(_log_likelihood(fixed, rows, correlation))
-        residual = np.maximum(1 - explained_shares(fixed, tried, rows), LEAST)
+        residual = np.maximum(1 - explained_shares(fixed, tried, rows), MIN_RELATIVE_DIVISOR)
         freedom = len(fixed) - fixed.shape[1] - 1
         changed.append(none[-1][:, None] - freedom / 2 * np.log(residual))
     return _log_sum(np.stack(changed)) - _log_sum(np.stack(none))[:, None]
@@ -248,20 +260,23 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
     residual sum of squares and ν = n - P (Harville 1974).
     """
     basis, triangle = np.linalg.qr(columns)
-    residual = np.maximum((rows**2).sum(axis=1) - ((rows @ basis) ** 2).sum(axis=1), LEAST)
+    residual = np.maximum(
+        (rows**2).sum(axis=1) - ((rows @ basis) ** 2).sum(axis=1), MIN_RELATIVE_DIVISOR
+    )
     size, count = columns.shape
+    # log (1 - ρ²)^((n-1)/2) |XᵀX|^(1/2), with |XᵀX|^(1/2) = |R|
     volume = (size - 1) / 2 * np.log(1 - correlation**2) + np.log(abs(np.diag(triangle))).sum()
     result: Array = -volume - (size - count) / 2 * np.log(residual)
     return result
 
 
 def _any_change(log_odds: Array) -> Array:
-    """Return log odds (B,) of any change; see `_likeliest`."""
+    """Return log odds (B,) of any change; see `_likeliest_change`."""
     jumps = _log_sum(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
     return np.asarray(np.logaddexp(log_odds[:, 0], jumps))
 
 
-def _indicators(series: Series) -> Array:
+def _indicators(series: DatedSeries) -> Array:
     """Return a column for each group, (n, G), which is 1 on its dates and 0 on others.
 
     Groups of a single date count as one group.
@@ -281,17 +296,17 @@ def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
     column that hardly differs from the fixed ones explains nothing.
     """
     basis = np.linalg.qr(fixed)[0]
-    rest = tried - basis @ (basis.T @ tried)
-    norm = (rest**2).sum(axis=0)
-    differs = norm > APART * (tried**2).sum(axis=0)
-    unit = np.where(differs, rest, 0.0) / np.sqrt(np.where(differs, norm, 1.0))
+    remaining = tried - basis @ (basis.T @ tried)
+    norm = (remaining**2).sum(axis=0)
+    differs = norm > MIN_UNEXPLAINED_SHARE * (tried**2).sum(axis=0)
+    unit = np.where(differs, remaining, 0.0) / np.sqrt(np.where(differs, norm, 1.0))
     residual = values - (values @ basis) @ basis.T
-    total = np.maximum((residual**2).sum(axis=1, keepdims=True), LEAST)
+    total = np.maximum((residual**2).sum(axis=1, keepdims=True), MIN_RELATIVE_DIVISOR)
     shares: Array = (residual @ unit) ** 2 / total
     return shares
 
 
-def variation(value: Array, std_error: Array) -> float:
+def variance_between_dates(value: Array, std_error: Array) -> float:
     """Return the variance from date to date that exceeds the standard errors.
 
     value, std_error: (n,).
@@ -299,11 +314,12 @@ def variation(value: Array, std_error: Array) -> float:
     From the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁: neither a slow
     drift nor a few jumps add to it.
     """
+    # median of d² = (2 s² + 2 σ²) median of χ²₁
     difference = np.median(np.diff(value) ** 2) / MEDIAN_CHI2
     return float(max(0.0, difference / 2 - np.median(std_error**2)))
 
 
-def _likeliest(log_odds: Array) -> int:
+def _likeliest_change(log_odds: Array) -> int:
     """Return the place of the likeliest change: a drift, or else the best jump; log_odds: (K,).
 
     A priori, a drift is as likely as a jump, and each date of a jump as likely as another.
@@ -313,13 +329,18 @@ def _likeliest(log_odds: Array) -> int:
 
 
 def _change(
-    series: Series, problem: _Problem, chosen: Sequence[int], place: int, chance: float
+    series: DatedSeries,
+    problem: _ChangeRegression,
+    chosen: Sequence[int],
+    place: int,
+    chance: float,
 ) -> Change:
     """Return one of the chosen changes, its size fitted together with all others."""
     columns = problem.columns(chosen)
     value, std_error, freedom = _generalised_least_squares(columns, problem.value)
     column = problem.base.shape[1] + place
-    half = std_error[column] * float(stdtrit(freedom, 0.5 + COVERED / 2))
+    # Student's t of the residuals' degrees of freedom
+    half = std_error[column] * float(stdtrit(freedom, 0.5 + BAND_COVERAGE / 2))
     is_drift = chosen[place] == 0
     when = (0, len(series.day) - 1) if is_drift else _jump_dates(problem, chosen, place)
     effect = value[problem.base.shape[1] - 1] if problem.adjusts else 0.0
@@ -340,15 +361,15 @@ def _change(
 def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Array, int]:
     """Return coefficients (P,), their standard errors from the residuals, degrees of freedom.
 
-    Means over correlations (WIDER), weighted by likelihood; the standard errors include the
-    differences of the coefficients between correlations.
+    Means over correlations (SIZE_CORRELATIONS), weighted by likelihood; the standard errors include
+    the differences of the coefficients between correlations.
     """
     fits, freedom = [], len(value) - columns.shape[1]
-    for correlation in WIDER:
+    for correlation in SIZE_CORRELATIONS:
         X, y = whitened(columns, correlation), whitened(value, correlation)
-        found = np.linalg.lstsq(X, y)[0]
-        variance = np.sum((y - X @ found) ** 2) / freedom * np.diag(np.linalg.inv(X.T @ X))
-        fits.append((_log_likelihood(X, y[None], correlation)[0], found, variance))
+        solution = np.linalg.lstsq(X, y)[0]
+        variance = np.sum((y - X @ solution) ** 2) / freedom * np.diag(np.linalg.inv(X.T @ X))
+        fits.append((_log_likelihood(X, y[None], correlation)[0], solution, variance))
     likelihoods, coefficients, variances = map(np.array, zip(*fits, strict=True))
     weight = np.exp(likelihoods - np.logaddexp.reduce(likelihoods))
     mean = weight @ coefficients
@@ -356,8 +377,8 @@ def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Arr
     return mean, np.sqrt(variance), freedom
 
 
-def _jump_dates(problem: _Problem, chosen: Sequence[int], place: int) -> tuple[int, int]:
-    """Return the dates between which a jump lies with a probability of COVERED, as indices.
+def _jump_dates(problem: _ChangeRegression, chosen: Sequence[int], place: int) -> tuple[int, int]:
+    """Return the dates between which a jump lies with a probability of BAND_COVERAGE, as indices.
 
     A priori, every date is as likely as another.
     """
@@ -366,11 +387,11 @@ def _jump_dates(problem: _Problem, chosen: Sequence[int], place: int) -> tuple[i
     odds = np.exp(log_odds - log_odds.max())
     order = np.argsort(-odds)
     total = np.cumsum(odds[order]) / odds.sum()
-    kept = problem.after[order[: int(np.searchsorted(total, COVERED)) + 1]]
-    return int(kept.min()) - 1, int(kept.max())
+    likely_dates = problem.after[order[: int(np.searchsorted(total, BAND_COVERAGE)) + 1]]
+    return int(likely_dates.min()) - 1, int(likely_dates.max())
 
 
-def _covariate_change(series: Series, problem: _Problem, change: int) -> float:
+def _covariate_change(series: DatedSeries, problem: _ChangeRegression, change: int) -> float:
     """Return by how much the covariate rose while the series changed."""
     if series.covariate is None:
         return 0.0

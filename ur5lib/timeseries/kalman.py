@@ -13,7 +13,9 @@ from scipy.special import gammaincinv
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import chunks
 
-LAGS = 10  # of the portmanteau test
+PORTMANTEAU_LAGS = 10  # samples
+CHUNK_NUMBERS = 1 << 20  # in the matrices F of a chunk: 4,608 samples of six joints
+LANE_SAMPLES = 256  # of the lanes of a chunk, which are filtered side by side
 
 
 class Gaussians(NamedTuple):
@@ -52,10 +54,6 @@ def rts_pass(cross: Array, prior: Gaussians, posterior: Gaussians, end: Gaussian
         mean[k] += np.matvec(gain[k], mean[k + 1] - prior.mean[k])
         covariance[k] += gain[k] @ (covariance[k + 1] - prior.covariance[k]) @ gain[k].mT
     return Gaussians(mean, covariance)
-
-
-CHUNK = 1 << 20  # numbers in the matrices F of a chunk: 4,608 samples of six joints
-LANE = 256  # samples of the lanes of a chunk, which are filtered side by side
 
 
 @dataclass(frozen=True)
@@ -104,24 +102,24 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
     numpy.linalg.LinAlgError if a state has no uncertainty.
     """
     shape = system(slice(1)).F.shape
-    state, before = Gaussians(np.zeros((1, *shape[1:-1])), np.zeros(shape)), []
+    state, lane_starts = Gaussians(np.zeros((1, *shape[1:-1])), np.zeros(shape)), []
     for rows in _chunks(count, math.prod(shape)):
         starts = [state, *_lane_ends(system(rows), state)]
         state = starts.pop()
-        before.append((rows, Gaussians(*map(np.concatenate, zip(*starts, strict=True)))))
-    after: Later | None = None
-    for rows, starts in reversed(before):
+        lane_starts.append((rows, Gaussians(*map(np.concatenate, zip(*starts, strict=True)))))
+    next_sample: Later | None = None
+    for rows, starts in reversed(lane_starts):
         part = system(rows)
-        prior, states = _smooth(part, starts, after)
-        after = part.F[0].copy(), prior.at(0).copy(), states.at(0).copy()
+        prior, states = _smooth(part, starts, next_sample)
+        next_sample = part.F[0].copy(), prior.at(0).copy(), states.at(0).copy()
         yield Smoothed(rows, states, _innovations(part, prior))
 
 
 def _chunks(count: int, numbers: int) -> list[slice]:
     """Return slices of whole lanes, and of what remains; numbers: of F at one sample."""
-    whole = count - count % LANE
-    full = chunks(whole, max(1, CHUNK // numbers // LANE) * LANE)
-    return full if whole == count else [*full, slice(whole, count)]
+    lanes_samples = count - count % LANE_SAMPLES
+    full = chunks(lanes_samples, max(1, CHUNK_NUMBERS // numbers // LANE_SAMPLES) * LANE_SAMPLES)
+    return full if lanes_samples == count else [*full, slice(lanes_samples, count)]
 
 
 def _smooth(
@@ -156,7 +154,7 @@ def _filter(system: LinearSystem, before: Gaussians) -> tuple[Gaussians, Gaussia
     return prior, posterior
 
 
-class Step(NamedTuple):
+class FilterStep(NamedTuple):
     """A step of a Kalman filter: the states before and after its measurement, the innovation
     z - H x, (..., M, D), and its information S⁻¹ = (H P Hᵀ + R)⁻¹, (..., M, M).
     """
@@ -167,16 +165,16 @@ class Step(NamedTuple):
     information: Array
 
 
-def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[Step]:
+def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[FilterStep]:
     """Yield the steps of a filter that starts from x (..., X, D), P (..., X, X).
 
     The first of D columns of x is the state. The others are its derivatives by something, which
     nothing measures: what the steps make of them does not depend on z.
     """
-    seen = np.isfinite(system.z)
-    H = np.where(seen[..., None], system.H, 0.0)
+    measured = np.isfinite(system.z)
+    H = np.where(measured[..., None], system.H, 0.0)
     z = np.zeros((*system.z.shape, x.shape[-1]))
-    z[..., 0] = np.where(seen, system.z, 0.0)
+    z[..., 0] = np.where(measured, system.z, 0.0)
     R = system.R[..., None] * np.eye(H.shape[-2])
     eye = np.eye(H.shape[-1])
     for k, F in enumerate(system.F):
@@ -188,9 +186,9 @@ def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[Step]:
         innovation, information = z[k] - H[k] @ x, np.linalg.inv(seen_by @ H[k].mT + R[k])
         K = seen_by.mT @ information
         x = x + K @ innovation
-        left = eye - K @ H[k]
-        P = left @ P @ left.mT + K @ R[k] @ K.mT
-        yield Step(prior, Gaussians(x, P), innovation, information)
+        reduction = eye - K @ H[k]
+        P = reduction @ P @ reduction.mT + K @ R[k] @ K.mT
+        yield FilterStep(prior, Gaussians(x, P), innovation, information)
 
 
 def _lane_ends(system: LinearSystem, before: Gaussians) -> Iterator[Gaussians]:
@@ -200,7 +198,7 @@ def _lane_ends(system: LinearSystem, before: Gaussians) -> Iterator[Gaussians]:
     x, a lane ends at A x + b with the same covariance C, and its measurements have a log-likelihood
     of ηᵀ x - ½ xᵀ J x (Särkkä and García-Fernández, IEEE Trans. Automatic Control 66, 2021).
     """
-    lanes = max(1, len(system.z) // LANE)
+    lanes = max(1, len(system.z) // LANE_SAMPLES)
     parts = system.side_by_side(lanes)
     unit = np.broadcast_to(np.eye(system.F.shape[-1]), parts.F.shape[1:])
     start = np.concatenate([np.zeros((*unit.shape[:-1], 1)), unit], axis=-1)  # [0, dx / dx]
@@ -233,8 +231,8 @@ class InnovationTest:
     variance: (M,), mean squares; variance_limits: (M, 2), their 95 % interval; portmanteau: (M,),
     Ljung-Box statistic; portmanteau_limit: its 95 % point; consistent, white: (M,), whether the
     variance and the whiteness pass; colour: (M,), how many times larger the variance of a mean of
-    successive innovations is than that of white ones, 1 + 2 Σ ρ over LAGS lags: at least 1, and 1
-    for those that pass as white.
+    successive innovations is than that of white ones, 1 + 2 Σ ρ over PORTMANTEAU_LAGS lags: at
+    least 1, and 1 for those that pass as white.
     """
 
     variance: Array
@@ -249,18 +247,18 @@ class InnovationTest:
 def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
     """Test normalised innovations (N, M), NaN where nothing was measured.
 
-    The mean square is compared with χ². The autocorrelations ρ over LAGS lags, within segments, are
-    compared with those of white noise by the test of Ljung and Box.
+    The mean square is compared with χ². The autocorrelations ρ over PORTMANTEAU_LAGS lags, within
+    segments, are compared with those of white noise by the test of Ljung and Box.
     """
     count = np.isfinite(innovations).sum(axis=0)
     # one channel after the other, for the memory of long recordings
     variance = np.array([np.nanmean(channel**2) for channel in innovations.T])
     covariance = np.array([_autocovariance(channel, segment) for channel in innovations.T])
-    correlation = covariance / variance[:, None]  # (M, LAGS)
+    correlation = covariance / variance[:, None]  # (M, PORTMANTEAU_LAGS)
     # Q = n (n + 2) Σ ρ² / (n - lag)
-    lags = np.arange(1, LAGS + 1)
+    lags = np.arange(1, PORTMANTEAU_LAGS + 1)
     portmanteau = count * (count + 2) * (correlation**2 / (count[:, None] - lags)).sum(axis=1)
-    limit = float(_chi2(0.95, LAGS))
+    limit = float(_chi2(0.95, PORTMANTEAU_LAGS))
     white = portmanteau <= limit
     colour = np.where(white, 1, np.maximum(1 + 2 * correlation.sum(axis=1), 1))
     limits = _chi2(np.array([0.025, 0.975]), count[:, None]) / count[:, None]
@@ -269,9 +267,9 @@ def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
 
 
 def _autocovariance(innovation: Array, segment: Labels) -> list[float]:
-    """Return the mean products over 1 to LAGS lags, within segments, of one channel (N,)."""
+    """Return the mean products of a channel (N,) over 1 to PORTMANTEAU_LAGS, within segments."""
     means = []
-    for lag in range(1, LAGS + 1):
+    for lag in range(1, PORTMANTEAU_LAGS + 1):
         within = segment[lag:] == segment[:-lag]
         means.append(float(np.nanmean((innovation[lag:] * innovation[:-lag])[within])))
     return means

@@ -12,6 +12,9 @@ from scipy import signal
 
 from ur5lib.timeseries.arrays import Array
 
+MAX_NUMBERS_TOGETHER = 100_000  # that are filtered at once, which takes less time
+IDENTITY_SECTION = np.array([[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # a second-order section
+
 
 class Butterworth(NamedTuple):
     """Order and cut-off [Hz], to be passed as `zero_phase_lowpass(values, rate, *design)`."""
@@ -24,9 +27,6 @@ class Butterworth(NamedTuple):
 THESIS_ACCELERATION = Butterworth(8, 4.7)
 THESIS_CURRENT = Butterworth(5, 1.454)
 
-AT_ONCE = 100_000  # numbers that are filtered together, which takes less time
-PASSES_ALL = np.array([[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # a second-order section
-
 
 def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
     """Apply a Butterworth low-pass forwards and backwards: no delay, and -6 dB at the cut-off.
@@ -37,7 +37,7 @@ def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) ->
     sections = _design(rate, order, cutoff)
     padding = min(len(values) - 1, int(3 * rate / cutoff))
     both_ways = partial(signal.sosfiltfilt, sections, axis=0, padlen=padding)
-    if 0 < values.size <= AT_ONCE:
+    if 0 < values.size <= MAX_NUMBERS_TOGETHER:
         return np.asarray(both_ways(values))
     result = np.empty(values.shape)
     for column, smooth in zip(values.T, result.T, strict=True):  # one at a time takes less memory
@@ -81,5 +81,5 @@ def _design(rate: float, order: int, cutoff: float) -> Array:
     if not cutoff > 0:
         raise ValueError(f"a cut-off of {cutoff:g} Hz is not above zero")
     if cutoff >= rate / 2:
-        return PASSES_ALL
+        return IDENTITY_SECTION
     return signal.butter(order, cutoff, fs=rate, output="sos")

@@ -5,9 +5,9 @@ from scipy.special import ndtri
 
 from ur5lib.timeseries.arrays import Array
 
-COVERED = 0.95  # share of values that a band contains
+BAND_COVERAGE = 0.95  # share of values that a band contains
 NORMAL95 = 1.96  # standard deviations to either side of the mean that contain 95 %
-MAD = 1.4826  # standard deviation of a normal value over its median absolute deviation
+STD_PER_MAD = 1.4826  # of a normal value, by its median absolute deviation
 
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:
@@ -22,9 +22,9 @@ def largest_error(estimate: Array, reference: Array) -> Array:
 
 def correlation(estimate: Array, reference: Array) -> Array:
     """Return the Pearson correlation of each column, NaN if either is constant."""
-    both = np.isfinite(estimate) & np.isfinite(reference)
-    x = np.where(both, estimate, np.nan)
-    y = np.where(both, reference, np.nan)
+    finite = np.isfinite(estimate) & np.isfinite(reference)
+    x = np.where(finite, estimate, np.nan)
+    y = np.where(finite, reference, np.nan)
     x, y = x - np.nanmean(x, axis=0), y - np.nanmean(y, axis=0)
     scale = np.sqrt(np.nansum(x**2, axis=0) * np.nansum(y**2, axis=0))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -53,9 +53,9 @@ def slope(estimate: Array, reference: Array) -> Array:
 def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
     """Return the share of each column's references inside the band of nominal coverage `stated`."""
     band = ndtri(0.5 + stated / 2) * std
-    both = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
-    inside = both & (np.abs(reference - estimate) <= band)
-    return inside.sum(axis=0) / both.sum(axis=0)
+    finite = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
+    inside = finite & (np.abs(reference - estimate) <= band)
+    return inside.sum(axis=0) / finite.sum(axis=0)
 
 
 def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
@@ -65,6 +65,7 @@ def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
     Raftery 2007, Equation 43).
     """
     half = NORMAL95 * std
+    # width + 2 / α times what lies outside, α = 0.05
     missed = np.maximum(np.abs(reference - estimate) - half, 0.0)
     return np.nanmean(2 * half + 2 / 0.05 * missed, axis=0)
 

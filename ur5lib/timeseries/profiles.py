@@ -47,6 +47,7 @@ def duration(way: Array, speed: float, acceleration: float) -> tuple[float, floa
     way: of the joints (6,) [rad]; speed [rad/s], acceleration [rad/s²]: of the longest way.
     """
     longest = np.abs(way).max()
+    # without cruising where the way is too short to reach the speed
     ramp = min(speed / acceleration, (longest / acceleration) ** 0.5)
     cruise = longest / (acceleration * ramp) - ramp if ramp else 0.0
     return ramp, ramp + cruise, 2 * ramp + cruise

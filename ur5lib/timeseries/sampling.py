@@ -4,7 +4,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
+THINNED_STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
 
 
 def differentiate(values: Array, period: float) -> Array:
@@ -18,11 +18,11 @@ def differentiate(values: Array, period: float) -> Array:
 
 
 def interpolated(
-    at: Array | Labels, known: Array | Labels, values: Array, outside: float | None = None
+    at: Array | Labels, places: Array | Labels, values: Array, outside: float | None = None
 ) -> Array:
-    """Return values (N, M) at ascending places `known` (N,) interpolated linearly at `at` (K,).
+    """Return values (N, M) at ascending `places` (N,) interpolated linearly at `at` (K,).
 
     outside: value beyond both ends; None: the values of the ends.
     """
-    columns = [np.interp(at, known, column, outside, outside) for column in values.T]
+    columns = [np.interp(at, places, column, outside, outside) for column in values.T]
     return np.stack(columns, axis=1)

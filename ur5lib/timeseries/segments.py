@@ -9,8 +9,11 @@ from numpy.typing import NDArray
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-BLOCK = 2.0  # s, several correlation times of residuals (0.3 to 1 s on both arms)
+T = TypeVar("T", bound=np.generic)
+
+BLOCK_DURATION = 2.0  # s, several correlation times of residuals (0.3 to 1 s on both arms)
 DEAD_ZONE = 0.02  # rad/s (Equation 6.4): below it, a joint rests and friction is stiction
+CHUNK_SAMPLES = 1 << 14
 
 
 def period(time: Array) -> float:
@@ -30,7 +33,7 @@ def unbroken(*labels: Labels | Mask) -> list[slice]:
     return [slice(start, end) for start, end in pairwise(bounds) if end > start]
 
 
-def extrapolated(cutoff: float, period: float) -> int:
+def extrapolated_samples(cutoff: float, period: float) -> int:
     """Return at how many samples at each end of a stretch a low-pass in both directions mostly
     extrapolates: half a period of its cut-off [Hz]. period: of the samples [s].
     """
@@ -43,7 +46,7 @@ def runs(flags: Mask) -> Labels:
     return edges.reshape(-1, 2)
 
 
-def marked(spans: Iterable[tuple[int, int]], count: int) -> Mask:
+def inside_spans(spans: Iterable[tuple[int, int]], count: int) -> Mask:
     """Return which of `count` samples lie inside any of the spans, (first, end) each."""
     inside = np.zeros(count, bool)
     for span in spans:
@@ -66,11 +69,7 @@ def by_segment(
     return result
 
 
-T = TypeVar("T", bound=np.generic)
-SIZE = 1 << 14  # samples
-
-
-def chunks(count: int, size: int = SIZE) -> list[slice]:
+def chunks(count: int, size: int = CHUNK_SAMPLES) -> list[slice]:
     """Return slices of `size` successive samples that cover `count`."""
     return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 

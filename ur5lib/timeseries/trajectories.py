@@ -10,28 +10,30 @@ from scipy.spatial import cKDTree
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
-SLOW = 0.03  # rad/s, below which a joint rests or Coulomb friction changes its sign
-SAME = 0.9  # least share of common states of two runs along one path
+# Root sums of squares over all joints, up to which two states count as equal.
+POSITION_TOLERANCE = 0.02  # rad
+VELOCITY_TOLERANCE = 0.1  # rad/s
+REST_SPEED = 0.03  # rad/s, below which a joint rests or Coulomb friction changes its sign
+MIN_COMMON_SHARE = 0.9  # of the states of two runs along one path
 
 
-def place(q: Array, qd: Array) -> Array:
+def scaled_states(q: Array, qd: Array) -> Array:
     """Return scaled states (N, 12), in which states nearer than 1 count as equal.
 
     q, qd: (N, 6) [rad, rad/s].
     """
-    return np.concatenate([q / NEAR_POSITION, qd / NEAR_VELOCITY], axis=1)
+    return np.concatenate([q / POSITION_TOLERANCE, qd / VELOCITY_TOLERANCE], axis=1)
 
 
-def nearest(places: Array, others: Array) -> tuple[Mask, NDArray[np.intp]]:
+def nearest(places: Array, other_places: Array) -> tuple[Mask, NDArray[np.intp]]:
     """Return whether each state (N, 12) is near one of others (M, 12), and the nearest (N,)."""
-    distance, index = cKDTree(others).query(places, distance_upper_bound=1.0)
+    distance, index = cKDTree(other_places).query(places, distance_upper_bound=1.0)
     return np.isfinite(distance), index
 
 
 @dataclass(frozen=True)
 class PathStates:
-    """States (`place`) on the path of a run: at samples in motion, or at all if it rests.
+    """States (`scaled_states`) on the path of a run: at samples in motion, or at all if it rests.
 
     moves: whether the run moves; every: step of the samples that are searched in another run, which
     is not thinned, because thinned samples of fast runs are further apart than 1.
@@ -42,12 +44,12 @@ class PathStates:
     every: int = 1
 
     @classmethod
-    def from_motion(cls, q: Array, qd: Array, every: int = 1) -> "PathStates":
+    def from_motion(cls, q: Array, qd: Array, stride: int = 1) -> "PathStates":
         """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
         finite = np.isfinite(q + qd).all(axis=1)
-        moving = finite & (np.abs(qd) > SLOW).any(axis=1)
+        moving = finite & (np.abs(qd) > REST_SPEED).any(axis=1)
         rows = moving if moving.any() else finite
-        return cls(place(q[rows], qd[rows]), bool(moving.any()), every)
+        return cls(scaled_states(q[rows], qd[rows]), bool(moving.any()), stride)
 
     @cached_property
     def extent(self) -> Array:
@@ -66,7 +68,8 @@ class PathStates:
         low, high = other.extent
         states = self.places[:: self.every]
         inside = ((states >= low - 1) & (states <= high + 1)).all(axis=1)
-        return bool(inside.mean() >= SAME) and self.within(other) >= SAME  # quick, then exact
+        # quick, then exact
+        return bool(inside.mean() >= MIN_COMMON_SHARE) and self.within(other) >= MIN_COMMON_SHARE
 
     def within(self, other: "PathStates") -> float:
         """Return the share of this run's states that the other contains."""
@@ -81,15 +84,20 @@ def group_by_path(runs: Iterable[PathStates]) -> Labels:
     part of an earlier one stand for their trajectory: the others are not compared with later ones,
     so that of thousands of repetitions few are held.
     """
-    labels, whole = list[int](), list[tuple[int, PathStates]]()
+    labels, representatives = list[int](), list[tuple[int, PathStates]]()
     for place, run in enumerate(runs):
-        alike = [other for other, known in whole if run.is_part_of(known)]
+        alike = [
+            other for other, representative in representatives if run.is_part_of(representative)
+        ]
         if not alike:
-            alike = [other for other, known in whole if known.is_part_of(run)]
-            whole.append((place, run))
+            alike = [
+                other for other, representative in representatives if representative.is_part_of(run)
+            ]
+            representatives.append((place, run))
+        # a run that is like several trajectories makes them one
         joined = {labels[other] for other in alike}
-        own = min(joined, default=place)
+        label_of_run = min(joined, default=place)
         if len(joined) > 1:
-            labels = [own if label in joined else label for label in labels]
-        labels.append(own)
+            labels = [label_of_run if label in joined else label for label in labels]
+        labels.append(label_of_run)
     return np.unique(np.array(labels, dtype=np.int64), return_inverse=True)[1].astype(np.int64)

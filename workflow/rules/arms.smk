@@ -17,7 +17,7 @@ rule describe_arm:
         **traces("describe_arm", "{robot}"),
     params:
         code=lambda wildcards: code(
-            "describe_arm", JOINT_SIZES, *in_library([robot_path(ARMS[wildcards.robot].arm)])
+            "describe_arm", JOINT_SIZES_FILE, *in_library([robot_path(ARMS[wildcards.robot].arm)])
         ),
         arm=lambda wildcards: ARMS[wildcards.robot].arm,
         robot="{robot}",

@@ -10,8 +10,8 @@ from ur5lib.errors import InputError
 from ur5lib.jobs.code import checksum_of_step, in_library, of_study
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.jobs.workers import FAILED, run_step
-from ur5lib.report.document import Picture, contents
-from ur5lib.robots.description import JOINT_SIZES, robot_path
+from ur5lib.report.page.document import Picture, contents
+from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import LOOPS, Selection
@@ -44,7 +44,7 @@ TRUTHS = SELECTION.truths(RESULTS)
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
-REPORT = PACKAGE / "report"
+REPORT = PACKAGE / "report" / "page"
 CONTENTS = REPORT / "contents.yaml", REPORT / "sentences.yaml"
 TEMPLATES = REPORT / "templates"
 COLUMNS = PACKAGE / "tidy" / "columns.yaml"

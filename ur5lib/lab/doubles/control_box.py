@@ -21,7 +21,13 @@ from ur5lib.lab.stand.rig import STEP
 from ur5lib.lab.stand.sensors import WristReader, declared_weight, in_base_axes
 from ur5lib.lab.stand.trajectories import Targets
 from ur5lib.robots.mjcf import flange
-from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, RobotMode, RuntimeState, SafetyMode
+from ur5lib.robots.rtde_variables import (
+    INPUT_TYPES,
+    OUTPUT_TYPES,
+    RobotMode,
+    RuntimeState,
+    SafetyMode,
+)
 from ur5lib.timeseries.arrays import Array
 
 Program = Iterator[None]  # advanced once per cycle, until it ends
@@ -72,7 +78,9 @@ class ControlBox:
     ) -> None:
         """random: generator of the noise."""
         self.arm, self.software, self.cycle = arm, software, cycle
-        self.registers = {name: 0.0 for name in [*INPUTS, *OUTPUTS] if "_register_" in name}
+        self.registers = {
+            name: 0.0 for name in [*INPUT_TYPES, *OUTPUT_TYPES] if "_register_" in name
+        }
         self.robot_mode, self.safety_mode = RobotMode.RUNNING, SafetyMode.NORMAL
         self.paused = False
         self.loaded = ""

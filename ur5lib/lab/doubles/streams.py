@@ -14,7 +14,14 @@ from ur5lib.lab.doubles.control_script import run_programs
 from ur5lib.lab.doubles.transmission import FaultyStream, TransmissionFaults
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.realtime_message import encoded
-from ur5lib.robots.rtde_variables import FORMATS, HEADER, INPUTS, OUTPUTS, exists, size
+from ur5lib.robots.rtde_variables import (
+    INPUT_TYPES,
+    OUTPUT_TYPES,
+    PACKAGE_HEADER,
+    STRUCT_FORMATS,
+    exists,
+    size,
+)
 
 INFO_LEVEL = 2  # level of a text message
 TEXT_SOURCE = b"URControl"
@@ -23,7 +30,7 @@ TEXT_SOURCE = b"URControl"
 def recipe(names: list[str], kinds: list[str]) -> np.dtype[np.void]:
     """Return the layout of a data package with variables of these types: big-endian, no padding."""
     pairs = zip(names, kinds, strict=True)
-    return np.dtype([(name, ">" + FORMATS[kind][-1], (size(kind),)) for name, kind in pairs])
+    return np.dtype([(name, ">" + STRUCT_FORMATS[kind][-1], (size(kind),)) for name, kind in pairs])
 
 
 class RtdeServer:
@@ -40,8 +47,8 @@ class RtdeServer:
         self.clients.add(client)
         try:
             while True:
-                length, kind = HEADER.unpack(await reader.readexactly(HEADER.size))
-                client.handle(kind, await reader.readexactly(length - HEADER.size))
+                length, kind = PACKAGE_HEADER.unpack(await reader.readexactly(PACKAGE_HEADER.size))
+                client.handle(kind, await reader.readexactly(length - PACKAGE_HEADER.size))
         finally:
             self.clients.discard(client)
 
@@ -77,24 +84,24 @@ class RtdeConnection:
     def handle(self, kind: int, content: bytes) -> None:
         """Answer a package."""
         match kind:
-            case rtde.DATA:
+            case rtde.DATA_PACKAGE:
                 self._write_inputs(content)
                 return
-            case rtde.VERSION:
+            case rtde.VERSION_PACKAGE:
                 version = int.from_bytes(content, "big")
                 accepted = version in (1, 2)
                 self._version = version if accepted else self._version
                 answer = bytes([accepted])
-            case rtde.SOFTWARE:
+            case rtde.SOFTWARE_PACKAGE:
                 answer = struct.pack(">4I", *self.box.software)
-            case rtde.SETUP_OUTPUTS:
+            case rtde.OUTPUTS_PACKAGE:
                 answer = self._set_outputs(content)
-            case rtde.SETUP_INPUTS:
+            case rtde.INPUTS_PACKAGE:
                 answer = self._set_inputs(content)
-            case rtde.START:
+            case rtde.START_PACKAGE:
                 self._started = self._outputs is not None
                 answer = bytes([self._started])
-            case rtde.PAUSE:
+            case rtde.PAUSE_PACKAGE:
                 self._started, answer = False, b"\x01"
             case _:
                 return
@@ -107,7 +114,9 @@ class RtdeConnection:
         row, outputs = np.zeros((), self._outputs), self.box.outputs
         for name in self._outputs.names or ():
             row[name] = outputs.get(name, 0.0)
-        self._stream.send(_package(rtde.DATA, b"\x01" * (self._version > 1) + row.tobytes()))
+        self._stream.send(
+            _package(rtde.DATA_PACKAGE, b"\x01" * (self._version > 1) + row.tobytes())
+        )
 
     def send_text(self, text: str) -> None:
         """Send a text message."""
@@ -115,14 +124,14 @@ class RtdeConnection:
             message = text.encode()[:255]
             source = bytes([len(TEXT_SOURCE)]) + TEXT_SOURCE
             parts = bytes([len(message)]), message, source, bytes([INFO_LEVEL])
-            self._stream.write(_package(rtde.TEXT, b"".join(parts)))
+            self._stream.write(_package(rtde.TEXT_PACKAGE, b"".join(parts)))
 
     def _set_outputs(self, content: bytes) -> bytes:
         frequency = 1 / self.box.cycle
         if self._version > 1:
             (frequency,), content = struct.unpack_from(">d", content), content[8:]
         names, software = _names(content), self.box.software[:2]
-        kinds = [OUTPUTS[name] if exists(name, *software) else "NOT_FOUND" for name in names]
+        kinds = [OUTPUT_TYPES[name] if exists(name, *software) else "NOT_FOUND" for name in names]
         accepted = "NOT_FOUND" not in kinds and frequency > 0
         self._outputs = recipe(names, kinds) if accepted else None
         self._every = max(1, round(1 / (self.box.cycle * frequency))) if accepted else 1
@@ -131,7 +140,7 @@ class RtdeConnection:
     def _set_inputs(self, content: bytes) -> bytes:
         names = _names(content)
         kinds = [
-            "IN_USE" if self._server.claimed(name, self) else INPUTS.get(name, "NOT_FOUND")
+            "IN_USE" if self._server.claimed(name, self) else INPUT_TYPES.get(name, "NOT_FOUND")
             for name in names
         ]
         accepted = not {"IN_USE", "NOT_FOUND"} & set(kinds)
@@ -190,4 +199,4 @@ def _names(content: bytes) -> list[str]:
 
 
 def _package(kind: int, content: bytes) -> bytes:
-    return HEADER.pack(HEADER.size + len(content), kind) + content
+    return PACKAGE_HEADER.pack(PACKAGE_HEADER.size + len(content), kind) + content

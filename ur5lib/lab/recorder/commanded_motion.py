@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.robots.collisions import TABLE, collisions
+from ur5lib.robots.collisions import TABLE_NAME, collisions
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
@@ -95,7 +95,7 @@ def refusals(
         )
     for sample, one, other in collisions(robot, path, table):
         where = ", ".join(f"{angle:.2f}" for angle in path[sample])
-        hit = f"{one} hits the {other}" if other == TABLE else f"{one} hits {other}"
+        hit = f"{one} hits the {other}" if other == TABLE_NAME else f"{one} hits {other}"
         yield f"{hit} at q = ({where}) rad; change the path, or `table_m` in the study"
 
 

@@ -15,7 +15,12 @@ from scipy.spatial.transform import Rotation
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder.commanded_motion import MIN_POINTS, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import SINGULAR_VALUE, geometric_jacobian, link_frames, solutions
+from ur5lib.robots.statics import (
+    MIN_SINGULAR_VALUE,
+    geometric_jacobian,
+    inverse_kinematics,
+    link_frames,
+)
 from ur5lib.robots.urscript import (
     MOVE_ARGUMENTS,
     Command,
@@ -128,7 +133,7 @@ def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
     if not isinstance(move.goal, ToolPose):
         return move.goal
     rotation, position = _pose(move.goal)
-    candidates = solutions(robot, rotation[None], position[None])[0]
+    candidates = inverse_kinematics(robot, rotation[None], position[None])[0]
     candidates = candidates[np.isfinite(candidates).all(axis=1)]
     # turned towards `near` as far as the joints' limits allow
     candidates = near + (candidates - near + np.pi) % (2 * np.pi) - np.pi
@@ -186,7 +191,7 @@ def _along(move: Move, robot: Robot, origin: Array, rotations: Array, positions:
 
     Raises InputError where the arm cannot follow.
     """
-    candidates = solutions(robot, rotations, positions)
+    candidates = inverse_kinematics(robot, rotations, positions)
     _expect_regular(move, robot, origin[None])
     distance = np.abs(np.exp(1j * candidates[0]) - np.exp(1j * origin)).max(axis=1)
     q = np.unwrap(candidates[:, np.nanargmin(distance)], axis=0)
@@ -203,11 +208,12 @@ def _expect_regular(move: Move, robot: Robot, q: Array) -> None:
     """Raise InputError where angles (M, 6) [rad] are near a singularity."""
     least = np.linalg.svd(geometric_jacobian(robot, q), compute_uv=False)[:, -1]
     worst = least.argmin()
-    if least[worst] < SINGULAR_VALUE:
+    if least[worst] < MIN_SINGULAR_VALUE:
         where = ", ".join(f"{angle:.2f}" for angle in q[worst])
         raise InputError(
             f"{move.place}: the straight line passes a singularity at q = ({where}) rad (smallest "
-            f"singular value {least[worst]:.3f}, below {SINGULAR_VALUE}); change it, or use movej"
+            f"singular value {least[worst]:.3f}, below {MIN_SINGULAR_VALUE}); "
+            "change it, or use movej"
         )
 
 

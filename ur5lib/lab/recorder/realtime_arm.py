@@ -17,7 +17,7 @@ from ur5lib.lab.recorder.device import (
     no_controller,
     receive,
 )
-from ur5lib.robots.realtime_message import SOFTWARE
+from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE
 
 PORT = 30003
 MESSAGE_HEAD = struct.Struct(">id")  # size and timestamp of a message
@@ -43,7 +43,7 @@ class RealtimeArm:
         self.identity = Identity(
             model="Universal Robots controller, realtime port",
             address=address,
-            firmware=SOFTWARE[self._size],
+            firmware=SOFTWARE_BY_SIZE[self._size],
             rate_hz=round(1 / cycle),
             message_bytes=self._size,
             units="SI",
@@ -66,7 +66,7 @@ class RealtimeArm:
     def _peek(self) -> tuple[int, float, float]:
         """Return the messages' size [bytes] and the first two timestamps [s], not consuming any."""
         (size, _) = MESSAGE_HEAD.unpack(self._ahead(MESSAGE_HEAD.size))
-        if size not in SOFTWARE:
+        if size not in SOFTWARE_BY_SIZE:
             raise ConnectionError(f"the layout of its messages of {size} bytes is unknown")
         both = self._ahead(size + MESSAGE_HEAD.size)
         first, second = MESSAGE_HEAD.unpack_from(both)[1], MESSAGE_HEAD.unpack_from(both, size)[1]

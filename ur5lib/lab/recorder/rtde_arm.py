@@ -28,7 +28,7 @@ from ur5lib.lab.recorder.device import (
     receive,
 )
 from ur5lib.robots import rtde_variables as rtde
-from ur5lib.robots.rtde_variables import FORMATS, HEADER, all_columns, layout
+from ur5lib.robots.rtde_variables import PACKAGE_HEADER, STRUCT_FORMATS, all_columns, layout
 
 PORT = 30004
 PROTOCOL_VERSION = 2
@@ -57,9 +57,9 @@ class RtdeClient:
         try:
             self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if self._ask(rtde.VERSION, struct.pack(">H", PROTOCOL_VERSION)) != b"\x01":
+            if self._ask(rtde.VERSION_PACKAGE, struct.pack(">H", PROTOCOL_VERSION)) != b"\x01":
                 raise ConnectionError("it does not speak version 2")
-            major, minor, bugfix, build = struct.unpack(">4I", self._ask(rtde.SOFTWARE))
+            major, minor, bugfix, build = struct.unpack(">4I", self._ask(rtde.SOFTWARE_PACKAGE))
         except (OSError, struct.error) as error:
             raise no_controller("RTDE", address, port, error) from error
         self.software = int(major), int(minor), int(bugfix), int(build)
@@ -71,7 +71,7 @@ class RtdeClient:
         """
         try:
             names, kinds = self._set_up(names, rate)
-            if self._ask(rtde.START) != b"\x01":
+            if self._ask(rtde.START_PACKAGE) != b"\x01":
                 raise ConnectionError("it does not start")
         except OSError as error:
             raise no_controller("RTDE", self._address, self._port, error) from error
@@ -91,20 +91,22 @@ class RtdeClient:
     def close(self) -> None:
         """Stop the packages and close the connection."""
         with contextlib.suppress(OSError):
-            self._socket.sendall(HEADER.pack(HEADER.size, rtde.PAUSE))
+            self._socket.sendall(PACKAGE_HEADER.pack(PACKAGE_HEADER.size, rtde.PAUSE_PACKAGE))
         self._socket.close()
 
     def _packages(self) -> list[tuple[float, ...]]:
         """Remove complete packages from the buffer, and return the numbers of data packages."""
         packages, start = [], 0
-        while len(self._buffer) - start >= HEADER.size:
-            size, kind = HEADER.unpack_from(self._buffer, start)
-            if size < HEADER.size:
+        while len(self._buffer) - start >= PACKAGE_HEADER.size:
+            size, kind = PACKAGE_HEADER.unpack_from(self._buffer, start)
+            if size < PACKAGE_HEADER.size:
                 raise DeviceLost(f"{self._address} does not send RTDE packages")
             if len(self._buffer) - start < size:
                 break
-            if kind == rtde.DATA and size == HEADER.size + 1 + self._layout.size:
-                packages.append(self._layout.unpack_from(self._buffer, start + HEADER.size + 1))
+            if kind == rtde.DATA_PACKAGE and size == PACKAGE_HEADER.size + 1 + self._layout.size:
+                packages.append(
+                    self._layout.unpack_from(self._buffer, start + PACKAGE_HEADER.size + 1)
+                )
             start += size
         self._buffer = self._buffer[start:]
         return packages
@@ -113,8 +115,12 @@ class RtdeClient:
         """Request outputs; if the controller lacks some, request the others only."""
         for _ in range(2):
             content = struct.pack(">d", rate) + ",".join(names).encode()
-            kinds = self._ask(rtde.SETUP_OUTPUTS, content)[1:].decode("ascii", "replace").split(",")
-            available = [name for name, kind in zip(names, kinds, strict=False) if kind in FORMATS]
+            kinds = (
+                self._ask(rtde.OUTPUTS_PACKAGE, content)[1:].decode("ascii", "replace").split(",")
+            )
+            available = [
+                name for name, kind in zip(names, kinds, strict=False) if kind in STRUCT_FORMATS
+            ]
             if len(available) == len(names) == len(kinds):
                 return list(names), kinds
             names = available
@@ -122,10 +128,12 @@ class RtdeClient:
 
     def _ask(self, kind: int, content: bytes = b"") -> bytes:
         """Send a request and return the content of the answer to it."""
-        self._socket.sendall(HEADER.pack(HEADER.size + len(content), kind) + content)
+        self._socket.sendall(
+            PACKAGE_HEADER.pack(PACKAGE_HEADER.size + len(content), kind) + content
+        )
         while True:
-            size, answered = HEADER.unpack(self._exactly(HEADER.size))
-            answer = self._exactly(size - HEADER.size)
+            size, answered = PACKAGE_HEADER.unpack(self._exactly(PACKAGE_HEADER.size))
+            answer = self._exactly(size - PACKAGE_HEADER.size)
             if answered == kind:  # text messages may arrive first
                 return answer
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from ur5lib.lab.stand.plan import Contact, Hand, Load, Push, Spring, Timed, Wall
-from ur5lib.robots.mjcf import TOOL, flange
+from ur5lib.robots.mjcf import TOOL_BODY, flange
 from ur5lib.timeseries.arrays import Array
 
 GRASP_TIME = 0.2  # s, duration of lifting or putting down a load
@@ -119,14 +119,14 @@ class Contacts:
         self._bodies: list[int] = []
         for contact in contacts:
             self.add(model, contact)
-        self.flange, self._tool = flange(model), model.body(TOOL).id
+        self.flange, self._tool = flange(model), model.body(TOOL_BODY).id
         self._jacobian = np.zeros((3, model.nv))
 
     def add(self, model: mujoco.MjModel, contact: Contact) -> None:
         """Add a contact."""
         self._touches.append(Touch(contact, model.opt.gravity.copy()))
         on_tool = contact.link in (None, model.nv)
-        self._bodies.append(model.body(TOOL if on_tool else f"link_{contact.link}").id)
+        self._bodies.append(model.body(TOOL_BODY if on_tool else f"link_{contact.link}").id)
 
     def apply(self, model: mujoco.MjModel, data: mujoco.MjData, step: float) -> tuple[Array, Array]:
         """Apply the forces of this instant to the bodies.

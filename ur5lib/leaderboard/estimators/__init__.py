@@ -3,10 +3,10 @@
 import importlib
 import pkgutil
 
-from ur5lib.leaderboard.estimator import Estimator
+from ur5lib.leaderboard.estimator import Contender
 
 
-def all_estimators() -> list[Estimator]:
+def all_estimators() -> list[Contender]:
     """Return the estimators of all files of this folder, in the order of the files' names."""
-    names = [f"{__name__}.{own.name}" for own in pkgutil.iter_modules(__path__)]
-    return [own for name in names for own in importlib.import_module(name).ESTIMATORS]
+    names = [f"{__name__}.{module.name}" for module in pkgutil.iter_modules(__path__)]
+    return [module for name in names for module in importlib.import_module(name).ESTIMATORS]

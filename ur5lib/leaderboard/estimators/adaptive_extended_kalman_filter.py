@@ -20,7 +20,7 @@ from itertools import product
 
 import numpy as np
 
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.adaptive_kalman_filter import sample_noise
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned
@@ -43,8 +43,8 @@ class AdaptiveExtendedKalman:
         result = np.full_like(run.torque, np.nan)
         motor = run.model + run.friction - run.torque
         for rows in run.stretches(motor):
-            known = motor[rows], run.model[rows], run.friction[rows]
-            result[rows] = self.follow(*known, run.period)[..., 0]
+            torques = motor[rows], run.model[rows], run.friction[rows]
+            result[rows] = self.follow(*torques, run.period)[..., 0]
         return result
 
     def follow(self, motor: Array, model: Array, friction: Array, period: float) -> Array:
@@ -77,7 +77,7 @@ def learn(runs: Sequence[Run]) -> Learned:
     """Tune how quickly the torque, and friction and torque constant, may change."""
     noise = sample_noise(runs)
     tried = product(WANDERINGS, DRIFTS)
-    return tuned([AdaptiveExtendedKalman(*own, noise) for own in tried], runs)
+    return tuned([AdaptiveExtendedKalman(*constants, noise) for constants in tried], runs)
 
 
-ESTIMATORS = [Estimator("extended Kalman filter, adaptive", "Jung et al. 2006", True, learn)]
+ESTIMATORS = [Contender("extended Kalman filter, adaptive", "Jung et al. 2006", True, learn)]

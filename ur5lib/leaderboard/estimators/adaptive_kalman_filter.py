@@ -17,17 +17,17 @@ from itertools import product
 
 import numpy as np
 
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.disturbance_kalman_filter import DisturbanceKalman
 from ur5lib.leaderboard.momentum import added_momentum
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 
-SHORT, LONG = 2, 25  # samples, least and greatest length of the window
-OUTSIDE = (1.0, 2.0, 3.0)  # standard deviations of the short mean that switch the mode
+SHORTEST_WINDOW, LONGEST_WINDOW = 2, 25  # samples, least and greatest length of the window
+SWITCHING_DEVIATIONS = (1.0, 2.0, 3.0)  # standard deviations of the short mean that switch the mode
 WANDERINGS = (5.0, 10.0, 20.0, 40.0)  # of the Kalman filter
-EXACT = 0.1  # noise of the momentum, in units of what the torque's noise adds in a step
+MOMENTUM_NOISE = 0.1  # noise of the momentum, in units of what the torque's noise adds in a step
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class AdaptiveKalman:
     def torque(self, run: Run) -> Array:
         """Return the external torque (N, 6) [Nm]."""
         result = np.full_like(run.momentum, np.nan)
-        kalman = DisturbanceKalman(self.wandering, EXACT)
+        kalman = DisturbanceKalman(self.wandering, MOMENTUM_NOISE)
         for rows in run.known():
             raw = np.diff(added_momentum(run, rows), axis=0, prepend=0.0) / run.period
             averaged = self.averaged(raw)
@@ -53,11 +53,11 @@ class AdaptiveKalman:
     def averaged(self, raw: Array) -> Array:
         """Return the moving average (n, 6) of a torque (n, 6) [Nm] over past samples."""
         sums = np.concatenate([np.zeros((1, 6)), np.cumsum(raw, axis=0)])
-        length, joints, result = np.full(6, SHORT), np.arange(6), np.empty_like(raw)
-        limit = self.outside * self.noise / np.sqrt(SHORT)
+        length, joints, result = np.full(6, SHORTEST_WINDOW), np.arange(6), np.empty_like(raw)
+        limit = self.outside * self.noise / np.sqrt(SHORTEST_WINDOW)
         for k in range(len(raw)):
-            length = np.minimum(np.minimum(length + 1, LONG), k + 1)
-            few = min(SHORT, k + 1)
+            length = np.minimum(np.minimum(length + 1, LONGEST_WINDOW), k + 1)
+            few = min(SHORTEST_WINDOW, k + 1)
             recent = (sums[k + 1] - sums[k + 1 - few]) / few
             mean = (sums[k + 1] - sums[k + 1 - length, joints]) / length
             length = np.where(np.abs(recent - mean) > limit, few, length)
@@ -74,7 +74,13 @@ def sample_noise(runs: Sequence[Run]) -> Array:
 def learn(runs: Sequence[Run]) -> Learned:
     """Tune where the mode switches, and how quickly the filter follows."""
     noise = sample_noise(runs)
-    return tuned([AdaptiveKalman(*own, noise) for own in product(OUTSIDE, WANDERINGS)], runs)
+    return tuned(
+        [
+            AdaptiveKalman(*constants, noise)
+            for constants in product(SWITCHING_DEVIATIONS, WANDERINGS)
+        ],
+        runs,
+    )
 
 
-ESTIMATORS = [Estimator("adaptive Kalman filter", "Cao et al. 2021", True, learn)]
+ESTIMATORS = [Contender("adaptive Kalman filter", "Cao et al. 2021", True, learn)]

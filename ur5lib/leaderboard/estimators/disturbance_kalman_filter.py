@@ -17,7 +17,7 @@ from itertools import product
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.momentum import LinearObserver, added_momentum
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned, untuned
@@ -25,7 +25,8 @@ from ur5lib.timeseries import kalman
 from ur5lib.timeseries.arrays import Array
 
 WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # of d in a second, in units of w
-MEASURED = (0.1, 1.0, 3.0)  # noise of z, in units of what w adds in a step
+MEASUREMENT_NOISES = (0.1, 1.0, 3.0)  # noise of z, in units of what w adds in a step
+SOURCE = "Hu and Xiong 2018"
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,8 @@ class DisturbanceKalman(LinearObserver):
         result = np.full_like(run.momentum, np.nan)
         for rows in run.known():
             added = added_momentum(run, rows)
-            for own in kalman.smooth(self.on(added, run.period), len(added)):
-                result[rows][own.rows] = own.states.mean[..., 1]
+            for part in kalman.smooth(self.on(added, run.period), len(added)):
+                result[rows][part.rows] = part.states.mean[..., 1]
         return result
 
     def on(self, added: Array, period: float) -> kalman.System:
@@ -65,8 +66,8 @@ class DisturbanceKalman(LinearObserver):
         def part(rows: slice) -> kalman.LinearSystem:
             measured = added[rows, :, None]  # (n, 6, 1)
             F, Q, H = (
-                np.broadcast_to(own, (len(measured), 6, *own.shape))
-                for own in (transition, process, np.array([[1.0, 0.0]]))
+                np.broadcast_to(matrix, (len(measured), 6, *matrix.shape))
+                for matrix in (transition, process, np.array([[1.0, 0.0]]))
             )
             return kalman.LinearSystem(F, Q, H, measured, R=np.full_like(measured, variance))
 
@@ -75,7 +76,9 @@ class DisturbanceKalman(LinearObserver):
 
 def learn_causal(runs: Sequence[Run]) -> Learned:
     """Tune the two ratios."""
-    return tuned([DisturbanceKalman(*own) for own in product(WANDERINGS, MEASURED)], runs)
+    return tuned(
+        [DisturbanceKalman(*ratios) for ratios in product(WANDERINGS, MEASUREMENT_NOISES)], runs
+    )
 
 
 def learn_offline(runs: Sequence[Run]) -> Learned:
@@ -84,8 +87,7 @@ def learn_offline(runs: Sequence[Run]) -> Learned:
     return untuned(DisturbanceKalman(**constants).smoothed, runs)._replace(constants=constants)
 
 
-SOURCE = "Hu and Xiong 2018"
 ESTIMATORS = [
-    Estimator("disturbance Kalman filter", SOURCE, True, learn_causal),
-    Estimator("disturbance Kalman filter, smoothed", SOURCE, False, learn_offline),
+    Contender("disturbance Kalman filter", SOURCE, True, learn_causal),
+    Contender("disturbance Kalman filter, smoothed", SOURCE, False, learn_offline),
 ]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.momentum import LinearObserver
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned
@@ -36,7 +36,7 @@ class ExtendedState(LinearObserver):
 
 def learn(runs: Sequence[Run]) -> Learned:
     """Tune the bandwidth."""
-    return tuned([ExtendedState(own) for own in BANDWIDTHS], runs)
+    return tuned([ExtendedState(bandwidth) for bandwidth in BANDWIDTHS], runs)
 
 
-ESTIMATORS = [Estimator("extended state observer", "Ren et al. 2018; Gao 2003", True, learn)]
+ESTIMATORS = [Contender("extended state observer", "Ren et al. 2018; Gao 2003", True, learn)]

@@ -1,8 +1,9 @@
 """F̂ᵐᵃᵖ in forty lines: what a new idea has to beat.
 
 The background is the running median of the torque. A contact begins where the rest exceeds
-BEGINS deviations of its fast error, and ends below ENDS. What gears and stiction took of it is
-given back, and the wrench is a ridge regression: the most probable one, with a prior of RIDGE.
+CONTACT_START deviations of its fast error, and ends below CONTACT_END. What gears and stiction took
+of it is given back, and the wrench is a ridge regression: the most probable one, with a prior of
+PRIOR_FORCE.
 """
 
 from collections.abc import Sequence
@@ -14,20 +15,20 @@ import pandas as pd
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.detection import spans
-from ur5lib.force.external_torque import STILL
-from ur5lib.force.force_input import MEAN, held
+from ur5lib.force.external_torque import JointState
+from ur5lib.force.force_input import MEAN_STICTION, mean_stiction_torque
 from ur5lib.force.gate import diagonal
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.force import breakaway_of, learned_noise
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import by_segment, marked
+from ur5lib.timeseries.segments import by_segment, inside_spans
 
-WINDOW = 10.0  # s, of the median
-BEGINS, ENDS = 8.0, 2.0  # deviations
-RIDGE = 30.0  # N
+MEDIAN_SPAN = 10.0  # s, of the median
+CONTACT_START, CONTACT_END = 8.0, 2.0  # deviations
+PRIOR_FORCE = 30.0  # N
 PRIOR = ContactPrior()
 
 
@@ -39,24 +40,25 @@ def running_median(torque: Array, samples: int) -> Array:
 
 def estimate(run: Run, noise: ResidualModel) -> Estimate:
     """Return wrench and standard deviation of a run; noise: of its low-passed torque."""
-    median = partial(running_median, samples=round(WINDOW / run.period))
+    median = partial(running_median, samples=round(MEDIAN_SPAN / run.period))
     rest = run.smoothed - by_segment(median, run.smoothed, run.segment)
-    still, deviation = run.states == STILL, noise.change[run.states, np.arange(6)]
+    still, deviation = run.states == JointState.STILL, noise.change[run.states, np.arange(6)]
     size = np.nan_to_num(np.linalg.norm(rest / deviation, axis=1))
-    touched = marked(spans(size, BEGINS, ENDS), len(size))
+    touched = inside_spans(spans(size, CONTACT_START, CONTACT_END), len(size))
     # gears and stiction
     carried, _ = run.gears.where_moving(run.states).contact_torque(rest)
-    carried += still * held(carried, noise.breakaway, PRIOR.stiction)
-    taken = np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN**2), PRIOR.rubbing) * noise.breakaway
+    carried += still * mean_stiction_torque(carried, noise.breakaway, PRIOR.stiction)
+    absorbed = np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
+    taken = absorbed * noise.breakaway
     lost = PRIOR.load_friction * carried
     # ridge
     covariance = diagonal(deviation**2 + taken**2 + lost**2)
     wrench, std = np.full_like(rest, np.nan), np.full_like(rest, np.nan)
-    known = np.isfinite(rest).all(axis=1) & np.isfinite(run.jacobian).all(axis=(1, 2))
-    prior = wrench_covariance(RIDGE, PRIOR.lever)
-    found = regularised_wrench(carried[known], run.jacobian[known], covariance[known], prior)
-    wrench[known] = np.where(touched[known, None], found.mean, 0.0)
-    std[known] = np.sqrt(np.linalg.diagonal(found.covariance))
+    finite = np.isfinite(rest).all(axis=1) & np.isfinite(run.jacobian).all(axis=(1, 2))
+    prior = wrench_covariance(PRIOR_FORCE, PRIOR.lever)
+    wrenches = regularised_wrench(carried[finite], run.jacobian[finite], covariance[finite], prior)
+    wrench[finite] = np.where(touched[finite, None], wrenches.mean, 0.0)
+    std[finite] = np.sqrt(np.linalg.diagonal(wrenches.covariance))
     return Estimate(wrench, std)
 
 
@@ -66,4 +68,4 @@ def learn(runs: Sequence[Run]) -> Learned:
     return Learned(lambda run: estimate(run, noise), {})
 
 
-ESTIMATORS = [Estimator(f"{OURS} in forty lines", "ours", False, learn)]
+ESTIMATORS = [Contender(f"{OURS} in forty lines", "ours", False, learn)]

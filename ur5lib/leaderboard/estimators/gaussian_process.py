@@ -12,21 +12,21 @@ C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT
 import torch
 from scipy.optimize import minimize
 
-from ur5lib.leaderboard.learned_residual import Predict, Samples, on_top
+from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, on_top
 from ur5lib.timeseries.arrays import Array
 
-STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent
-ROUNDS = 60  # of L-BFGS
-GROUP = torch.tensor([0] * 6 + [1] * 6 + [2] * 6)  # which length an input has
+SAMPLE_STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent
+MAX_ITERATIONS = 60  # of L-BFGS
+LENGTH_OF_INPUT = torch.tensor([0] * 6 + [1] * 6 + [2] * 6)  # which length an input has
 # Logarithms of the lengths, amplitude and noise, in units of the standard deviations: where the
 # search starts, and the prior's centre; its width is a factor of e.
-START = [1.5, 1.5, 1.5, 0.0, -0.5]
-WIDEST = 5.0  # of the search, in widths of the prior
+PRIOR_LOGARITHMS = [1.5, 1.5, 1.5, 0.0, -0.5]
+SEARCH_WIDTH = 5.0  # of the search, in widths of the prior
 
 
 def kernel(first: torch.Tensor, second: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
     """Return the covariances (n, m) between inputs (n, 18) and (m, 18)."""
-    length = logs[:3].exp()[GROUP]
+    length = logs[:3].exp()[LENGTH_OF_INPUT]
     exact = "donot_use_mm_for_euclid_dist"
     squares = torch.cdist(first / length, second / length, compute_mode=exact) ** 2
     return (2 * logs[3]).exp() * torch.exp(-squares / 2)
@@ -47,7 +47,7 @@ def negative_log_likelihood(
     return (whitened**2).sum() / 2 + values.shape[1] * root.diagonal().log().sum()
 
 
-def train(learnt: Samples, _: Samples) -> Predict:
+def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
     """Fit the process; the path that is left out is not needed."""
     points, values = map(torch.as_tensor, learnt)
     logs = most_likely(points, values)
@@ -64,14 +64,16 @@ def most_likely(points: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
 
     def cost(logs: Array) -> tuple[float, Array]:
         at = torch.tensor(logs, requires_grad=True)
-        unlikely = ((at - at.new_tensor(START)) ** 2).sum() / 2
+        unlikely = ((at - at.new_tensor(PRIOR_LOGARITHMS)) ** 2).sum() / 2
         loss = negative_log_likelihood(points, values, at) + unlikely
         (slope,) = torch.autograd.grad(loss, at)
         return loss.item(), slope.numpy()
 
-    bounds = [(log - WIDEST, log + WIDEST) for log in START]
-    found = minimize(cost, START, jac=True, bounds=bounds, options={"maxiter": ROUNDS})
-    return torch.as_tensor(found.x)
+    bounds = [(log - SEARCH_WIDTH, log + SEARCH_WIDTH) for log in PRIOR_LOGARITHMS]
+    solution = minimize(
+        cost, PRIOR_LOGARITHMS, jac=True, bounds=bounds, options={"maxiter": MAX_ITERATIONS}
+    )
+    return torch.as_tensor(solution.x)
 
 
-ESTIMATORS = on_top("Gaussian process", "Rasmussen and Williams 2006", train, STEP)
+ESTIMATORS = on_top("Gaussian process", "Rasmussen and Williams 2006", train, SAMPLE_STEP)

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from ur5lib.leaderboard.estimator import Estimator, Learned, ready
+from ur5lib.leaderboard.estimator import Contender, Learned, ready
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned, untuned
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
 
 TIME_CONSTANTS = (0.015, 0.02, 0.03, 0.04, 0.045, 0.05, 0.06)  # s
+SOURCE = "Aitken 1936"
 
 
 @dataclass(frozen=True)
@@ -48,12 +49,11 @@ def learn_offline(runs: Sequence[Run]) -> Learned:
 
 def learn_causal(runs: Sequence[Run]) -> Learned:
     """Tune the time constant."""
-    return tuned([LowPassed(own) for own in TIME_CONSTANTS], runs)
+    return tuned([LowPassed(time_constant) for time_constant in TIME_CONSTANTS], runs)
 
 
-SOURCE = "Aitken 1936"
 ESTIMATORS = [
-    Estimator("least squares", SOURCE, False, learn_offline),
-    Estimator("least squares behind our gate", SOURCE, False, ready("least_squares")),
-    Estimator("least squares, causal", SOURCE, True, learn_causal),
+    Contender("least squares", SOURCE, False, learn_offline),
+    Contender("least squares behind our gate", SOURCE, False, ready("least_squares")),
+    Contender("least squares, causal", SOURCE, True, learn_causal),
 ]

@@ -29,19 +29,22 @@ from torch import nn
 from torch.nn.functional import mse_loss
 
 from ur5lib.errors import InputError
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.least_squares import TIME_CONSTANTS, LowPassed
-from ur5lib.leaderboard.learned_residual import Predict, Samples, cross_fitted
+from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, cross_fitted
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import starts
 
-PAST, STEP = 20, 0.05  # states that the network sees, and the time between them [s]
-APART = 0.04  # s between samples that are learnt from
-HIDDEN, RATE = 64, 3e-3  # units; step size of Adam
-ROUNDS, BATCH, CHECK = 600, 128, 25  # steps, samples of each, steps between looks at the path left
-PATIENCE = 200  # steps without a smaller error on the path left, after which training ends
+SEQUENCE_LENGTH = 20  # states that the network sees
+SEQUENCE_STEP = 0.05  # s between them
+SAMPLE_STEP = 0.04  # s between samples that are learnt from
+HIDDEN_UNITS, LEARNING_RATE = 64, 3e-3  # units; step size of Adam
+MAX_STEPS, BATCH_SIZE = 600, 128  # steps of training, samples of each
+STEPS_BETWEEN_CHECKS = 25  # of the error on the path left
+PATIENCE_STEPS = 200  # steps without a smaller error on the path left, after which training ends
+SOURCE = "Oh et al. 2026"
 
 
 class Tensors(NamedTuple):
@@ -52,41 +55,41 @@ class Tensors(NamedTuple):
 
 
 class Memory(nn.Module):
-    """Predicts 6 torques from the last state of a memory that has read PAST states in turn."""
+    """Predicts 6 torques from the last state of a memory that has read a sequence of states."""
 
     def __init__(self, states: int) -> None:
         """states: numbers in each state."""
         super().__init__()
         torch.manual_seed(0)
         self.states = states
-        self.memory = nn.LSTM(states, HIDDEN, batch_first=True)
-        self.head = nn.Linear(HIDDEN, 6)
+        self.memory = nn.LSTM(states, HIDDEN_UNITS, batch_first=True)
+        self.head = nn.Linear(HIDDEN_UNITS, 6)
 
     def forward(self, past: torch.Tensor) -> torch.Tensor:
-        """Return torques (n, 6); past: (n, PAST * states)."""
-        read, _ = self.memory(past.unflatten(1, (PAST, self.states)))
+        """Return torques (n, 6); past: (n, SEQUENCE_LENGTH * states)."""
+        read, _ = self.memory(past.unflatten(1, (SEQUENCE_LENGTH, self.states)))
         return self.head(read[:, -1])
 
 
-def train(learnt: Samples, left_out: Samples) -> Predict:
+def train(learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
     """Minimise the squared error; keep the weights that predict the path left out best."""
     seen, unseen = (
-        Tensors(*(torch.as_tensor(values, dtype=torch.float32) for values in own))
-        for own in (learnt, left_out)
+        Tensors(*(torch.as_tensor(values, dtype=torch.float32) for values in batch))
+        for batch in (learnt, left_out)
     )
-    layers = Memory(learnt.inputs.shape[1] // PAST)
-    optimiser = torch.optim.Adam(layers.parameters(), lr=RATE)
+    layers = Memory(learnt.inputs.shape[1] // SEQUENCE_LENGTH)
+    optimiser = torch.optim.Adam(layers.parameters(), lr=LEARNING_RATE)
     drawn = torch.Generator().manual_seed(0)
     best, since, kept = float("inf"), 0, layers.state_dict()
-    for k in range(ROUNDS):
-        if k % CHECK == 0:
+    for k in range(MAX_STEPS):
+        if k % STEPS_BETWEEN_CHECKS == 0:
             with torch.no_grad():
                 error = mse_loss(layers(unseen.inputs), unseen.torque).item()
             if error < best:
                 best, since, kept = error, k, deepcopy(layers.state_dict())
-            elif k - since >= PATIENCE:
+            elif k - since >= PATIENCE_STEPS:
                 break
-        batch = torch.randint(len(seen.inputs), (BATCH,), generator=drawn)
+        batch = torch.randint(len(seen.inputs), (BATCH_SIZE,), generator=drawn)
         optimiser.zero_grad()
         mse_loss(layers(seen.inputs[batch]), seen.torque[batch]).backward()
         optimiser.step()
@@ -99,8 +102,9 @@ def train(learnt: Samples, left_out: Samples) -> Predict:
     return predict
 
 
-def motion(run: Run, *, with_error: bool) -> Samples:
-    """Return the last PAST states in the order of time, (N, PAST * 12 or 18), and k i [Nm].
+def motion(run: Run, *, with_error: bool) -> TrainingSamples:
+    """Return sequences of past states in the order of time, (N, SEQUENCE_LENGTH * 12 or 18), and
+    k i [Nm].
 
     At the start of a stretch, its first state stands for what was before.
     """
@@ -108,10 +112,10 @@ def motion(run: Run, *, with_error: bool) -> Samples:
     if with_error and run.position_error is not None:
         states.append(run.position_error)
     now = np.concatenate(states, axis=1)
-    back = round(STEP / run.period) * np.arange(PAST)[::-1]
+    back = round(SEQUENCE_STEP / run.period) * np.arange(SEQUENCE_LENGTH)[::-1]
     first = np.maximum.accumulate(np.where(starts(run.segment), np.arange(len(now)), 0))
     rows = np.maximum(np.arange(len(now))[:, None] - back, first[:, None])
-    return Samples(now[rows].reshape(len(now), -1), motor(run))
+    return TrainingSamples(now[rows].reshape(len(now), -1), motor(run))
 
 
 def motor(run: Run) -> Array:
@@ -123,7 +127,7 @@ def learn(runs: Sequence[Run], *, with_error: bool) -> Learned:
     """Train on all paths but each one, then tune the low-pass. Raises as `cross_fitted`."""
     if with_error and any(run.position_error is None for run in runs):
         raise InputError("target_q was not recorded, which the position error needs")
-    predicted = cross_fitted(train, runs, APART, partial(motion, with_error=with_error))
+    predicted = cross_fitted(train, runs, SAMPLE_STEP, partial(motion, with_error=with_error))
 
     def unexplained(run: Run) -> Run:
         return replace(run, torque=predicted(run) - motor(run))
@@ -132,12 +136,14 @@ def learn(runs: Sequence[Run], *, with_error: bool) -> Learned:
         lacking = with_error and run.position_error is None
         return None if lacking else learned.method(unexplained(run))
 
-    learned = tuned([LowPassed(own) for own in TIME_CONSTANTS], [unexplained(run) for run in runs])
+    learned = tuned(
+        [LowPassed(time_constant) for time_constant in TIME_CONSTANTS],
+        [unexplained(run) for run in runs],
+    )
     return learned._replace(method=estimate)
 
 
-SOURCE = "Oh et al. 2026"
 ESTIMATORS = [
-    Estimator("LSTM, NEXT", SOURCE, True, partial(learn, with_error=True)),
-    Estimator("LSTM, NEXT without position error", SOURCE, True, partial(learn, with_error=False)),
+    Contender("LSTM, NEXT", SOURCE, True, partial(learn, with_error=True)),
+    Contender("LSTM, NEXT without position error", SOURCE, True, partial(learn, with_error=False)),
 ]

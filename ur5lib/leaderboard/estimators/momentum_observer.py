@@ -16,16 +16,17 @@ import numpy as np
 from scipy import signal
 
 from ur5lib.force.external_torque import finite_rows, without_edges
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.force import CUTOFF, breakaway_of, learned_noise, most_probable
+from ur5lib.leaderboard.force import CUTOFF_HZ, breakaway_of, learned_noise, most_probable
 from ur5lib.leaderboard.momentum import LinearObserver
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned, untuned
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import extrapolated, unbroken
+from ur5lib.timeseries.segments import extrapolated_samples, unbroken
 
-GAINS = (10.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 40.0, 60.0)  # 1/s
+OBSERVER_GAINS = (10.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 40.0, 60.0)  # 1/s
+SOURCE = "De Luca and Mattone 2003; De Luca et al. 2006"
 
 
 @dataclass(frozen=True)
@@ -57,19 +58,21 @@ def observe(
     for rows in unbroken(segment, finite):
         if finite[rows.start] and rows.stop - rows.start > 4:
             # joint by joint, which takes less memory
-            for own, p, change in zip(result[rows].T, momentum[rows].T, rate[rows].T, strict=True):
+            for observed, p, change in zip(
+                result[rows].T, momentum[rows].T, rate[rows].T, strict=True
+            ):
                 # dp/dt - rate at the middle of each step
                 growth = np.diff(p) / period - (change[1:] + change[:-1]) / 2
                 torque = signal.filtfilt([share], [1, share - 1], growth, padlen=3)
                 # back to the samples: the mean of both neighbouring steps
                 steps = np.pad(torque, 1, mode="edge")
-                own[:] = (steps[:-1] + steps[1:]) / 2
+                observed[:] = (steps[:-1] + steps[1:]) / 2
     return result
 
 
 def learn_causal(runs: Sequence[Run]) -> Learned:
     """Tune the gain."""
-    return tuned([FirstOrder(gain) for gain in GAINS], runs)
+    return tuned([FirstOrder(gain) for gain in OBSERVER_GAINS], runs)
 
 
 def learn_offline(runs: Sequence[Run]) -> Learned:
@@ -87,16 +90,17 @@ def learn_gated(runs: Sequence[Run]) -> Learned:
     """Take the bandwidth of the study's low-pass; the noise is learnt."""
 
     def observed(run: Run) -> Array:
-        found = observe(run.momentum, run.rate, run.segment, run.period, CUTOFF)
-        return without_edges(found, run.segment, extrapolated(CUTOFF, run.period))
+        torque_of_observer = observe(run.momentum, run.rate, run.segment, run.period, CUTOFF_HZ)
+        return without_edges(
+            torque_of_observer, run.segment, extrapolated_samples(CUTOFF_HZ, run.period)
+        )
 
     noise = learned_noise(observed, runs, breakaway_of(runs))
     return Learned(lambda run: most_probable(run, observed(run), noise), {})
 
 
-SOURCE = "De Luca and Mattone 2003; De Luca et al. 2006"
 ESTIMATORS = [
-    Estimator("momentum observer", SOURCE, True, learn_causal),
-    Estimator("momentum observer, zero-phase", SOURCE, False, learn_offline),
-    Estimator(f"{OURS}, observer", "ours", False, learn_gated),
+    Contender("momentum observer", SOURCE, True, learn_causal),
+    Contender("momentum observer, zero-phase", SOURCE, False, learn_offline),
+    Contender(f"{OURS}, observer", "ours", False, learn_gated),
 ]

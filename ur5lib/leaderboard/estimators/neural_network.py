@@ -12,12 +12,12 @@ network learns the whole torque; here, what friction and model leave of it.
 import torch
 from torch import nn
 
-from ur5lib.leaderboard.learned_residual import Predict, Samples, on_top
+from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, on_top
 from ur5lib.timeseries.arrays import Array
 
-STEP = 0.1  # s between samples
-HIDDEN, ROUNDS = 32, 400  # units of a layer; steps of Adam, each over all samples
-RATE, DECAY = 3e-3, 1e-2  # of Adam
+SAMPLE_STEP = 0.1  # s between samples
+HIDDEN_UNITS, TRAINING_STEPS = 32, 400  # units of a layer; steps of Adam, each over all samples
+LEARNING_RATE, WEIGHT_DECAY = 3e-3, 1e-2  # of Adam
 
 
 def network() -> nn.Sequential:
@@ -26,28 +26,36 @@ def network() -> nn.Sequential:
     Its output begins at zero, so that a network that learns nothing subtracts next to nothing.
     """
     torch.manual_seed(0)
-    hidden = [nn.Linear(18, HIDDEN), nn.Tanh(), nn.Linear(HIDDEN, HIDDEN), nn.Tanh()]
-    last = nn.Linear(HIDDEN, 6)
+    hidden = [
+        nn.Linear(18, HIDDEN_UNITS),
+        nn.Tanh(),
+        nn.Linear(HIDDEN_UNITS, HIDDEN_UNITS),
+        nn.Tanh(),
+    ]
+    last = nn.Linear(HIDDEN_UNITS, 6)
     nn.init.zeros_(last.weight)
     nn.init.zeros_(last.bias)
     return nn.Sequential(*hidden, last).double()
 
 
-def train(learnt: Samples, left_out: Samples) -> Predict:
+def train(learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
     """Minimise the squared error; keep the weights that predict the path left out best."""
-    learnt_pair, left_pair = (tuple(map(torch.as_tensor, own)) for own in (learnt, left_out))
+    learnt_pair, left_pair = (tuple(map(torch.as_tensor, values)) for values in (learnt, left_out))
     layers = network()
-    optimiser = torch.optim.AdamW(layers.parameters(), lr=RATE, weight_decay=DECAY)
-    best, kept = float("inf"), layers.state_dict()
-    for _ in range(ROUNDS):
+    optimiser = torch.optim.AdamW(layers.parameters(), lr=LEARNING_RATE, weight_decay=WEIGHT_DECAY)
+    best, best_weights = float("inf"), layers.state_dict()
+    for _ in range(TRAINING_STEPS):
         with torch.no_grad():
             error = _error(layers, left_pair).item()
         if error < best:
-            best, kept = error, {name: own.clone() for name, own in layers.state_dict().items()}
+            best, best_weights = (
+                error,
+                {name: values.clone() for name, values in layers.state_dict().items()},
+            )
         optimiser.zero_grad()
         _error(layers, learnt_pair).backward()
         optimiser.step()
-    layers.load_state_dict(kept)
+    layers.load_state_dict(best_weights)
 
     def predict(new: Array) -> Array:
         with torch.no_grad():
@@ -61,4 +69,4 @@ def _error(layers: nn.Module, pair: tuple[torch.Tensor, ...]) -> torch.Tensor:
     return ((layers(pair[0]) - pair[1]) ** 2).mean()
 
 
-ESTIMATORS = on_top("neural network", "Yilmaz et al. 2020", train, STEP)
+ESTIMATORS = on_top("neural network", "Yilmaz et al. 2020", train, SAMPLE_STEP)

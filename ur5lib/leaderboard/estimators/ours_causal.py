@@ -17,11 +17,11 @@ import numpy as np
 from scipy.special import softmax
 
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
-from ur5lib.force.contact_wrench import Wrench, contact_wrench
+from ur5lib.force.contact_wrench import ContactWrench, contact_wrench
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.gate import Noise, diagonal, log_density
+from ur5lib.force.gate import TorqueVariances, diagonal, log_density
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
 from ur5lib.leaderboard.force import breakaway_of, learned_noise
 from ur5lib.leaderboard.run import Estimate, Run
@@ -29,9 +29,9 @@ from ur5lib.leaderboard.tuning import least_false
 from ur5lib.timeseries.arrays import Array
 
 OURS_CAUSAL = "F̂ᵐᵃᵖ, causal"
-GAINS = (20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0)  # of the observer [1/s]
+OBSERVER_GAINS = (20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0)  # of the observer [1/s]
 PRIOR = ContactPrior()
-SIZES = [  # P: the typical contact, and larger ones
+PRIOR_COVARIANCES = [  # P: the typical contact, and larger ones
     wrench_covariance(size, PRIOR.lever) for size in PRIOR.sizes if size >= PRIOR.force
 ]
 
@@ -46,13 +46,15 @@ class CausalMap:
     def estimate(self, run: Run) -> Estimate:
         """Return the wrench and its standard deviation, NaN where the torque is unknown."""
         torque = FirstOrder(self.gain).torque(run)
-        known = finite_rows(torque) & finite_rows(run.jacobian.reshape(-1, 36))
+        finite = finite_rows(torque) & finite_rows(run.jacobian.reshape(-1, 36))
         wrench, std = np.full_like(torque, np.nan), np.full_like(torque, np.nan)
-        noise = Noise.of(run.states[known], self.model, PRIOR, np.zeros_like(torque[known]))
-        gears = run.gears.at(known).where_moving(run.states[known])
-        carried, _ = gears.contact_torque(torque[known])
-        own = mixed_wrench(carried, run.jacobian[known], noise)
-        wrench[known], std[known] = own.mean, np.sqrt(own.variance)
+        noise = TorqueVariances.of(
+            run.states[finite], self.model, PRIOR, np.zeros_like(torque[finite])
+        )
+        gears = run.gears.at(finite).where_moving(run.states[finite])
+        carried, _ = gears.contact_torque(torque[finite])
+        mixed = mixed_wrench(carried, run.jacobian[finite], noise)
+        wrench[finite], std[finite] = mixed.mean, np.sqrt(mixed.variance)
         return Estimate(wrench, std)
 
     def torque(self, run: Run) -> Array:
@@ -60,31 +62,36 @@ class CausalMap:
         return (run.jacobian.mT @ self.estimate(run).wrench[..., None])[..., 0]
 
 
-def mixed_wrench(torque: Array, jacobian: Array, noise: Noise) -> Wrench:
+def mixed_wrench(torque: Array, jacobian: Array, noise: TorqueVariances) -> ContactWrench:
     """Return mean and variance (n, 6) of the wrench over the sizes of contacts, sample by sample.
 
     torque: (n, 6) [Nm]; jacobian: (n, 6, 6).
     """
     spread = diagonal(noise.spread + noise.hidden)
     likely = softmax(
-        [log_density(torque, spread + jacobian.mT @ size @ jacobian) for size in SIZES], axis=0
+        [log_density(torque, spread + jacobian.mT @ size @ jacobian) for size in PRIOR_COVARIANCES],
+        axis=0,
     )
     # an infinite period: no sample depends on another
-    found = [contact_wrench(torque, jacobian, spread, 1.0, np.inf, PRIOR, size) for size in SIZES]
+    of_sizes = [
+        contact_wrench(torque, jacobian, spread, 1.0, np.inf, PRIOR, size)
+        for size in PRIOR_COVARIANCES
+    ]
     # E[F] = Σ p F̂, E[F²] = Σ p (var + F̂²)
-    pairs = [*zip(likely[..., None], found, strict=True)]
-    mean = sum(p * own.mean for p, own in pairs)
-    square = sum(p * (own.variance + own.mean**2) for p, own in pairs)
-    return Wrench(mean, square - mean**2)
+    pairs = [*zip(likely[..., None], of_sizes, strict=True)]
+    mean = sum(p * of_size.mean for p, of_size in pairs)
+    square = sum(p * (of_size.variance + of_size.mean**2) for p, of_size in pairs)
+    return ContactWrench(mean, square - mean**2)
 
 
 def learn(runs: Sequence[Run]) -> Learned:
     """Tune the gain by the rule for all."""
     breakaway = breakaway_of(runs)
     tried = [
-        CausalMap(gain, learned_noise(FirstOrder(gain).torque, runs, breakaway)) for gain in GAINS
+        CausalMap(gain, learned_noise(FirstOrder(gain).torque, runs, breakaway))
+        for gain in OBSERVER_GAINS
     ]
-    return least_false(tried, runs, lambda own: own.estimate)
+    return least_false(tried, runs, lambda candidate: candidate.estimate)
 
 
-ESTIMATORS = [Estimator(OURS_CAUSAL, "ours", True, learn)]
+ESTIMATORS = [Contender(OURS_CAUSAL, "ours", True, learn)]

@@ -23,10 +23,10 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.least_squares import LowPassed
 from ur5lib.leaderboard.run import Run
-from ur5lib.leaderboard.tuning import MOST, untuned
+from ur5lib.leaderboard.tuning import MAX_LATENCY, untuned
 from ur5lib.timeseries.arrays import Array
 
 
@@ -41,15 +41,15 @@ class PositionError:
         """Return the external torque (N, 6) [Nm], NaN where the error is unknown."""
         assert run.position_error is not None
         feedback = self.gain * run.position_error + self.constant
-        return LowPassed(MOST).filtered(run.friction - feedback, run)
+        return LowPassed(MAX_LATENCY).filtered(run.friction - feedback, run)
 
 
 def fitted_loops(runs: Sequence[Run]) -> PositionError:
     """Return the gains by which the position error explains the friction, joint by joint."""
     error = np.concatenate([run.position_error for run in runs if run.position_error is not None])
     feedback = np.concatenate([run.friction - run.torque for run in runs])
-    known = finite_rows(error + feedback)
-    lines = [np.polyfit(*pair, 1) for pair in zip(error[known].T, feedback[known].T, strict=True)]
+    finite = finite_rows(error + feedback)
+    lines = [np.polyfit(*pair, 1) for pair in zip(error[finite].T, feedback[finite].T, strict=True)]
     return PositionError(*np.transpose(lines))
 
 
@@ -60,8 +60,8 @@ def learn(runs: Sequence[Run]) -> Learned:
     learned = untuned(fitted_loops(runs).torque, runs)
     return Learned(
         lambda run: None if run.position_error is None else learned.method(run),
-        {"time_constant": MOST},
+        {"time_constant": MAX_LATENCY},
     )
 
 
-ESTIMATORS = [Estimator("position error", "Stolt et al. 2012", True, learn)]
+ESTIMATORS = [Contender("position error", "Stolt et al. 2012", True, learn)]

@@ -7,17 +7,17 @@ constants and its low-pass without delay; F̂ is the same without the friction �
 """
 
 from ur5lib.force.estimators import ESTIMATES
-from ur5lib.leaderboard.estimator import Estimator, ready
+from ur5lib.leaderboard.estimator import Contender, ready
 
-CONTROLLER = ESTIMATES["controller_currents"]
+CONTROLLER_LABEL = ESTIMATES["controller_currents"]
 ESTIMATORS = [
-    Estimator("controller, F̂ᵘ", "`actual_TCP_force`, Universal Robots", True, ready("Fu")),
-    Estimator(
-        CONTROLLER,
+    Contender("controller, F̂ᵘ", "`actual_TCP_force`, Universal Robots", True, ready("Fu")),
+    Contender(
+        CONTROLLER_LABEL,
         "`wrench_calc_from_currents`, Universal Robots",
         True,
         ready("controller_currents"),
     ),
-    Estimator("thesis, F̂", "thesis 2014, Equation 6.8", False, ready("F")),
-    Estimator("thesis, F̂*", "thesis 2014, Equation 6.9", False, ready("F*")),
+    Contender("thesis, F̂", "thesis 2014, Equation 6.8", False, ready("F")),
+    Contender("thesis, F̂*", "thesis 2014, Equation 6.9", False, ready("F*")),
 ]

@@ -22,15 +22,15 @@ import numpy as np
 from scipy.signal import lfilter
 
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
 from ur5lib.leaderboard.force import learned_noise
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.leaderboard.tuning import least_false
 from ur5lib.timeseries.arrays import Array
 
-GAINS = (30.0, 40.0, 60.0, 100.0)  # of the filter [1/s]
-MEMORIES = (0.01, 0.02, 0.03, 0.04)  # s, after which a sample's weight is 1/e
+FILTER_GAINS = (30.0, 40.0, 60.0, 100.0)  # of the filter [1/s]
+MEMORY_SPANS = (0.01, 0.02, 0.03, 0.04)  # s, after which a sample's weight is 1/e
 
 
 @dataclass(frozen=True)
@@ -75,14 +75,14 @@ def forgotten(values: Array, forgetting: float) -> Array:
 
 def learn(runs: Sequence[Run]) -> Learned:
     """Tune the filter and the memory."""
-    noises = {gain: learned_noise(FirstOrder(gain).torque, runs) for gain in GAINS}
+    noises = {gain: learned_noise(FirstOrder(gain).torque, runs) for gain in FILTER_GAINS}
     tried = [
         ForgettingLeastSquares(gain, memory, noises[gain])
-        for gain, memory in product(GAINS, MEMORIES)
+        for gain, memory in product(FILTER_GAINS, MEMORY_SPANS)
     ]
-    return least_false(tried, runs, lambda own: own.estimate)
+    return least_false(tried, runs, lambda candidate: candidate.estimate)
 
 
 ESTIMATORS = [
-    Estimator("recursive least squares, forgetting", "Van Damme et al. 2011", True, learn)
+    Contender("recursive least squares, forgetting", "Van Damme et al. 2011", True, learn)
 ]

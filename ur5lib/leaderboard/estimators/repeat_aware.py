@@ -11,15 +11,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.force.external_torque import RESTING, finite_rows, is_still
-from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.force.external_torque import JointState, finite_rows, is_still
+from ur5lib.force.residual_model import (
+    ResidualModel,
+    TorqueStretch,
+    few_paths,
+    fit_residual_model,
+)
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.force import CUTOFF, breakaway_of, learned_noise, most_probable
+from ur5lib.leaderboard.force import CUTOFF_HZ, breakaway_of, learned_noise, most_probable
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import unbroken
-from ur5lib.timeseries.trajectories import nearest, place
+from ur5lib.timeseries.trajectories import nearest, scaled_states
 
 
 def repeated(run: Run) -> Array:
@@ -27,11 +32,11 @@ def repeated(run: Run) -> Array:
     (q, qd): as it is where the run rests, or none is near.
     """
     pairs = [(free, _moves(free) & finite_rows(free.smoothed)) for free in run.repeats]
-    places = np.concatenate([place(free.q, free.qd)[rows] for free, rows in pairs])
+    places = np.concatenate([scaled_states(free.q, free.qd)[rows] for free, rows in pairs])
     torques = np.concatenate([free.smoothed[rows] for free, rows in pairs])
     result, moves = run.smoothed.copy(), np.flatnonzero(_moves(run))
     if len(places) and len(moves):
-        near, index = nearest(place(run.q, run.qd)[moves], places)
+        near, index = nearest(scaled_states(run.q, run.qd)[moves], places)
         result[moves[near]] -= torques[index[near]]
     return result
 
@@ -48,21 +53,23 @@ def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel
     if len(runs) < 2:
         return noise
     stretches = [
-        Stretch(torque[rows], run.states[rows], run.period)
+        TorqueStretch(torque[rows], run.states[rows], run.period)
         for run in runs
         for torque in [repeated(run)]
         for rows in unbroken(run.segment)
     ]
-    own = fit_residual_model(stretches, CUTOFF, noise.breakaway).wider(few_paths(len(runs)))
+    of_repeats = fit_residual_model(stretches, CUTOFF_HZ, noise.breakaway).wider(
+        few_paths(len(runs))
+    )
 
     def joined(moving: Array, resting: Array) -> Array:
-        return np.concatenate([moving[:RESTING], resting[RESTING:]])
+        return np.concatenate([moving[: JointState.RESTING], resting[JointState.RESTING :]])
 
     return replace(
         noise,
-        spread=joined(own.spread, noise.spread),
-        change=joined(own.change, noise.change),
-        rate=joined(own.rate, noise.rate),
+        spread=joined(of_repeats.spread, noise.spread),
+        change=joined(of_repeats.change, noise.change),
+        rate=joined(of_repeats.rate, noise.rate),
     )
 
 
@@ -78,4 +85,4 @@ def learn(runs: Sequence[Run]) -> Learned:
     return Learned(estimate, {})
 
 
-ESTIMATORS = [Estimator(f"{OURS}, repeat-aware", "ours", False, learn)]
+ESTIMATORS = [Contender(f"{OURS}, repeat-aware", "ours", False, learn)]

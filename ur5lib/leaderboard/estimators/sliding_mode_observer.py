@@ -17,13 +17,13 @@ from itertools import product
 
 import numpy as np
 
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.momentum import MomentumObserver
 from ur5lib.leaderboard.run import Run
 from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 
-SWITCHING = (0.1, 0.3, 1.0, 3.0, 10.0)  # 1/s
+SWITCHING_RATES = (0.1, 0.3, 1.0, 3.0, 10.0)  # 1/s
 BANDWIDTHS = (10.0, 20.0, 30.0, 40.0, 50.0)  # rad/s, √S₂
 
 
@@ -59,7 +59,9 @@ def usual_torque(runs: Sequence[Run]) -> Array:
 def learn(runs: Sequence[Run]) -> Learned:
     """Tune the switching gain and the bandwidth."""
     scale = usual_torque(runs)
-    return tuned([SlidingMode(*own, scale) for own in product(SWITCHING, BANDWIDTHS)], runs)
+    return tuned(
+        [SlidingMode(*constants, scale) for constants in product(SWITCHING_RATES, BANDWIDTHS)], runs
+    )
 
 
-ESTIMATORS = [Estimator("sliding-mode observer, SOSML", "Garofalo et al. 2019", True, learn)]
+ESTIMATORS = [Contender("sliding-mode observer, SOSML", "Garofalo et al. 2019", True, learn)]

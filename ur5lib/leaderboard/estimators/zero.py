@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ur5lib.leaderboard.estimator import Estimator, Learned
+from ur5lib.leaderboard.estimator import Contender, Learned
 from ur5lib.leaderboard.run import Estimate, Run
 
 
@@ -13,4 +13,4 @@ def learn(_: Sequence[Run]) -> Learned:
     return Learned(lambda run: Estimate(np.zeros_like(run.q)), {}, 0.0)
 
 
-ESTIMATORS = [Estimator("zero", "baseline", True, learn)]
+ESTIMATORS = [Contender("zero", "baseline", True, learn)]

@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.trial_contacts import MOST
-from ur5lib.report.baseline import bars
-from ur5lib.report.document import State, Verdict
-from ur5lib.report.formats import capital, day, days
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
+from ur5lib.report.page.document import State, Verdict
+from ur5lib.report.page.formats import capital, day, days
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
-from ur5lib.timeseries.changes import FEWEST
+from ur5lib.report.views.baseline import bars
+from ur5lib.timeseries.changes import MIN_DATES
 
-LEAST = 0.5  # %, smallest effect of temperature that is mentioned
-DRIFT = "Drift over time"  # topic
-ALONG = [f"smallest_push_95_{axis}" for axis in "xyz"]
+MIN_TEMPERATURE_EFFECT = 0.5  # %, smallest effect of temperature that is mentioned
+DRIFT_TOPIC = "Drift over time"  # topic
+PUSHES_BY_AXIS = [f"smallest_push_95_{axis}" for axis in "xyz"]
 
 
 def dates(results: Results) -> Iterator[str]:
@@ -57,7 +57,7 @@ def change(row: Any) -> str:
         size, error = 100 * abs(row.size) / before, 100 * row.std_error / before
         by = say("health.by share", share=size, error=error, digits=int(error < 1))
         added = 100 * row.by_temperature / before
-    added = added if abs(added) >= LEAST else 0.0
+    added = added if abs(added) >= MIN_TEMPERATURE_EFFECT else 0.0
     return say("health.change", row=row, by=by, added=added)
 
 
@@ -76,16 +76,18 @@ def detectable(results: Results) -> Iterator[str]:
         rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
         if len(rows) > 1:
             ends = rows.loc[rows["value"].idxmin()], rows.loc[rows["value"].idxmax()]
-            yield say("observed.pushes", robot=robot, best=ends[0], worst=ends[1], most=MOST)
-        by_axis = results.rows("observability", robot=robot, quantity=ALONG)
+            yield say(
+                "observed.pushes", robot=robot, best=ends[0], worst=ends[1], most=MAX_TRIAL_FORCE
+            )
+        by_axis = results.rows("observability", robot=robot, quantity=PUSHES_BY_AXIS)
         limits = [(slowest, [*part.itertuples()]) for slowest, part in by_axis.groupby("speed_low")]
         if limits:
-            yield say("observed.missed", robot=robot, limits=limits, most=MOST)
+            yield say("observed.missed", robot=robot, limits=limits, most=MAX_TRIAL_FORCE)
 
 
 def pushes(results: Results) -> pd.DataFrame:
     """Return the smallest push that is detected, by speed of the flange."""
-    return results.rows("observability", quantity="smallest_push_95").assign(most=MOST)
+    return results.rows("observability", quantity="smallest_push_95").assign(most=MAX_TRIAL_FORCE)
 
 
 def velocities(results: Results) -> pd.DataFrame:
@@ -128,12 +130,12 @@ def judge_drift(results: Results) -> Verdict | None:
     changes = ranked(results)
     worst = changes.groupby("joint")["share"].max()
     joints = range(1, int(dates["joint"].max()) + 1)
-    state: State = "good" if repeated(dates) >= FEWEST else "not determined"
-    sentence = say("health.unchanged" if state == "good" else "health.paths apart", least=FEWEST)
+    state: State = "good" if repeated(dates) >= MIN_DATES else "not determined"
+    sentence = say("health.unchanged" if state == "good" else "health.paths apart", least=MIN_DATES)
     if len(changes):
         state, sentence = "usable", capital(change(next(changes.itertuples())))
     return Verdict(
-        topic=DRIFT,
+        topic=DRIFT_TOPIC,
         state=state,
         sentence=sentence,
         evidence=say("health.evidence", changes=len(changes), **words),

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from ur5lib.report.document import Number, State, Verdict
+from ur5lib.report.page.document import Number, State, Verdict
 from ur5lib.report.results import Results
 
 Judge = Callable[[Results], Verdict | None]
-SEVEREST: list[State] = ["do not use", "usable", "good", "not determined"]
+STATES_BY_SEVERITY: list[State] = ["do not use", "usable", "good", "not determined"]
 
 
 def by_arm(judge: Judge) -> Judge:
@@ -17,8 +17,8 @@ def by_arm(judge: Judge) -> Judge:
         arms = results.robots()
         if len(arms) < 2:
             return judge(results)
-        found = {arm: verdict for arm in arms if (verdict := judge(results.of_arm(arm)))}
-        return together(found) if found else None
+        by_name = {arm: verdict for arm in arms if (verdict := judge(results.of_arm(arm)))}
+        return together(by_name) if by_name else None
 
     return judged
 
@@ -27,19 +27,21 @@ def together(verdicts: Mapping[str, Verdict]) -> Verdict:
     """Return the verdict on all arms: the severest, with the sentences of each, the severest first;
     good only if all are.
     """
-    arms = sorted(verdicts, key=lambda arm: SEVEREST.index(verdicts[arm].state))
+    arms = sorted(verdicts, key=lambda arm: STATES_BY_SEVERITY.index(verdicts[arm].state))
     severest = verdicts[arms[0]]
-    told: dict[str, list[str]] = {}
+    arms_by_sentence: dict[str, list[str]] = {}
     for arm in arms:
-        told.setdefault(verdicts[arm].sentence, []).append(arm)
+        arms_by_sentence.setdefault(verdicts[arm].sentence, []).append(arm)
     mixed = severest.state == "good" and verdicts[arms[-1]].state != "good"
     return replace(
         severest,
         state="usable" if mixed else severest.state,
-        sentence=" ".join(f"{', '.join(of)}: {sentence}" for sentence, of in told.items()),
-        evidence=" ".join(f"{arm}: {one}" for arm in arms if (one := verdicts[arm].evidence)),
+        sentence=" ".join(
+            f"{', '.join(of)}: {sentence}" for sentence, of in arms_by_sentence.items()
+        ),
+        evidence=" ".join(f"{arm}: {text}" for arm in arms if (text := verdicts[arm].evidence)),
         caption=f"{arms[0]}: {severest.caption}" if severest.caption else "",
-        numbers=tuple(_of(arm, one) for arm in arms for one in verdicts[arm].numbers),
+        numbers=tuple(_of(arm, number) for arm in arms for number in verdicts[arm].numbers),
     )
 
 

@@ -4,16 +4,18 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.formats import capital, fixed
+from ur5lib.report.page.document import MOST_SHOWN
+from ur5lib.report.page.formats import capital, fixed
+from ur5lib.report.page.sentences import name, say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import name, say
 
-WORDS = {"scale": "the scale", "drift": "the drift", "shift": "the shift by a contact"}
-LIMITS = {"scale": "5 %", "drift": "1 N/min", "shift": "1 N"}
-DIGITS = {"N": 2, "N/min": 2, "Nm": 3, "Nm/min": 3, "°": 2, "1": 4, "kg": 3, "m": 4}
-CERTAIN = 0.1  # largest relative error of a mass that the report proposes to declare
-Audit = dict[str, pd.DataFrame]
+QUANTITY_WORDS = {"scale": "the scale", "drift": "the drift", "shift": "the shift by a contact"}
+STATED_LIMITS = {"scale": "5 %", "drift": "1 N/min", "shift": "1 N"}
+DIGITS_BY_UNIT = {"N": 2, "N/min": 2, "Nm": 3, "Nm/min": 3, "°": 2, "1": 4, "kg": 3, "m": 4}
+MAX_RELATIVE_MASS_ERROR = (
+    0.1  # largest relative error of a mass that the report proposes to declare
+)
+AuditRows = dict[str, pd.DataFrame]
 """The rows of audit.csv of one recording by quantity, each by component."""
 
 
@@ -42,27 +44,27 @@ def values(results: Results, recording: str) -> pd.DataFrame:
     """Return every value of a recording's sensor, with its number of digits."""
     rows = results.rows("audit", recording=recording)
     rows = rows[rows["quantity"] != "free_time"].fillna({"component": "", "verdict": ""})
-    return rows.assign(digits=rows["unit"].map(DIGITS))
+    return rows.assign(digits=rows["unit"].map(DIGITS_BY_UNIT))
 
 
 def verdicts(rows: pd.DataFrame) -> Iterator[str]:
     """Yield sentences about one recording's sensor, from its rows of audit.csv."""
-    known = rows.fillna({"component": "", "verdict": ""}).set_index("component")
-    audit = dict([*known.groupby("quantity")])
-    if len(known) == 1:
-        yield say("sensor.short", seconds=known["value"].iloc[0])
+    filled = rows.fillna({"component": "", "verdict": ""}).set_index("component")
+    audit = dict([*filled.groupby("quantity")])
+    if len(filled) == 1:
+        yield say("sensor.short", seconds=filled["value"].iloc[0])
         return
     if "mass" in audit:
         yield from _sensor(audit)
     if "zero" in audit:
-        zero, left = audit["zero"], audit["left_mass"].loc[""]
+        zero, remaining = audit["zero"], audit["left_mass"].loc[""]
         force = say("sensor.vector", values=zero["value"][:3])
         yield say("sensor.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
-        if left.verdict == "wrong":
-            yield say("sensor.left", left=_with_error(left))
+        if remaining.verdict == "wrong":
+            yield say("sensor.left", left=_with_error(remaining))
 
 
-def _sensor(audit: Audit) -> Iterator[str]:
+def _sensor(audit: AuditRows) -> Iterator[str]:
     """Yield sentences about the raw reading, axis by axis and as a whole."""
     for axis in "xyz":
         parts = {"scale": axis, "drift": f"F{axis}", "shift": f"F{axis}"}
@@ -70,7 +72,7 @@ def _sensor(audit: Audit) -> Iterator[str]:
         for quantity, component in parts.items():
             if quantity in audit:
                 row = audit[quantity].loc[component]
-                words = {"word": WORDS[quantity], "limit": LIMITS[quantity]}
+                words = {"word": QUANTITY_WORDS[quantity], "limit": STATED_LIMITS[quantity]}
                 judged.append(say("sensor.judged", row=row, value=_with_error(row), **words))
         yield say("sensor.axis", axis=axis, parts=judged)
     if "scale" not in audit:
@@ -92,10 +94,10 @@ def _sensor(audit: Audit) -> Iterator[str]:
 def _with_error(row: pd.Series) -> str:
     """Return a value with its standard error and its unit."""
     unit = "" if row.unit == "1" else row.unit
-    return say("sensor.value", row=row, digits=DIGITS[row.unit], unit=unit)
+    return say("sensor.value", row=row, digits=DIGITS_BY_UNIT[row.unit], unit=unit)
 
 
-def _payload(audit: Audit) -> Iterator[str]:
+def _payload(audit: AuditRows) -> Iterator[str]:
     """Yield the mass on the sensor beside the declared one, and the command that declares it.
 
     It differs from the declared one where none is declared, or the centre of mass is another, which
@@ -103,7 +105,7 @@ def _payload(audit: Audit) -> Iterator[str]:
     """
     mass, center = audit["mass"].loc[""], audit["center_of_mass"]
     declared = None if pd.isna(mass.expected) else mass.expected
-    certain = 0 < mass.std_error < CERTAIN * mass.value
+    certain = 0 < mass.std_error < MAX_RELATIVE_MASS_ERROR * mass.value
     place = ""
     if certain and ("scale" not in audit or (center["verdict"] == "wrong").any()):
         place = ", ".join(fixed(value, 3).replace("−", "-") for value in center["value"])

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from ur5lib.report.page.sentences import names, say
 from ur5lib.report.results import Results, with_zero
-from ur5lib.report.sentences import names, say
 from ur5lib.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
-DIGITS = 4  # of computed numbers
+COMPUTED_DIGITS = 4  # of computed numbers
 
 
 def changes(results: Results) -> Iterator[str]:
@@ -38,24 +38,24 @@ def rebuilt(results: Results) -> Iterator[str]:
     """Report how many published numbers are rebuilt."""
     rows = results.rows("printed")
     if len(rows):
-        equal, left = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
-        yield say("printed.found", equal=equal, count=len(rows), left=left)
+        equal, missed = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
+        yield say("printed.found", equal=equal, count=len(rows), left=missed)
 
 
 def unexplained(results: Results) -> list[str]:
     """Return each unexplained number with its table and row, and the difference in per cent: that
     of the erratum's number, or else of the rebuilt one.
     """
-    found = []
+    sentences = []
     for row in results.rows("printed", status=UNEXPLAINED).itertuples():
         nearest, source = row.rebuilt, "rebuilt"
         if not np.isnan(row.as_erratum_says):
             nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
         gap = 100 * (nearest / row.printed - 1)
         place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
-        words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}
-        found.append(say("printed.missed", row=row, place=place, **words))
-    return found
+        words = {"nearest": nearest, "source": source, "gap": gap, "digits": COMPUTED_DIGITS}
+        sentences.append(say("printed.missed", row=row, place=place, **words))
+    return sentences
 
 
 def intervals(results: Results) -> pd.DataFrame:

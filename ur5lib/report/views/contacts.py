@@ -6,18 +6,28 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
-from ur5lib.force.estimators import ESTIMATES, NEW, SPOKEN
-from ur5lib.report.baseline import BETTER, ZERO, Rival, error_bar, state
-from ur5lib.report.document import MOST_SHOWN, Number, Verdict
+from ur5lib.force.contact_wrench import (
+    BREAKAWAY_SHARE,
+    MIN_CONSTANT_ERROR,
+    STATIC_SPEED,
+)
+from ur5lib.force.estimators import ESTIMATES, LEADING, NEW, SPOKEN
+from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import MIN_GOOD_SKILL, ZERO_ESTIMATE, Rival, error_bar, state
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import FORCES, PUSHES, leading, pushes_found, searched
+from ur5lib.report.views.forces import (
+    FORCE_COMPONENTS,
+    SMALLEST_PUSHES,
+    leading,
+    pushes_found,
+    searched,
+)
 
-CLAIMED, OURS, AXIS = "F*", "Fmap", "Fz"
-TOPIC = "Force in contact"
-UNCALIBRATED = "static"  # the estimate without any fit
+CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
+FORCE_TOPIC = "Force in contact"
+STATIC_ESTIMATE = "static"  # the estimate without any fit
 
 
 def sentences(results: Results) -> list[str]:
@@ -32,13 +42,13 @@ def sentences(results: Results) -> list[str]:
 
 def in_contact(results: Results) -> Iterator[str]:
     """Report the errors of the leading estimate, in contact and free."""
-    rows = results.rows("force_mae", kind="compensated", component=FORCES)
+    rows = results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS)
     touched = dict([*rows[rows["during"] == "contact"].groupby("recording", sort=False)])
     free = rows[rows["during"] == "free"]
     for name, contact in [*touched.items()][:MOST_SHOWN]:
         yield _errors_in_contact(contact, leading(free[free["recording"] == name]))
     if len(touched) > MOST_SHOWN:
-        means = [leading(own)[["mae", "mean_force"]].mean() for own in touched.values()]
+        means = [leading(errors)[["mae", "mean_force"]].mean() for errors in touched.values()]
         better = sum(mean["mae"] < mean["mean_force"] for mean in means)
         yield say("contacts.better", better=better, count=len(touched))
 
@@ -73,26 +83,26 @@ def undetermined_moments(results: Results) -> Iterator[str]:
 
 def bands_held(results: Results) -> Iterator[str]:
     """Report the coverage of the stated bands, in contact and free."""
-    rows = results.rows("force_mae", kind="compensated", component=FORCES)
-    held = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
-    if {"contact", "free"} <= {*held}:
-        known = held.dropna(subset=["contact", "free"])
-        yield say("contacts.averaged", held=[*known.itertuples()])
+    rows = results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS)
+    coverage = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
+    if {"contact", "free"} <= {*coverage}:
+        complete = coverage.dropna(subset=["contact", "free"])
+        yield say("contacts.averaged", held=[*complete.itertuples()])
 
 
 def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
-    """Return the contacts that F̂ᵐᵃᵖ finds, by contact recording without a sensor."""
-    searched = {*results.rows("detection", estimate="Fmap")["recording"]}
+    """Return the contacts that are found, by contact recording without a sensor."""
+    searched = {*results.rows("detection", estimate=LEADING)["recording"]}
     names = results.with_role("contact", searched.difference(results.listed("force_mae")))
-    contacts = results.rows("contacts", estimate="Fmap", kind="contact")
-    found = dict([*contacts.groupby("recording")])
-    return {name: found.get(name, contacts[:0]) for name in names}
+    contacts = results.rows("contacts", estimate=LEADING, kind="contact")
+    by_recording = dict([*contacts.groupby("recording")])
+    return {name: by_recording.get(name, contacts[:0]) for name in names}
 
 
 def felt_while_fitted(results: Results) -> list[str]:
-    """Return the recordings of the role fit on which F̂ᵐᵃᵖ finds contacts, by a fit without them."""
-    found = results.rows("contacts", estimate="Fmap", kind="contact")
-    return results.with_role("fit", found["recording"])
+    """Return the recordings of the role fit on which contacts are found, by a fit without them."""
+    contacts = results.rows("contacts", estimate=LEADING, kind="contact")
+    return results.with_role("fit", contacts["recording"])
 
 
 def counted(results: Results) -> Iterator[str]:
@@ -105,7 +115,7 @@ def largest_contacts(results: Results) -> Iterator[str]:
     """Report the largest force on each contact recording without a sensor."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         if len(rows):
-            largest = rows.loc[(rows[FORCES] ** 2).sum(axis="columns").idxmax()]
+            largest = rows.loc[(rows[FORCE_COMPONENTS] ** 2).sum(axis="columns").idxmax()]
             yield say("contacts.largest", name=name, row=largest)
 
 
@@ -120,7 +130,7 @@ def detection(results: Results) -> Iterator[str]:
     """Report the contacts found by their force, those of the weakest that past samples alone show,
     and the smallest push detected along each axis.
     """
-    rows = results.rows("detection", estimate="Fmap")
+    rows = results.rows("detection", estimate=LEADING)
     by_class = rows.groupby("force_class_n")[["found", "contacts"]].sum()
     if len(by_class):
         yield say("contacts.found", classes=[*by_class.itertuples()])
@@ -129,25 +139,25 @@ def detection(results: Results) -> Iterator[str]:
         if len(rated):
             delays = [*rated["causal_delay_s"].dropna()]
             yield say("contacts.causal", rows=rated, delays=delays, most=MOST_SHOWN)
-    smallest = pushes_found(results)[PUSHES].median(skipna=False)
+    smallest = pushes_found(results)[SMALLEST_PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield say("contacts.smallest", forces=smallest)
 
 
 def quiet(results: Results) -> pd.DataFrame:
-    """Return the alarms of F̂ᵐᵃᵖ on validate recordings without an undeclared load, with the
-    recordings' minutes; a recording has one row.
+    """Return the alarms on validate recordings without an undeclared load, with the recordings'
+    minutes; a recording has one row.
     """
     validated = results.with_role("validate")
-    rows = results.rows("detection", estimate="Fmap", recording=validated)
+    rows = results.rows("detection", estimate=LEADING, recording=validated)
     rows = rows[~rows["recording"].isin(loaded(results)["recording"])].drop_duplicates("recording")
     lengths = results.tables["recordings"].set_index("recording")["duration_s"]
     return rows.assign(minutes=rows["recording"].map(lengths).astype(float) / 60)
 
 
 def false_alarms(results: Results) -> Iterator[str]:
-    """Report the alarms of F̂ᵐᵃᵖ where nothing touches the arm, of all samples and of past ones."""
-    if len(results.rows("detection", estimate="Fmap")):
+    """Report the alarms where nothing touches the arm, of all samples and of past ones."""
+    if len(results.rows("detection", estimate=LEADING)):
         rows = quiet(results)
         rate, causal = (a_minute(rows, f"{kind}alarms_per_min") for kind in ("", "causal_"))
         yield say("force.false alarms", minutes=rows["minutes"].sum(), rate=rate, causal=causal)
@@ -155,12 +165,12 @@ def false_alarms(results: Results) -> Iterator[str]:
 
 def a_minute(rows: pd.DataFrame, column: str) -> float:
     """Return the alarms a minute of recordings together, NaN where none has a rate."""
-    known = rows.dropna(subset=column)
-    minutes = known["minutes"].sum()
-    return float((known[column] * known["minutes"]).sum() / minutes) if minutes else math.nan
+    rated = rows.dropna(subset=column)
+    minutes = rated["minutes"].sum()
+    return float((rated[column] * rated["minutes"]).sum() / minutes) if minutes else math.nan
 
 
-class Score(NamedTuple):
+class ClaimScore(NamedTuple):
     """How an estimate detects pushes along z.
 
     found: of all pushes that reach the threshold at the sensor; above: largest share of a
@@ -172,34 +182,34 @@ class Score(NamedTuple):
     above: float
 
 
-def score(results: Results, estimate: str) -> Score | None:
+def score(results: Results, estimate: str) -> ClaimScore | None:
     """Return an estimate's score, None without such recordings.
 
     Pushes are counted on recordings with printed errors, time above on validate recordings.
     """
     printed, validated = results.printed("force_mae", "printed_mae"), results.with_role("validate")
-    rows = {"component": AXIS, "estimate": estimate}
+    rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}
     pushed = results.rows("fixed_threshold", recording=printed, **rows)
     free = results.rows("fixed_threshold", recording=validated, **rows)
     if pushed.empty or free.empty:
         return None
-    found, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
-    return Score(found, pushes, float(free["time_above"].max()))
+    detected, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
+    return ClaimScore(detected, pushes, float(free["time_above"].max()))
 
 
 def claim(results: Results) -> Iterator[str]:
     """Report whether the claim holds, and why not."""
-    if (claimed := score(results, CLAIMED)) is not None:
+    if (claimed := score(results, CLAIMED_ESTIMATE)) is not None:
         yield say("claim.judged", claimed=claimed)
 
 
 def scores(results: Results) -> list[str]:
-    """Return a sentence with the scores of F̂*_z and F̂ᵐᵃᵖ, by which the claim is judged."""
-    claimed, ours = score(results, CLAIMED), score(results, OURS)
+    """Return a sentence with the scores of F̂*_z and ours, by which the claim is judged."""
+    claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
     if claimed is None or ours is None:
         return []
-    both = [(ESTIMATES[CLAIMED], claimed), (ESTIMATES[OURS], ours)]
-    return [say("claim.compared", pushes=claimed.pushes, scores=both)]
+    named_scores = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
+    return [say("claim.compared", pushes=claimed.pushes, scores=named_scores)]
 
 
 def touched(results: Results) -> list[str]:
@@ -220,12 +230,19 @@ def readings(results: Results) -> Iterator[str]:
 def uncalibrated(results: Results) -> Iterator[str]:
     """Report the assumptions of the static estimate, which replaces a fit."""
     if len(results.rows("force_mae", estimate="static")):
-        yield say("sensed.uncalibrated", error=LEAST_ERROR, breakaway=BREAKAWAY, slow=SLOW)
+        yield say(
+            "sensed.uncalibrated",
+            error=MIN_CONSTANT_ERROR,
+            breakaway=BREAKAWAY_SHARE,
+            slow=STATIC_SPEED,
+        )
 
 
 def errors_in_contact(results: Results) -> pd.DataFrame:
     """Return the leading estimate's errors along x, y, z on recordings that no fit has seen."""
-    rows = results.rows("force_mae", kind="compensated", during="contact", component=FORCES)
+    rows = results.rows(
+        "force_mae", kind="compensated", during="contact", component=FORCE_COMPONENTS
+    )
     rows = leading(rows[~rows["recording"].isin(results.with_role("fit"))])
     return rows.assign(axis=rows["component"].str[1:])
 
@@ -235,7 +252,7 @@ def judge_force(results: Results) -> Verdict:
     the recording with the largest share, and by the smallest coverage of a stated band.
     """
     if results.stopped():
-        return Verdict(TOPIC, "do not use", say("force.stopped"))
+        return Verdict(FORCE_TOPIC, "do not use", say("force.stopped"))
     judged = errors_in_contact(results)
     if judged.empty:
         return _unjudged(results)
@@ -244,40 +261,49 @@ def judge_force(results: Results) -> Verdict:
     means = judged.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
     share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
     stated = judged.dropna(subset="coverage95")
-    held = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
-    known, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != UNCALIBRATED
-    sure = row["mae_high"] < (1 - BETTER) * row["mean_force"]  # not if it has no interval
+    least_covered = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
+    has_interval, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != STATIC_ESTIMATE
+    sure = row["mae_high"] < (1 - MIN_GOOD_SKILL) * row["mean_force"]  # not if it has no interval
     doubted = doubted_biases(results, [*means.index])
     relied = sure and calibrated and rival.better.empty and not doubted
-    error = max(one["mae"] / one["mean_force"] for one in (row, share))
-    covered = 1.0 if held is None else held["coverage95"]
-    about = {"known": known, "calibrated": calibrated, "doubted": doubted}
-    told = say("force.verdict", row=row, estimate=_named(row["estimate"]))
+    error = max(errors["mae"] / errors["mean_force"] for errors in (row, share))
+    covered = 1.0 if least_covered is None else least_covered["coverage95"]
+    about = {"known": has_interval, "calibrated": calibrated, "doubted": doubted}
+    sentence = say("force.verdict", row=row, estimate=_named(row["estimate"]))
     return Verdict(
-        topic=TOPIC,
+        topic=FORCE_TOPIC,
         state=state(error, 1.0, covered, tested=relied),
-        sentence=rival.after(told, "N", 1),
+        sentence=rival.after(sentence, "N", 1),
         evidence=" ".join(
             [
-                say("force.evidence", row=row, share=share, held=held, zero=ZERO, **about),
+                say(
+                    "force.evidence",
+                    row=row,
+                    share=share,
+                    held=least_covered,
+                    zero=ZERO_ESTIMATE,
+                    **about,
+                ),
                 *false_alarms(results),
             ]
         ),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=say("force.caption", known=known),
-        numbers=tuple(_numbers(row, share, held)),
+        caption=say("force.caption", known=has_interval),
+        numbers=tuple(_numbers(row, share, least_covered)),
     )
 
 
 def doubted_biases(results: Results, among: list[str]) -> list[str]:
     """Return the recordings, of some, on which the force sensor's bias is uncertain."""
-    told = {"device": "force", "severity": "warning", "finding": "offset"}
-    return [*results.rows("quality", recording=among, **told)["recording"].unique()]
+    doubt = {"device": "force", "severity": "warning", "finding": "offset"}
+    return [*results.rows("quality", recording=among, **doubt)["recording"].unique()]
 
 
 def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:
     """Compare the leading estimate with least squares, means over x, y, z by recording."""
-    rows = results.rows("force_mae", kind="compensated", during="contact", component=FORCES)
+    rows = results.rows(
+        "force_mae", kind="compensated", during="contact", component=FORCE_COMPONENTS
+    )
     rows = rows[rows["recording"].isin(judged["recording"])]
     models = {judged["estimate"].iloc[0]: "ours", "least_squares": "rival"}
     return Rival.beside("least squares", rows, "mae", "recording", models)
@@ -285,7 +311,7 @@ def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:
 
 def _named(estimate: str) -> str:
     """Return an estimate's name as used in sentences."""
-    if estimate == UNCALIBRATED:
+    if estimate == STATIC_ESTIMATE:
         return f"{SPOKEN[estimate]} of the force"
     if SPOKEN[estimate] != ESTIMATES[estimate]:
         return SPOKEN[estimate]
@@ -293,26 +319,32 @@ def _named(estimate: str) -> str:
     return f"{noun} {ESTIMATES[estimate]}"
 
 
-def _numbers(row: pd.Series, share: pd.Series, held: pd.Series | None) -> Iterator[Number]:
+def _numbers(row: pd.Series, share: pd.Series, least_covered: pd.Series | None) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     place = f"{row['recording']}, along {row['axis']}, in contact"
     error = Number(name, float(row["mae"]), "N", place)
-    yield error.within(row["mae_low"], row["mae_high"], "95 %").beside(row["mean_force"], ZERO)
+    yield error.within(row["mae_low"], row["mae_high"], "95 %").beside(
+        row["mean_force"], ZERO_ESTIMATE
+    )
     place = f"{share.name}, mean over x, y, z, in contact"
-    yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO)
-    if held is not None:
-        place = f"{held['recording']}, along {held['axis']}, in contact"
-        yield Number("least share in the 95 % band", 100 * float(held["coverage95"]), "%", place)
+    yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO_ESTIMATE)
+    if least_covered is not None:
+        place = f"{least_covered['recording']}, along {least_covered['axis']}, in contact"
+        yield Number(
+            "least share in the 95 % band", 100 * float(least_covered["coverage95"]), "%", place
+        )
 
 
 def _unjudged(results: Results) -> Verdict:
     """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
-        return Verdict(TOPIC, "not determined", say("force.none"), " ".join(readings(results)))
+        return Verdict(
+            FORCE_TOPIC, "not determined", say("force.none"), " ".join(readings(results))
+        )
     if len(results.tables["force_mae"]):
-        return Verdict(TOPIC, "not determined", say("force.untouched"))
+        return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
-    found = [say("force.plausible", counts=counts)] if counts else []
-    evidence = " ".join([*found, *false_alarms(results)])
-    return Verdict(TOPIC, "not determined", say("force.no sensor"), evidence)
+    plausible = [say("force.plausible", counts=counts)] if counts else []
+    evidence = " ".join([*plausible, *false_alarms(results)])
+    return Verdict(FORCE_TOPIC, "not determined", say("force.no sensor"), evidence)

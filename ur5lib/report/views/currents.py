@@ -6,22 +6,28 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.identification.currents import UNDETERMINED
-from ur5lib.report.baseline import HELD, WIDE, AgainstBaseline, Rival, bars
-from ur5lib.report.document import Number, State, Verdict
+from ur5lib.identification.currents import MAX_PRIOR_SHARE
+from ur5lib.report.page.document import Number, State, Verdict
+from ur5lib.report.page.sentences import names, say
 from ur5lib.report.results import AT_REST, Results
-from ur5lib.report.sentences import names, say
+from ur5lib.report.views.baseline import (
+    MIN_GOOD_COVERAGE,
+    WIDE_BAND_COVERAGE,
+    AgainstBaseline,
+    Rival,
+    bars,
+)
 from ur5lib.tidy.friction import AS_PRINTED
 from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
-LEAST_KNOWN = 3  # parameters that the next recording is designed for
-MOST_COMPARED = 12  # columns that fit on a page
-PARAMETERS = {"torque_constant": "k", "offset": "b"}
-CONSTANTS, CURRENTS = "Torque constants", "Friction and currents"  # topics
-CONSTANT = "a constant current"
-CONTRADICTIONS = ["unlikely constant", "current against constant"]  # codes of remarks
-MODELS = {"fitted": "ours", "least_squares": "rival"}  # the rival has no prior
+MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
+MAX_COMPARED_FITS = 12  # columns that fit on a page
+PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
+CONSTANTS_TOPIC, CURRENTS_TOPIC = "Torque constants", "Friction and currents"  # topics
+CONSTANT_ESTIMATE = "a constant current"
+CONTRADICTION_CODES = ["unlikely constant", "current against constant"]  # codes of remarks
+COMPARED_MODELS = {"fitted": "ours", "least_squares": "rival"}  # the rival has no prior
 
 
 def predicted(results: Results) -> list[str]:
@@ -43,7 +49,7 @@ def constants(results: Results) -> pd.DataFrame:
         moving.setdefault(arms[name], set()).update(results.moving(name))
     pairs = zip(rows["robot"], rows["joint"], strict=True)
     moved = [robot not in moving or joint in moving[robot] for robot, joint in pairs]
-    by_prior = np.where(rows["prior_share"] > UNDETERMINED, "prior", "undetermined")
+    by_prior = np.where(rows["prior_share"] > MAX_PRIOR_SHARE, "prior", "undetermined")
     return rows.assign(
         moved=np.array(moved, dtype=bool) | (rows["parameter"] == "torque_constant"),
         source=np.where(rows["determined"] == "yes", "data", by_prior),
@@ -57,7 +63,7 @@ def remarks(results: Results) -> Iterator[str]:
 
 def contradictions(results: Results) -> Iterator[str]:
     """Return the remarks on currents and constants that contradict the known ones."""
-    yield from _by_joints(results.rows("remarks", code=CONTRADICTIONS))
+    yield from _by_joints(results.rows("remarks", code=CONTRADICTION_CODES))
 
 
 def _by_joints(rows: pd.DataFrame) -> Iterator[str]:
@@ -70,7 +76,7 @@ def next_recordings(results: Results) -> Iterator[str]:
     study, lab = results.study["study"], results.study.get("devices") or {}
     table = lab.get("table_m") or 0.0
     for robot, rows in results.tables["friction"].groupby("robot", sort=False):
-        worst = rows.sort_values("prior_share", ascending=False)[:LEAST_KNOWN]
+        worst = rows.sort_values("prior_share", ascending=False)[:MAX_NAMED_PARAMETERS]
         words = {"robot": robot, "study": study, "table": f"{table:g}", "last": rows["joint"].max()}
         yield say("currents.next recording", worst=[*worst.itertuples()], **words)
 
@@ -79,15 +85,15 @@ def farthest_in_time(results: Results) -> Iterator[str]:
     """Say which dated recording of each arm is farthest from all those of the fit."""
     arms, dates, roles = results.arms(), results.dates(), results.roles()
     for robot in results.robots():
-        own = {name: day for name, day in dates.items() if day and arms[name] == robot}
-        fitted = [day for name, day in own.items() if roles[name] == "fit"]
-        away = {
-            name: min(abs((day - one).days) for one in fitted)
-            for name, day in own.items()
+        dated = {name: day for name, day in dates.items() if day and arms[name] == robot}
+        fitted = [day for name, day in dated.items() if roles[name] == "fit"]
+        days_away = {
+            name: min(abs((day - other).days) for other in fitted)
+            for name, day in dated.items()
             if fitted and roles[name] in ("validate", "contact")
         }
-        if away and (days := max(away.values())):
-            name = max(away, key=lambda one: away[one])
+        if days_away and (days := max(days_away.values())):
+            name = max(days_away, key=days_away.__getitem__)
             yield say("currents.farthest in time", robot=robot, name=name, days=days)
 
 
@@ -127,7 +133,7 @@ def cross_validation(results: Results, robot: str) -> pd.DataFrame:
     fitted_on: with the number under which the recording stands as a column.
     """
     rows = results.rows("cross_validation", robot=robot).dropna(subset="rmse_2hz")
-    fitted = [*rows["fitted_on"].unique()][:MOST_COMPARED]
+    fitted = [*rows["fitted_on"].unique()][:MAX_COMPARED_FITS]
     if len(fitted) < 2:  # a fit tested on its own recording is no test
         return rows[:0]
     number = {name: i for i, name in enumerate(fitted, start=1)}
@@ -159,7 +165,7 @@ def _by_sign(rows: pd.DataFrame) -> pd.DataFrame:
             std_error=rows[f"{name}_std_error"],
             printed=rows[f"printed_{name}"],
         )
-        for name, sign in PARAMETERS.items()
+        for name, sign in PARAMETER_SYMBOLS.items()
     ]
     return pd.concat(parts)
 
@@ -173,9 +179,9 @@ def _fitted(results: Results, recording: str) -> pd.DataFrame:
 def doubted_joint(results: Results, recording: str) -> int:
     """Return the joint whose printed offset is furthest from this study's fit."""
     rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
-    here = _fitted(results, recording).xs("offset", level="parameter")["value"]
-    away = (rows.set_index("joint")["printed_offset"] - here).abs()
-    return int(away.idxmax())
+    fitted = _fitted(results, recording).xs("offset", level="parameter")["value"]
+    distance = (rows.set_index("joint")["printed_offset"] - fitted).abs()
+    return int(distance.idxmax())
 
 
 def on_every_run(results: Results, recording: str) -> pd.DataFrame:
@@ -218,26 +224,26 @@ def judge_constants(results: Results) -> Verdict | None:
     if len(signs):
         fitted = "contradicting constants" in {*signs["code"]}
         kind = "contradicted" if fitted else "not fitted"
-        return Verdict(CONSTANTS, "do not use", say(f"constants.{kind}"))
+        return Verdict(CONSTANTS_TOPIC, "do not use", say(f"constants.{kind}"))
     if rows.empty:
         return None
     shares = rows.groupby("joint")["prior_share"].max()
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
-    known = [*rows.loc[determined, "joint"].unique()]
+    constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
     far = (rows["value"] - rows["known"]).abs() > NORMAL95 * rows["known_std"]
     apart = [*rows.loc[far & ~rows["joint"].isin(unlikely), "joint"]]
     state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
-    if unlikely or not known:
+    if unlikely or not constants:
         state = "do not use" if unlikely else "not determined"
-    words = {"known": known, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
+    words = {"known": constants, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
     return Verdict(
-        topic=CONSTANTS,
+        topic=CONSTANTS_TOPIC,
         state=state,
         sentence=say("constants.verdict", **words),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
-        **_farthest(rows) if known else {},
+        **_farthest(rows) if constants else {},
     )
 
 
@@ -256,24 +262,30 @@ def judge_currents(results: Results) -> Verdict:
     squares, their band by the smallest coverage.
     """
     rows = unseen(results)
-    rival = Rival.beside("plain least squares", rows, "rmse_2hz", "joint", MODELS)
+    rival = Rival.beside("plain least squares", rows, "rmse_2hz", "joint", COMPARED_MODELS)
     rows = rows[rows["model"] == "fitted"]
-    against = AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT)
+    against = AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT_ESTIMATE)
     if against.errors.empty:
         reason = "no motion" if results.with_role("validate") else "no validate"
         reason = "no friction" if results.tables["friction"].empty else reason
-        return Verdict(CURRENTS, "not determined", say(f"currents.{reason}"))
+        return Verdict(CURRENTS_TOPIC, "not determined", say(f"currents.{reason}"))
     least = rows.loc[rows["coverage95"].idxmin()]
-    held = float(least["coverage95"])
+    coverage = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
-    share = Number("least share in the 95 % band", 100 * held, "%", place)
-    told = say("currents.verdict", against=against, hold=held >= HELD, wide=held >= WIDE)
+    share = Number("least share in the 95 % band", 100 * coverage, "%", place)
+    cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
+    sentence = say(
+        "currents.verdict",
+        against=against,
+        hold=coverage >= MIN_GOOD_COVERAGE,
+        wide=coverage >= WIDE_BAND_COVERAGE,
+    )
     return Verdict(
-        topic=CURRENTS,
-        state=against.state(held, tested=rival.better.empty),
-        sentence=rival.after(told, "A", 3),
+        topic=CURRENTS_TOPIC,
+        state=against.state(coverage, tested=rival.better.empty),
+        sentence=rival.after(sentence, "A", 3),
         evidence=say("currents.evidence", against=against, least=least),
         drawing=against.drawing(),
-        caption=say("error.bars", zero=CONSTANT),
-        numbers=(*against.numbers("RMSE below 2 Hz"), share),
+        caption=say("error.bars", zero=CONSTANT_ESTIMATE),
+        numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )

@@ -6,11 +6,12 @@ from itertools import chain, islice
 import pandas as pd
 from scipy.special import bdtr, bdtrc
 
-from ur5lib.force.trial_contacts import MOST as MOST_TRIED
-from ur5lib.identification.samples import FEW
-from ur5lib.report.document import MOST_SHOWN, Verdict
+from ur5lib.force.estimators import LEADING
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE as MOST_TRIED
+from ur5lib.identification.samples import MIN_UNITS
+from ur5lib.report.page.document import MOST_SHOWN, Verdict
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import AT_REST, Results
-from ur5lib.report.sentences import say
 from ur5lib.report.views import (
     arm_state,
     comparison,
@@ -22,7 +23,7 @@ from ur5lib.report.views import (
 )
 from ur5lib.report.views.arms import Judge, by_arm
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
-from ur5lib.report.views.forces import PUSHES, pushes_found, searched
+from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found, searched
 from ur5lib.tidy.models import STOP
 
 VERDICTS: list[Judge] = [
@@ -34,6 +35,13 @@ VERDICTS: list[Judge] = [
     by_arm(motion.judge_motion),
     by_arm(arm_state.judge_drift),
 ]
+MAX_STEPS = 3  # steps that a reader remembers
+WORTHWHILE_BAND_RATIO = 0.95  # of the band of forces, from which on a recording is worth naming
+HIGH_LOST_SHARE = 0.1  # share of lost frames from which a recording is worth repeating
+ASKING_CODES = ["no motion", "one path", "few paths"]  # codes of remarks that ask for a recording
+REMARKABLE_CHANCE = (
+    0.025  # below this chance, the count of intervals that contain the truth is remarkable
+)
 
 
 def verdicts(results: Results) -> list[Verdict]:
@@ -68,17 +76,11 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
         yield "forces", name
 
 
-MOST = 3  # steps that a reader remembers
-NARROWER = 0.95  # of the band of forces, from which on a recording is worth naming
-MANY_LOST = 0.1  # share of lost frames from which a recording is worth repeating
-ASKING = ["no motion", "one path", "few paths"]  # codes of remarks that ask for a recording
-
-
 def next_steps(results: Results) -> list[str]:
     """Return the most urgent steps: errors of the set-up first, then files, then recordings."""
     of_files = faulty_files(results), arm_state.steps(results)
     steps = chain(corrections(results), *of_files, missing_recordings(results))
-    return [*islice(steps, MOST)] or [say("steps.none")]
+    return [*islice(steps, MAX_STEPS)] or [say("steps.none")]
 
 
 def corrections(results: Results) -> Iterator[str]:
@@ -99,7 +101,7 @@ def corrections(results: Results) -> Iterator[str]:
         mass = {"mass": row.configured + row.mass, "std": row.std_error}
         some = _some([*loads["recording"]])
         yield say("steps.payload", some=some, recording=row.recording, **mass)
-    for robot, rows in results.rows("remarks", code=currents.CONTRADICTIONS).groupby(
+    for robot, rows in results.rows("remarks", code=currents.CONTRADICTION_CODES).groupby(
         "robot", sort=False
     ):
         yield say("steps.contradiction", robot=robot, numbers=rows["joint"])
@@ -108,7 +110,7 @@ def corrections(results: Results) -> Iterator[str]:
 def faulty_files(results: Results) -> Iterator[str]:
     """Name recordings that lost many frames, and those whose force sensor's bias is in doubt."""
     shares = recordings.lost_shares(results)
-    lost = {name: share for name, share in shares.items() if share >= MANY_LOST}
+    lost = {name: share for name, share in shares.items() if share >= HIGH_LOST_SHARE}
     if lost:
         names = sorted(lost, key=lambda name: -lost[name])
         worst = {"share": lost[names[0]], "file": results.file_of(names[0])}
@@ -122,9 +124,9 @@ def missing_recordings(results: Results) -> Iterator[str]:
     for row in results.tables["excitation"].dropna(subset="motion").itertuples():
         motion = row.motion[0].lower() + row.motion[1:]
         yield say("steps.advised", robot=row.robot, motion=motion)
-    remarks = results.rows("remarks", code=ASKING)
+    remarks = results.rows("remarks", code=ASKING_CODES)
     for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
-        yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=FEW)
+        yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=MIN_UNITS)
     for role in ("fit", "validate"):
         if not results.with_role(role):
             yield say(f"steps.{role}", held=results.with_role(AT_REST))
@@ -132,7 +134,7 @@ def missing_recordings(results: Results) -> Iterator[str]:
         yield say("steps.pushes")
     for robot, rows in results.tables["next_recordings"].groupby("robot", sort=False):
         now, best = rows[rows["after"] == "now"].iloc[0], rows.loc[rows["force"].idxmin()]
-        if best["force"] < NARROWER * now["force"]:
+        if best["force"] < WORTHWHILE_BAND_RATIO * now["force"]:
             yield say("steps.narrower", robot=robot, now=now, best=best)
 
 
@@ -141,12 +143,9 @@ def _some(names: list[str]) -> str:
     return say("steps.some", names=names)
 
 
-IMPROBABLE = 0.025  # below this chance, the count of intervals that contain the truth is remarkable
-
-
 def findings(results: Results) -> list[str]:
     """Return the findings, one item each, or the sentence that there are none."""
-    taken_up = results.rows("contacts", estimate="Fmap", kind="load")
+    taken_up = results.rows("contacts", estimate=LEADING, kind="load")
     sentences = [
         *stop_signs(results),
         *currents.contradictions(results),
@@ -218,14 +217,14 @@ def nearest_model(results: Results) -> Iterator[str]:
 
 def _detection(results: Results) -> Iterator[str]:
     """Report the contacts found, the false alarms, and the smallest push detected."""
-    rows = results.rows("detection", estimate="Fmap")
+    rows = results.rows("detection", estimate=LEADING)
     least = rows[rows["force_class_n"] == rows["force_class_n"].min()]
     if len(least):
         yield say("findings.contacts", rows=least)
     free = contacts.quiet(results)
     if len(free):
         yield say("findings.false alarms", rate=contacts.a_minute(free, "alarms_per_min"))
-    smallest = pushes_found(results)[PUSHES].median(skipna=False)
+    smallest = pushes_found(results)[SMALLEST_PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield say(
             "findings.hardest", axis=smallest.idxmax()[-1], force=smallest.max(), most=MOST_TRIED
@@ -236,9 +235,12 @@ def beside_truth(truth: pd.DataFrame) -> Iterator[str]:
     """Report how many stated intervals contain the simulated truth, and the expected count."""
     stated = truth["within95"].dropna()
     if len(stated):
-        count, held = len(stated), int((stated == "yes").sum())
-        yield say("findings.truth", count=count, held=held)
-        many, few = bdtrc(held - 1, count, 0.95), bdtr(held, count, 0.95)  # of independent values
+        count, inside = len(stated), int((stated == "yes").sum())
+        yield say("findings.truth", count=count, held=inside)
+        many, few = (
+            bdtrc(inside - 1, count, 0.95),
+            bdtr(inside, count, 0.95),
+        )  # of independent values
         chance = min(many, few)
-        surprise = {"chance": chance if chance < IMPROBABLE else None, "many": many < few}
+        surprise = {"chance": chance if chance < REMARKABLE_CHANCE else None, "many": many < few}
         yield say("findings.right intervals", count=count, **surprise)

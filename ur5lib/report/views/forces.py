@@ -4,15 +4,17 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.force.estimators import GATED, NEW, PUBLISHED
-from ur5lib.force.trial_contacts import MOST
+from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
 from ur5lib.report.views.currents import loaded
 
-FORCES = ["Fx", "Fy", "Fz"]
-PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
-RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # in the report's order
+FORCE_COMPONENTS = ["Fx", "Fy", "Fz"]
+SMALLEST_PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
+REPORT_RANK = {
+    name: place for place, name in enumerate([*NEW, *PUBLISHED])
+}  # in the report's order
 
 
 def compared(results: Results) -> list[str]:
@@ -35,13 +37,15 @@ def published(results: Results) -> Iterator[str]:
 
 def leading(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the leading estimate: the first in the report's order."""
-    rank = rows["estimate"].map(RANK)
+    rank = rows["estimate"].map(REPORT_RANK)
     return rows[rank == rank.min()]
 
 
 def headline(results: Results) -> pd.DataFrame:
     """Return the leading estimate's errors of forces in contact, with those in free motion."""
-    return _beside_free(leading(results.rows("force_mae", kind="compensated", component=FORCES)))
+    return _beside_free(
+        leading(results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS))
+    )
 
 
 def bands(results: Results, recording: str) -> pd.DataFrame:
@@ -63,8 +67,8 @@ def contact_errors(results: Results, recording: str) -> pd.DataFrame:
 
 
 def contacts(results: Results, recording: str) -> pd.DataFrame:
-    """Return the contacts that F̂ᵐᵃᵖ finds."""
-    return results.rows("contacts", recording=recording, estimate="Fmap")
+    """Return the contacts that the leading estimate finds."""
+    return results.rows("contacts", recording=recording, estimate=LEADING)
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:
@@ -74,12 +78,18 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
     for prefix, state in (("", "in motion"), ("rest_", "at rest")):
         for axis in "xyz":
             force, std = (rows[f"smallest_force_{of}_{prefix}{axis}"] for of in ("95", "std"))
-            part = {"state": state, "axis": axis, "force": force, "std": std, "most": MOST}
+            part = {
+                "state": state,
+                "axis": axis,
+                "force": force,
+                "std": std,
+                "most": MAX_TRIAL_FORCE,
+            }
             parts.append(rows[["recording"]].assign(**part))
     return pd.concat([part for part in parts if part["force"].notna().any()] or parts[:1])
 
 
 def pushes_found(results: Results) -> pd.DataFrame:
-    """Return the smallest pushes that F̂ᵐᵃᵖ detects on motions without an undeclared load."""
-    rows = results.rows("detection", estimate="Fmap").dropna(subset=PUSHES, how="all")
+    """Return the smallest pushes that are detected on motions without an undeclared load."""
+    rows = results.rows("detection", estimate=LEADING).dropna(subset=SMALLEST_PUSHES, how="all")
     return rows[~rows["recording"].isin(loaded(results)["recording"])]

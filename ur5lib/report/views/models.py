@@ -6,23 +6,23 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import GIVEN_LOAD, MODELLED
-from ur5lib.report.baseline import AgainstBaseline
-from ur5lib.report.document import Verdict
-from ur5lib.report.formats import SMALLEST_DIFFERENCE
+from ur5lib.recordings.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED
+from ur5lib.report.page.document import Verdict
+from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import AgainstBaseline
 from ur5lib.thesis.reference import OLDER_MODEL
 
-LINKS = "Link model"  # topic
-CLOSE = 1 - MODELLED  # least skill of a good link model
+LINKS_TOPIC = "Link model"  # topic
+MIN_LINK_SKILL = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
 
 
 def compared(results: Results) -> list[str]:
     """Return recordings with a table of torques: printed errors, and validate recordings."""
-    known = results.printed("torque_mae", "mae")
-    others = results.with_role("validate", known)
-    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(known, 1)
+    rebuilt = results.printed("torque_mae", "mae")
+    others = results.with_role("validate", rebuilt)
+    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(rebuilt, 1)
 
 
 def mean_errors(results: Results) -> pd.DataFrame:
@@ -59,9 +59,9 @@ def identified(results: Results) -> Iterator[str]:
 
 def loop_drawn(results: Results) -> list[str]:
     """Return the recordings whose closed loop is drawn."""
-    known = results.listed("closed_loop_mae")
+    simulated = results.listed("closed_loop_mae")
     printed = results.shown(results.printed("closed_loop_mae"))
-    return printed or results.shown([*results.with_role("validate", known), *known], 1)
+    return printed or results.shown([*results.with_role("validate", simulated), *simulated], 1)
 
 
 def loop_older(results: Results) -> list[str]:
@@ -89,7 +89,7 @@ def published_gains(results: Results) -> Iterator[str]:
         yield say("loop.published", found=fits[["fit", "of"]].sum().to_dict("index").items())
 
 
-class Comparison(NamedTuple):
+class ModelComparison(NamedTuple):
     """Errors of the link models at one motion, on recordings in which the arm moves.
 
     rows: of torque_mae.csv; unseen: whether no fit has seen these recordings; best: the models
@@ -104,7 +104,7 @@ class Comparison(NamedTuple):
     differ: int
 
 
-def compare(results: Results) -> Comparison | None:
+def compare(results: Results) -> ModelComparison | None:
     """Compare the link models, on unseen recordings if possible; None without a motion."""
     rows = results.rows("torque_mae").dropna(subset="mae")
     rows = rows[rows["recording"].isin([*filter(results.moving, rows["recording"].unique())])]
@@ -115,10 +115,10 @@ def compare(results: Results) -> Comparison | None:
     rows = rows[rows["motion"] == rows["motion"].iloc[0]]
     mean = rows.pivot_table("mae_2hz", "joint", "model", aggfunc="mean")
     above = mean.sub(mean.min(axis="columns"), axis="index")
-    close = above[above.max(axis="columns") > SMALLEST_DIFFERENCE] <= SMALLEST_DIFFERENCE
+    close = above[above.max(axis="columns") > VISIBLE_DIFFERENCE] <= VISIBLE_DIFFERENCE
     counts = close.sum()
     best = [*counts[counts == counts.max()].index]
-    return Comparison(rows, len(unseen) > 0, best, int(counts.max()), len(close))
+    return ModelComparison(rows, len(unseen) > 0, best, int(counts.max()), len(close))
 
 
 def named(model: str) -> str:
@@ -134,15 +134,15 @@ def judge_links(results: Results) -> Verdict:
     if compared is None:
         unknown = results.tables["torque_mae"].dropna(subset="mae").empty
         reason = "no torques" if unknown else "at rest"
-        return Verdict(LINKS, "not determined", say(f"models.{reason}"))
+        return Verdict(LINKS_TOPIC, "not determined", say(f"models.{reason}"))
     rows = compared.rows[compared.rows["model"] == compared.best[0]]
     against = AgainstBaseline(rows, "mae_2hz", "zero_mae_2hz", "Nm", 3)
     loads = results.rows("quality", finding=GIVEN_LOAD, recording=[*rows["recording"].unique()])
     words = {"model": named(compared.best[0]), "unseen": compared.unseen, "loads": loads}
     words["motion"] = rows["motion"].iloc[0].replace("_", " ")
     return Verdict(
-        topic=LINKS,
-        state=against.state(tested=compared.unseen and loads.empty, better=CLOSE),
+        topic=LINKS_TOPIC,
+        state=against.state(tested=compared.unseen and loads.empty, better=MIN_LINK_SKILL),
         sentence=say("models.verdict", against=against, **words),
         evidence=say("models.evidence", against=against),
         drawing=against.drawing(),

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.baseline import AgainstBaseline, Rival
-from ur5lib.report.document import Verdict
+from ur5lib.report.page.document import Verdict
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results, with_zero
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import AgainstBaseline, Rival
 
-LINEAR, ANGULAR = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
-MOTION = "Motion"  # topic
+LINEAR_LABEL, ANGULAR_LABEL = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
+MOTION_TOPIC = "Motion"  # topic
 
 
 def drawn(results: Results) -> list[str]:
@@ -49,7 +49,7 @@ def bands(results: Results) -> pd.DataFrame:
     """Return the differences from the IMU and their bands: three components a row."""
     rows = results.tables["acceleration_bands"]
     angular = rows["component"].str.startswith("r")
-    rows = rows.assign(axes=np.where(angular, ANGULAR, LINEAR), held=100 * rows["held"])
+    rows = rows.assign(axes=np.where(angular, ANGULAR_LABEL, LINEAR_LABEL), held=100 * rows["held"])
     key, errors = ["range", "during", "axes"], ["rms", "filterpy_rms"]
     rows[errors] = rows[errors] ** 2
     means = rows.groupby([*key, "component"], sort=False)[[*errors, "held"]].mean()
@@ -81,8 +81,8 @@ def judge_motion(results: Results) -> Verdict | None:
     """Judge the acceleration from encoders by its worst component, beside filterpy's plain filter;
     None without an IMU.
     """
-    models, both = {"encoders": "ours", "filterpy": "rival"}, results.rows("acceleration_mae")
-    rival = Rival.beside("filterpy's plain filter", both, "mae", "component", models)
+    models, methods = {"encoders": "ours", "filterpy": "rival"}, results.rows("acceleration_mae")
+    rival = Rival.beside("filterpy's plain filter", methods, "mae", "component", models)
     rows = results.rows("acceleration_mae", estimate="encoders")
     against = AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component")
     if against.errors.empty:
@@ -90,7 +90,7 @@ def judge_motion(results: Results) -> Verdict | None:
     if str(against.worst.name).startswith("r"):
         against = replace(against, unit="rad/s²")
     return Verdict(
-        topic=MOTION,
+        topic=MOTION_TOPIC,
         state=against.state(tested=rival.better.empty),
         sentence=rival.after(say("motion.verdict", against=against), against.unit, 3),
         evidence=say("motion.evidence", against=against),

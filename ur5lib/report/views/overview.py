@@ -5,10 +5,11 @@ from functools import reduce
 
 import pandas as pd
 
-from ur5lib.report.document import MOST_SHOWN
-from ur5lib.report.findings import SEVERITIES
+from ur5lib.force.estimators import LEADING
+from ur5lib.report.page.document import MOST_SHOWN
+from ur5lib.report.page.findings import SEVERITIES
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
 from ur5lib.report.views.contacts import errors_in_contact
 from ur5lib.report.views.currents import in_motion, loaded
 from ur5lib.report.views.recordings import lost_shares
@@ -31,11 +32,13 @@ def pages(results: Results) -> Iterator[str]:
 
 def quality(results: Results, robot: str) -> pd.DataFrame:
     """Return each month's recordings, those with findings by severity, and lost frames."""
-    found = results.tables["quality"].groupby("severity")["recording"].unique()
-    sets = {severity: found.get(severity, ()) for severity in SEVERITIES[:-1]}
+    with_findings = results.tables["quality"].groupby("severity")["recording"].unique()
+    sets = {severity: with_findings.get(severity, ()) for severity in SEVERITIES[:-1]}
     sets["used"] = results.tables["recordings"]["recording"]
     months = _months(results, robot)
-    marks = pd.DataFrame({name: months.index.isin(one) for name, one in sets.items()}, months.index)
+    marks = pd.DataFrame(
+        {name: months.index.isin(names) for name, names in sets.items()}, months.index
+    )
     counts = marks.groupby(months).sum()
     return _by_month(months, {"lost": lost_shares(results)}).join(counts).reset_index()
 
@@ -49,7 +52,7 @@ def estimates(results: Results, robot: str) -> pd.DataFrame:
     """
     free = {name for name, role in results.roles().items() if role != "contact"}
     currents = in_motion(results, free).query("model == 'fitted'")
-    alarms = results.rows("detection", estimate="Fmap").drop_duplicates("recording")
+    alarms = results.rows("detection", estimate=LEADING).drop_duplicates("recording")
     alarms = alarms[alarms["recording"].isin(free)].set_index("recording")
     forces = errors_in_contact(results)
     values = {
@@ -84,9 +87,9 @@ def _by_month(
     `name`_of; NaN in months without a value.
     """
     parts = [months.value_counts().sort_index().rename("recordings").to_frame()]
-    for name, given in values.items():
-        of_months = pd.Series(given, dtype=float).dropna().groupby(months)
-        found = of_months.agg(["count", "median", "max", "idxmax"])
-        found.columns = [f"{name}_{kind}" for kind in ("count", "median", "most", "of")]
-        parts.append(found)
+    for name, by_recording in values.items():
+        of_months = pd.Series(by_recording, dtype=float).dropna().groupby(months)
+        summaries = of_months.agg(["count", "median", "max", "idxmax"])
+        summaries.columns = [f"{name}_{kind}" for kind in ("count", "median", "most", "of")]
+        parts.append(summaries)
     return reduce(pd.DataFrame.join, parts)

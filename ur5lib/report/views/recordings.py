@@ -5,23 +5,28 @@ from collections.abc import Iterator
 import pandas as pd
 import yaml
 
-from ur5lib.report.baseline import bars
-from ur5lib.report.document import MOST_ROWS, Number, State, Verdict
-from ur5lib.report.findings import FEW, SEVERITIES, by_severity, group_findings
+from ur5lib.report.page.document import MOST_ROWS, Number, State, Verdict
+from ur5lib.report.page.findings import MAX_NAMED_PLACES, SEVERITIES, by_severity, group_findings
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import say
+from ur5lib.report.views.baseline import bars
 
-SPOKEN = {"stop": "stop sign"}
-MOST_NAMED = 4  # recordings of one finding
-FILES = "Data quality"  # topic
-LOST = "lost frames"
-WORDED = (LOST, "impossible frames")  # findings with a sentence of their own
-STATES: dict[str, State] = {"stop": "do not use", "error": "usable", "warning": "usable"}
+SPOKEN_SEVERITIES = {"stop": "stop sign"}
+MAX_NAMED_RECORDINGS = 4  # recordings of one finding
+FILES_TOPIC = "Data quality"  # topic
+LOST_FRAMES = "lost frames"
+WORDED_FINDINGS = (LOST_FRAMES, "impossible frames")  # findings with a sentence of their own
+STATES_OF_SEVERITIES: dict[str, State] = {
+    "stop": "do not use",
+    "error": "usable",
+    "warning": "usable",
+}
+CODE_WIDTH = 110  # characters per line in the PDF
 
 
 def late(results: Results) -> list[str]:
     """Return the recording with figures that lost most frames."""
-    lost = results.rows("quality", device="robot", finding=LOST)
+    lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 
 
@@ -29,7 +34,7 @@ def counted(results: Results) -> Iterator[str]:
     """Report how many findings there are, and the most frequent serious ones."""
     quality = results.tables["quality"]
     serious = quality[quality["severity"] != "note"]["finding"].value_counts()
-    worst = [*serious[:MOST_NAMED].items()]
+    worst = [*serious[:MAX_NAMED_RECORDINGS].items()]
     yield say("quality.files", counts=count_findings(quality), worst=worst)
 
 
@@ -38,7 +43,7 @@ def findings(results: Results) -> pd.DataFrame:
 
     Of many recordings, each finding has the meaning that it has in the recording with most of it.
     """
-    grouped = group_findings(results.tables["quality"], FEW)
+    grouped = group_findings(results.tables["quality"], MAX_NAMED_PLACES)
     if results.many:
         most = grouped.sort_values("count", ascending=False, kind="stable")
         kind = ["severity", "device", "finding"]
@@ -51,18 +56,23 @@ def findings(results: Results) -> pd.DataFrame:
 
 def count_findings(quality: pd.DataFrame) -> str:
     """Return how many findings there are of each severity, most serious first."""
-    found = quality["severity"].value_counts()
-    counts = [(SPOKEN.get(name, name), int(found[name])) for name in SEVERITIES if name in found]
+    counts_by_severity = quality["severity"].value_counts()
+    counts = [
+        (SPOKEN_SEVERITIES.get(name, name), int(counts_by_severity[name]))
+        for name in SEVERITIES
+        if name in counts_by_severity
+    ]
     return say("quality.severities", counts=counts)
 
 
 def _named(recordings: pd.Series) -> str:
     names = [*recordings]
-    rest = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-    return ", ".join(names[:MOST_NAMED]) + rest
-
-
-CODE_WIDTH = 110  # characters per line in the PDF
+    rest = (
+        f" and {len(names) - MAX_NAMED_RECORDINGS} more"
+        if len(names) > MAX_NAMED_RECORDINGS
+        else ""
+    )
+    return ", ".join(names[:MAX_NAMED_RECORDINGS]) + rest
 
 
 def commit(results: Results) -> Iterator[str]:
@@ -77,7 +87,7 @@ def versions(results: Results) -> pd.DataFrame:
 
 def errata(results: Results) -> list[str]:
     """Return each error found in the published work, with its place and the choice made here."""
-    return [f"{each.place}: {each.error} Here: {each.choice}" for each in results.errata]
+    return [f"{entry.place}: {entry.error} Here: {entry.choice}" for entry in results.errata]
 
 
 def total_time(results: Results) -> Iterator[str]:
@@ -123,11 +133,13 @@ def judge_files(results: Results) -> Verdict:
     """Judge by the recordings that were left out, or by the most serious finding."""
     findings = results.tables["quality"]
     serious = findings[findings["severity"] != "note"]
-    states = [STATES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}]
+    states = [
+        STATES_OF_SEVERITIES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}
+    ]
     lost = lost_shares(results)
     drawn = pd.Series(lost).groupby(results.months()).max() if results.many else lost
     return Verdict(
-        topic=FILES,
+        topic=FILES_TOPIC,
         state=states[0] if states else "usable" if results.unusable() else "good",
         sentence=worst(results),
         evidence=say(
@@ -162,7 +174,7 @@ def worst(results: Results) -> str:
     first = by_severity(most).iloc[0]
     kind = first["finding"]
     return say(
-        f"quality.{kind if kind in WORDED else 'other'}",
+        f"quality.{kind if kind in WORDED_FINDINGS else 'other'}",
         file=results.file_of(first["recording"]),
         finding=kind,
         detail=first["detail"].partition("; ")[0],
@@ -174,6 +186,6 @@ def worst(results: Results) -> str:
 def lost_shares(results: Results) -> dict[str, float]:
     """Return the share of lost frames of each recording."""
     frames = results.tables["recordings"].set_index("recording")["frames"]
-    lost = results.rows("quality", finding=LOST).groupby("recording")["count"].sum()
+    lost = results.rows("quality", finding=LOST_FRAMES).groupby("recording")["count"].sum()
     shares = (lost.reindex(frames.index) / frames).fillna(0.0)
     return {str(name): float(share) for name, share in shares.items()}

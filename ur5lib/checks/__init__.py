@@ -1,0 +1,1 @@
+"""What contradicts a recording, or the study that declares it: findings, as codes and numbers."""

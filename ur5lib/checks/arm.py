@@ -1,0 +1,251 @@
+"""Checks of the arm, its mounting and the order of its joints, by the gravity that currents hold.
+
+What another arm, another mounting or two exchanged joints would explain far better is a
+contradiction. So is a torque constant far from the maker's: of a right recording's joints that
+bear something, the current per torque of gravity is that constant but for the gears' losses.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.currents import (
+    MAX_SHARE_UNEXPLAINED,
+    MILLIAMPERE_CODES,
+    MIN_ERRORS_OF_FRICTION,
+    MIN_GRAVITY_TORQUE,
+    MIN_STANDARD_ERRORS,
+    OPPOSITE_CODE,
+    foreign_currents,
+    friction_in_errors,
+    held_gravity,
+    moving_joints,
+)
+from ur5lib.checks.readings import exchanged_order, in_order, readings
+from ur5lib.errors import remark
+from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.robots.description import Robot
+
+# difference of log-likelihoods; in right recordings of four arms, at most 31
+MIN_LEAD_OF_ARM = 40.0
+# the same of two exchanged joints; at most 46 where a few postures are held
+MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
+BEARING_JOINTS = 3  # joints from the base that bear others in every posture
+# times the maker's torque constant or part of it; beyond all errors, right recordings need a factor
+# of 1.51, without the worst arm 1.34
+MAX_CONSTANT_RATIO = 1.75
+MIN_SLOPE = 1e-3  # slope of a current that gravity does not show, relative to the maker's
+STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may hold at rest
+# of the largest gain, from which on another mounting is not excluded
+MIN_SHARE_OF_LARGEST_GAIN = 0.5
+STANDARD_GRAVITY = 9.81  # m/s²
+MOUNTINGS = [  # gravity in the base frame, of arms on floors, ceilings and walls
+    tuple(sign * STANDARD_GRAVITY if axis == own else 0.0 for own in range(3))
+    for axis in range(3)
+    for sign in (-1, 1)
+]
+
+Pair = tuple[int, int]  # of joints, from 0
+Gravity = tuple[float, ...]  # [m/s²], base frame
+
+
+class Cause(NamedTuple):
+    """What would explain the currents by gravity, and how much likelier: log-likelihoods.
+
+    means, arm: with it, as they would be.
+    """
+
+    finding: Finding
+    gain: float
+    means: BlockMeans
+    arm: Robot
+
+
+def contradictions_by_gravity(
+    means: BlockMeans, arm: Robot, others: Sequence[Robot], fitted: bool, driven: bool
+) -> Iterator[Finding]:
+    """Find exchanged joints, another arm or mounting, foreign units and foreign torque constants.
+
+    Where currents seem to be in a foreign unit, joints or arm are to blame if they explain that,
+    too, better than the opposite sign does. arm, others: under their load; fitted: whether the
+    recording has the role `fit`; driven: whether motors move the arm.
+    """
+    units = [*foreign_currents(means, arm)]
+    if not any(one.code in MILLIAMPERE_CODES for one in units):
+        causes = [*exchanged_joints(means, arm), *foreign_arms(means, arm, others)]
+        if units:
+            causes = [own for own in causes if not any(foreign_currents(own.means, own.arm))]
+        if any(one.code == OPPOSITE_CODE for one in units):
+            causes = [own for own in causes if own.gain > gain_of_sign(means, arm)]
+        yield from likeliest([*foreign_mountings(means, arm, driven), *causes])
+    yield from units
+    yield from foreign_constants(means, arm, others, fitted)
+
+
+def likeliest(causes: Iterable[Cause]) -> Iterator[Finding]:
+    """Yield the finding of the likeliest cause, if there is one."""
+    for cause in sorted(causes, key=lambda own: -own.gain)[:1]:
+        yield cause.finding
+
+
+def of_measured(means: BlockMeans, sign: int = 1) -> BlockMeans:
+    """Return the means with the measured current, or its opposite, as the only effort."""
+    return replace(means, currents={MEASURED_CURRENT: sign * means.currents[MEASURED_CURRENT]})
+
+
+def gain_of_sign(means: BlockMeans, arm: Robot) -> float:
+    """Return how much likelier currents of the opposite sign are."""
+    as_recorded, opposite = (
+        readings(of_measured(means, sign), [arm], [in_order(arm)])[0].score for sign in (1, -1)
+    )
+    return opposite - as_recorded
+
+
+def gains_of_exchange(means: BlockMeans, arm: Robot) -> dict[Pair, float]:
+    """Return how much likelier the efforts are with all columns of two joints exchanged."""
+    in_place = in_order(arm)
+    orders = {pair: exchanged_order(in_place, *pair) for pair in combinations(in_place, 2)}
+    scores = {one.order: one.score for one in readings(means, [arm], [in_place, *orders.values()])}
+    return {pair: scores[order] - scores[in_place] for pair, order in orders.items()}
+
+
+def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Cause]:
+    """Find two joints, all channels of which are exchanged."""
+    for pair, gain in gains_of_exchange(of_measured(means), arm).items():
+        if gain > MIN_LEAD_OF_EXCHANGED_JOINTS and is_shown(means, pair):
+            finding = contradiction("exchanged joints", joint=pair[0] + 1, other=pair[1] + 1)
+            order = exchanged_order(in_order(arm), *pair)
+            yield Cause(finding, gain, means.part(columns=order), arm)
+
+
+def is_shown(means: BlockMeans, pair: Pair) -> bool:
+    """Return whether gravity shows an exchange of two joints: that bear others, or both move."""
+    return max(pair) < BEARING_JOINTS or bool(moving_joints(means)[[*pair]].all())
+
+
+def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dict[str, float]:
+    """Return how much likelier others arms are, of as many joints."""
+    order = in_order(arm)
+    (declared,) = readings(means, [arm], [order])
+    return {one.arm: one.score - declared.score for one in readings(means, others, [order])}
+
+
+def foreign_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Cause]:
+    """Find other arms whose gravity explains the currents better by far; all under their load."""
+    gains = gains_of_arms(of_measured(means), arm, others)
+    for other in others:
+        if gains[other.name] > MIN_LEAD_OF_ARM:
+            finding = contradiction("other arm's currents", arm=arm.name, other=other.name)
+            yield Cause(finding, gains[other.name], means, other)
+
+
+def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[Cause]:
+    """Find the mountings whose gravity explains the currents better by far, if any does.
+
+    Gravity from the other side is like currents of the opposite sign, which friction tells apart.
+    arm: with what it carries; driven: whether motors move it.
+    """
+    gains = gains_of_mountings(means, arm)
+    least = max(MIN_LEAD_OF_ARM, MIN_SHARE_OF_LARGEST_GAIN * max(gains.values(), default=0.0))
+    likely = [mounting for mounting, gain in gains.items() if gain > least]
+    turned = [one for one in likely if np.dot(arm.gravity, one) < 0]
+    friction = [*friction_in_errors(means, arm).values()] if driven else []
+    if any(one < -MIN_ERRORS_OF_FRICTION for one in friction):
+        likely = [one for one in likely if one not in turned]
+    if likely:
+        by_sign = turned and not any(one > MIN_ERRORS_OF_FRICTION for one in friction)
+        code = "other mounting or sign" if by_sign else "other mounting"
+        fitting = [remark("mounting as cause", value=[*one]) for one in likely]
+        finding = contradiction(code, causes=fitting, name=MEASURED_CURRENT)
+        yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
+
+
+def gains_of_mountings(means: BlockMeans, arm: Robot) -> dict[Gravity, float]:
+    """Return how much likelier other mountings are that the torque constants confirm."""
+    measured, order = of_measured(means), [in_order(arm)]
+    declared, *scores = (
+        readings(measured, [one], order)[0].score
+        for one in (arm, *(arm.mounted(gravity) for gravity in MOUNTINGS))
+    )
+    likelihoods = dict(zip(MOUNTINGS, scores, strict=True))
+    shown = {gravity: torque_constants(means, arm.mounted(gravity)) for gravity in MOUNTINGS}
+    confirmed = [one for one, its in shown.items() if its.ratio and not its.foreign()]
+    likeliest_first = sorted(confirmed, key=lambda one: -likelihoods[one])
+    return {one: likelihoods[one] - declared for one in likeliest_first}
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Torque constants by gravity, as multiples of the maker's, by joint from 0.
+
+    low, high: with all that their errors allow; known: the maker's [Nm/A].
+    """
+
+    ratio: Mapping[int, float]
+    low: Mapping[int, float]
+    high: Mapping[int, float]
+    known: Sequence[float]
+
+    def foreign(self) -> dict[int, float]:
+        """Return the joints whose constants are foreign, and their ratios."""
+        low, high = 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO
+        joints = (j for j in self.ratio if self.high[j] < low or self.low[j] > high)
+        return {joint: self.ratio[joint] for joint in joints}
+
+    def away(self, joint: int) -> float:
+        """Return how far a constant is from the maker's, as a logarithm."""
+        return abs(math.log(self.ratio[joint]))
+
+
+def torque_constants(means: BlockMeans, arm: Robot, name: str = MEASURED_CURRENT) -> Constants:
+    """Return the torque constants by gravity of the joints that bear something.
+
+    At rest, friction may hold a part of gravity; name: of the channel that holds currents.
+    """
+    gravity, moves = means.gravity(arm), moving_joints(means)
+    makers, ratios = np.array(arm.maker_torque_constants()), dict[int, list[float]]()
+    for joint, size in enumerate(np.sqrt((gravity**2).mean(axis=0))):
+        held = held_gravity(means, gravity, means.currents[name], joint)
+        shown = size > MIN_GRAVITY_TORQUE and held.unexplained < MAX_SHARE_UNEXPLAINED
+        if shown and np.isfinite(makers[joint]):
+            sticking = 0.0 if moves[joint] else STICTION_SHARE * arm.torque_limits()[joint] / size
+            slope = held.slope * makers[joint]
+            error = MIN_STANDARD_ERRORS * held.error * makers[joint] + sticking
+            slopes = slope, slope + error, slope - error
+            ratios[joint] = [1 / max(one, MIN_SLOPE) for one in slopes]
+    ratio, low, high = ({joint: three[k] for joint, three in ratios.items()} for k in range(3))
+    return Constants(ratio, low, high, makers.tolist())
+
+
+def foreign_constants(
+    means: BlockMeans, arm: Robot, others: Sequence[Robot], fitted: bool
+) -> Iterator[Finding]:
+    """Find torque constants that are not those of the arm's motors.
+
+    Small ones may be a load, which the fit finds in recordings that are not fitted.
+    """
+    by_gravity = torque_constants(means, arm)
+    off = {joint: ratio for joint, ratio in by_gravity.foreign().items() if fitted or ratio > 1}
+    if off:
+        joint = max(off, key=by_gravity.away)
+        makers = by_gravity.known[joint]
+        fitting = [
+            remark("robot as cause", value=name) for name in fitting_arms(means, arm, others)
+        ]
+        code = "foreign constant of known cause" if fitting else "foreign constant"
+        values = {"joint": joint + 1, "constant": off[joint] * makers, "known": makers}
+        yield contradiction(code, arm=arm.name, causes=fitting, **values)
+
+
+def fitting_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> list[str]:
+    """Return the other arms that the currents do not exclude: by gravity and torque constants."""
+    gains = gains_of_arms(of_measured(means), arm, others)
+    likely = [one for one in others if gains[one.name] > -MIN_LEAD_OF_ARM]
+    alike = (one.name for one in likely if not torque_constants(means, one).foreign())
+    return [name for name in alike if name != arm.name]

@@ -1,0 +1,139 @@
+"""Means of a robot table's channels over short blocks, for checks of the arm's statics."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import CURRENTS
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array, Labels
+
+BLOCK_LENGTH = 0.1  # s, of the blocks
+DECORRELATION_TIME = 0.4  # s between errors that count as independent
+# share of a block's frames that may have been lost; in some recordings, half are
+MAX_SHARE_FILLED = 0.6
+FULL_FRICTION_SPEED = 0.02  # rad/s; faster joints have their full friction
+SMALLEST_SIZE = 1e-300  # keeps divisors above zero
+# of the regressor's square; keeps first moments small that nothing determines
+FIRST_MOMENT_PRIOR = 1e-4
+ALL = slice(None)
+
+
+@dataclass(frozen=True)
+class BlockMeans:
+    """Means over M blocks of a recording.
+
+    q, qd, qdd: (M, 6) [rad, rad/s, rad/s²]; torque: `target_moment` (M, 6) [Nm], None if it was not
+    recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded;
+    offset: whether each may have an offset, so that only their changes are evidence; independent:
+    errors per block that count as independent; time: (M,) of their starts [s], and segment: (M,)
+    labels, None where they are no blocks of a recording.
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+    torque: Array | None
+    currents: dict[str, Array]
+    offset: bool = False
+    independent: float = BLOCK_LENGTH / DECORRELATION_TIME
+    time: Array | None = None
+    segment: Labels | None = None
+
+    def part(self, rows: Labels | slice = ALL, columns: Sequence[int] | slice = ALL) -> Self:
+        """Return the means of some blocks, and of the joints in an order of their columns.
+
+        Without `torque`, `time` and `segment`.
+        """
+        q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
+        currents = {name: values[rows][:, columns] for name, values in self.currents.items()}
+        return type(self)(q, qd, qdd, None, currents, self.offset)
+
+    def gravity(self, arm: Robot) -> Array:
+        """Return the torque (M, 6) [Nm] that holds an arm, payload included."""
+        return gravity_torque(arm, arm.chosen_model, self.q)
+
+    def beside_inertia(self, torque: Array) -> Array:
+        """Return the part of torques (M, 6) that accelerations do not explain."""
+        return torque - self.qdd @ np.linalg.lstsq(self.qdd, torque, rcond=None)[0]
+
+    def log_likelihood(self, variance: Array) -> Array:
+        """Return the log-likelihoods of errors of these mean squares, as far as independent."""
+        return -len(self.q) * self.independent / 2 * np.log(variance)
+
+    def friction(self, joint: int) -> Array:
+        """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""
+        qd = self.qd[:, joint]
+        return np.column_stack([np.tanh(qd / FULL_FRICTION_SPEED), qd])
+
+    def without_gravity(self, joint: int, accelerations: Array) -> Array:
+        """Return the columns (M, n) of friction, inertia and, if there is one, an offset."""
+        offset = np.ones((len(self.q), int(self.offset)))
+        return np.column_stack([self.friction(joint), accelerations, offset])
+
+
+def block_means(
+    robot: pd.DataFrame, period: float, currents: Sequence[str] = CURRENTS
+) -> BlockMeans:
+    """Return the means over blocks without a split, mostly of received frames.
+
+    robot: repaired, on a uniform grid with this period [s]; currents: channels that hold currents.
+    """
+    names = ("actual_q", "actual_qd", "target_moment", *currents)
+    channels = {name: channel(robot, name) for name in names if f"{name}_0" in robot}
+    channels.setdefault("actual_qd", np.gradient(channels["actual_q"], period, axis=0))
+    rows = _blocks(robot, [*channels.values()], round(BLOCK_LENGTH / period))
+    means = {name: values[rows].mean(axis=1) for name, values in channels.items()}
+    first, last = (channels["actual_qd"][rows[:, end]] for end in (0, -1))
+    return BlockMeans(
+        q=means.pop("actual_q"),
+        qd=means.pop("actual_qd"),
+        qdd=(last - first) / (period * (rows.shape[1] - 1)),
+        torque=means.pop("target_moment", None),
+        currents=means,
+        time=robot["time"].to_numpy(float)[rows[:, 0]],
+        segment=robot["segment"].to_numpy()[rows[:, 0]],
+    )
+
+
+def size(values: Array) -> float:
+    """Return the root of the sum of squares, above zero."""
+    return float(np.linalg.norm(values)) + SMALLEST_SIZE
+
+
+def combination(columns: Array, values: Array, weights: Sequence[float]) -> tuple[float, float]:
+    """Return a weighted sum of least-squares coefficients, and its standard error.
+
+    columns: (M, n) over blocks; values: (M,); weights: of the first coefficients.
+    """
+    inverse = np.linalg.pinv(columns)
+    solution, weight = inverse @ values, np.asarray(weights)
+    noise = np.std(values - columns @ solution) * np.sqrt(DECORRELATION_TIME / BLOCK_LENGTH)
+    first = inverse[: len(weight)]
+    return float(weight @ solution[: len(weight)]), float(noise * np.linalg.norm(weight @ first))
+
+
+def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:
+    """Return the mass [kg] of a load by least squares, and the size of what it does not explain.
+
+    columns: (n, 4), as `statics.load_torque` has them; torque: (n,), both to one scale.
+    """
+    prior = FIRST_MOMENT_PRIOR * len(columns) * np.diag([0.0, 1.0, 1.0, 1.0])
+    load = np.linalg.solve(columns.T @ columns + prior, columns.T @ torque)
+    return float(load[0]), size(torque - columns @ load)
+
+
+def _blocks(robot: pd.DataFrame, channels: list[Array], length: int) -> Labels:
+    """Return the rows (M, n) of the blocks."""
+    length = max(3, length)
+    rows = np.arange(len(robot) // length * length).reshape(-1, length)
+    segment, filled = (robot[name].to_numpy()[rows] for name in ("segment", "interpolated"))
+    finite = np.all([np.isfinite(values).all(axis=1) for values in channels], axis=0)
+    complete = finite[rows].all(axis=1)
+    unsplit, received = np.ptp(segment, axis=1) == 0, filled.mean(axis=1) <= MAX_SHARE_FILLED
+    return rows[complete & unsplit & received]

@@ -1,0 +1,184 @@
+"""Checks that the channels of a recording agree with one another and with the arm."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import joint_count
+from ur5lib.errors import remark
+from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Labels
+from ur5lib.timeseries.segments import extrapolated_samples, unbroken
+
+MIN_MOVING_SPEED = 0.05  # rad/s; slower joints do not show their velocities nor their friction
+DERIVATIVES = [  # a channel, and the channel that should be its derivative
+    ("actual_q", "actual_qd"),
+    ("target_q", "target_qd"),
+    ("target_qd", "target_qdd"),
+]
+# a velocity this far from its position's slope is misread
+MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO = 0.5, 2.0
+TWINS = [  # channels that follow each other, and the largest median difference between them
+    ("actual_q", "target_q", 0.05),
+    ("actual_current", "target_current", 2.5),
+]
+# Allowed ratios of the overall levels of two channels. In all recordings seen so far, of two arms
+# of different sizes, the ratios are 0.95 to 1.3 and 9.9 to 11.7 Nm/A. The bounds are wide because
+# the targets contain neither friction nor loads; a unit wrong by 57 or 1000 still exceeds them.
+LEVEL_RATIOS = [
+    ("actual_current", "target_current", 0.05, 20.0),
+    ("target_moment", "target_current", 0.5, 200.0),
+]
+# two joints count as swapped if swapping them cuts their deviation to this share
+MAX_SWAPPED_DEVIATION = 0.3
+MIN_LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
+
+
+def check_robot(
+    robot: pd.DataFrame,
+    period: float,
+    positions: Sequence[tuple[float, float]],
+    velocity_max: Sequence[float],
+) -> list[Finding]:
+    """Return the contradictions between the channels of a repaired robot table.
+
+    period: of its time grid [s]; positions: each joint's lowest and highest angle [rad];
+    velocity_max: their largest speeds [rad/s].
+    """
+    speeds = [(-speed, speed) for speed in velocity_max]
+    return [
+        *_derivatives(robot, period),
+        *_twins(robot),
+        *_ratios(robot),
+        *_swapped(robot, "actual_current", "target_current"),
+        *_limits(robot, "actual_q", positions, "rad"),
+        *_limits(robot, "actual_qd", speeds, "rad/s"),
+    ]
+
+
+def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
+    """Return a warning where no stretch is long enough for low-passed currents, and thus forces.
+
+    segment: (N,) labels; period: [s]; cutoff: of the low-pass of the currents [Hz].
+    """
+    longest = max(part.stop - part.start for part in unbroken(segment))
+    least = 2 * extrapolated_samples(cutoff, period) + 1
+    if longest >= least:
+        return []
+    values = {"seconds": longest * period, "samples": longest, "least_s": least * period}
+    return [Finding("robot", "too short", "warning", 1, values)]
+
+
+def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
+    for below, above in DERIVATIVES:
+        if are_recorded(robot, below, above):
+            slopes = _slopes(robot, below, above, period)
+            if slopes and not channel(robot, above).any():
+                names = {"name": above, "position": below}
+                yield Finding("robot", "silent channel", "warning", len(slopes), names)
+                continue
+            wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
+            if wrong:
+                ratios = [remark("ratio", joint=j + 1, value=slopes[j]) for j in wrong]
+                values = {"name": above, "position": below, "ratios": ratios}
+                yield _inconsistent(len(wrong), values, "no derivative")
+
+
+def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
+    """Find velocities in another unit or column than their positions; period: [s]."""
+    for below, above in DERIVATIVES[:2]:
+        if are_recorded(robot, below, above):
+            slopes = [*_slopes(robot, below, above, period).values()]
+            low, high = MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO
+            wrong = [slope for slope in slopes if slope <= low or slope >= high]
+            if len(wrong) > len(slopes) / 2:
+                values = {"name": above, "position": below, "ratio": float(np.median(wrong))}
+                yield contradiction("no velocity", **values)
+
+
+def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
+    """Return, for moving joints, the least-squares ratio of one channel's slope to another."""
+    whole = (robot["segment"].diff() == 0).to_numpy() & ~robot["interpolated"].to_numpy()
+    whole &= ~robot["interpolated"].shift(fill_value=True).to_numpy(bool)
+    if not whole.any():
+        return {}
+    ratios = {}
+    # one joint after the other, for the memory of long recordings
+    for joint in range(joint_count(robot)):
+        value, rate = (robot[f"{name}_{joint}"].to_numpy(float) for name in (below, above))
+        slope = np.diff(value)[whole[1:]] / period
+        mean = (rate[1:] + rate[:-1])[whole[1:]] / 2
+        moves, rests = (np.sqrt(np.nanmean(each**2)) for each in (slope, mean))
+        if max(moves, rests) > MIN_MOVING_SPEED:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                ratios[joint] = float(np.nansum(slope * mean) / np.nansum(mean**2))
+    return ratios
+
+
+def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
+    for one, other, bound in TWINS:
+        if are_recorded(robot, one, other):
+            apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
+            wrong = np.flatnonzero(apart > bound)
+            if len(wrong):
+                values = {"one": one, "other": other, "joints": (wrong + 1).tolist()}
+                yield _inconsistent(len(wrong), values, "apart")
+
+
+def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
+    """Find channels whose overall level shows that their unit is wrong."""
+    for one, other, least, most in LEVEL_RATIOS:
+        if are_recorded(robot, one, other):
+            level, its = _level(robot, one), _level(robot, other)
+            if max(level, its) > MIN_LEVEL and not least * its <= level <= most * its:
+                values = {"one": one, "level": level, "other": other, "its": its}
+                yield _inconsistent(joint_count(robot), values, "levels")
+
+
+def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
+    """Find pairs of joints that follow each other's targets instead of their own."""
+    if not are_recorded(robot, one, other):
+        return
+    values, targets = channel(robot, one), channel(robot, other)
+    apart = np.array(
+        [np.nanmedian(np.abs(column[:, None] - targets), axis=0) for column in values.T]
+    )
+    for j, k in combinations(range(values.shape[1]), 2):
+        uncrossed, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
+        if uncrossed > MIN_LEVEL and crossed < MAX_SWAPPED_DEVIATION * uncrossed:
+            joints = {"one": one, "other": other, "joint": j + 1, "its": k + 1}
+            yield _inconsistent(2, joints, "swapped")
+
+
+def _limits(
+    robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]], unit: str
+) -> Iterator[Finding]:
+    if not are_recorded(robot, name):
+        return
+    values, (low, high) = channel(robot, name), np.transpose(bounds)
+    values = np.where(low == -high, np.abs(values), values)
+    excess = np.maximum(low - values, values - high)
+    beyond = excess > 0
+    if beyond.any():
+        wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
+        worst = values[np.nanargmax(excess[:, wrong], axis=0), wrong].tolist()
+        most = [remark("most", joint=j + 1, value=v) for j, v in zip(wrong, worst, strict=True)]
+        count, limits = int(beyond.any(axis=1).sum()), {"name": name, "each": most, "unit": unit}
+        yield Finding("robot", "joint limits", "note", count, limits)
+
+
+def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Finding:
+    return Finding("robot", "inconsistent channels", "warning", count, values, code)
+
+
+def are_recorded(robot: pd.DataFrame, *channels: str) -> bool:
+    """Return whether all of some channels were recorded."""
+    return all(f"{name}_0" in robot for name in channels)
+
+
+def _level(robot: pd.DataFrame, name: str) -> float:
+    """Return the root mean square over all joints."""
+    return float(np.sqrt(np.nanmean(channel(robot, name) ** 2)))

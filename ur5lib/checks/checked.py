@@ -1,0 +1,107 @@
+"""A recording beside what the study declares of it, as the checks of both take it."""
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import pandas as pd
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import BlockMeans, block_means
+from ur5lib.checks.contacts import felt_contact
+from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
+from ur5lib.checks.targets import odd_targets
+from ur5lib.recordings.quality import Finding
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.timeseries.segments import period
+
+MIN_BLOCKS = 30  # blocks of a recording that can contradict an arm
+# joints that move at least where a hand leads an arm; a strong push turns one
+MIN_JOINTS_LED_BY_HAND = 3
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A recording and its declared arm, payloads and role.
+
+    robot: a repaired table; arm: under the recording's gravity; configured: the payload that the
+    controller was given; declared: the one that the study gives; fitted: whether the recording has
+    the role `fit`.
+    """
+
+    robot: pd.DataFrame
+    arm: Robot
+    configured: Payload | None
+    declared: Payload | None
+    fitted: bool
+
+    @cached_property
+    def step(self) -> float:
+        """Return the time between its frames [s]."""
+        return period(self.robot["time"].to_numpy())
+
+    @cached_property
+    def means(self) -> BlockMeans:
+        """Return the means of its blocks."""
+        return block_means(self.robot, self.step)
+
+    @cached_property
+    def loaded(self) -> Robot:
+        """Return the arm with the declared payload."""
+        return self.arm.carrying(self.declared)
+
+    @cached_property
+    def others(self) -> list[Robot]:
+        """Return all described arms of as many joints, mounted alike and with the same payload."""
+        return arms_alike(self.arm, self.declared)
+
+    @cached_property
+    def driven(self) -> bool:
+        """Return whether the arm is moved by its motors."""
+        return is_driven(self.robot)
+
+    @cached_property
+    def answers(self) -> Answers | None:
+        """Return how well motions explain currents; None where these do not show it.
+
+        A torque sensor beyond the gear shows no friction, by which motions explain a current.
+        """
+        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
+        if not enough or self.arm.senses_torque():
+            return None
+        if moving_joints(self.means).sum() < (1 if self.driven else MIN_JOINTS_LED_BY_HAND):
+            return None
+        return answers(self.robot, self.means, self.loaded, self.step)
+
+    @cached_property
+    def odd_targets(self) -> dict[int, Finding]:
+        """Return warnings of targets of currents that are no targets, by joint from 0."""
+        comparable = self.driven and self.answers is not None
+        return odd_targets(self.means, self.loaded) if comparable else {}
+
+    @cached_property
+    def contact(self) -> Finding | None:
+        """Return a warning of the strongest contact that the currents show."""
+        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
+        return felt_contact(self.means, self.loaded) if enough else None
+
+    def tells_by_gravity(self) -> bool:
+        """Return whether gravity tells arm, joints and motors by the currents.
+
+        A push against an arm at rest looks like gravity.
+        """
+        if MEASURED_CURRENT not in self.means.currents:
+            return False
+        return bool(moving_joints(self.means).any()) or (self.fitted and self.contact is None)
+
+
+def arms_alike(arm: Robot, payload: Payload | None) -> list[Robot]:
+    """Return all described arms of an arm's number of joints, mounted alike, with a payload."""
+    arms = [described(name) for name in robot_names()]
+    alike = [other for other in arms if len(other.joints) == len(arm.joints)]
+    return [other.mounted(arm.gravity).carrying(payload) for other in alike]
+
+
+@cache
+def described(name: str) -> Robot:
+    """Return a described arm, read once."""
+    return load_robot(robot_path(name))

@@ -1,0 +1,121 @@
+"""Contacts in a recording that should be free of them, by its force sensor and its currents.
+
+While a joint moves, gravity, friction and inertia explain its current but for a small share of its
+motor's largest torque. While the arm rests, friction may hold any part of gravity, but its part
+hardly changes. What lasts for half a second and exceeds that is a contact, or a load.
+"""
+
+import numpy as np
+import pandas as pd
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import STANDARD_GRAVITY
+from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
+from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.recordings.quality import Finding
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import runs
+
+WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
+SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
+MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
+# of the motor's largest torque; right ones leave 0.071, without the worst arm 0.061
+CONTACT_TORQUE_SHARE = 0.1
+REGRESSION_ROUNDS = 10  # of reweighted least squares
+OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less
+CONTACT_FORCE = 15.0  # N; a sensor's drift and the weight of its own half stay below
+CONTACT_TIME = 0.5  # s, of all samples beyond that force
+
+
+def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
+    """Find contacts at the force sensor of a recording that should be free of them.
+
+    table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
+    """
+    if "ft_fx" not in table:
+        return []
+    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy(float)
+    size = np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)
+    time = table["time"].to_numpy()
+    beyond = size > CONTACT_FORCE + 2 * STANDARD_GRAVITY * mass
+    if not beyond.sum() * np.median(np.diff(time)) > CONTACT_TIME:
+        return []
+    force_n = {"force_n": float(np.nanmax(size))}
+    return [Finding("force", "contact", "warning", int(beyond.sum()), force_n)]
+
+
+def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
+    """Return a warning of the strongest contact; None where there is none.
+
+    means: of a recording, with currents; arm: with what it carries.
+    """
+    assert means.time is not None
+    largest = np.array(arm.torque_limits())
+    shares = deviations(means, arm) * np.array(arm.maker_torque_constants()) / largest
+    if not (shares > CONTACT_TORQUE_SHARE).any():
+        return None
+    window, joint = np.unravel_index(np.nanargmax(shares), shares.shape)
+    torque = float(shares[window, joint] * largest[joint])
+    at = float(means.time[window] - means.time[0])
+    values = {"joint": int(joint) + 1, "torque": torque, "at_s": at}
+    return Finding("robot", "contact", "warning", 1, values, "felt contact")
+
+
+def unfelt_contacts(arm: Robot) -> Finding:
+    """Return a note of the contacts that would not be felt."""
+    torques = [CONTACT_TORQUE_SHARE * torque for torque in arm.torque_limits()]
+    return Finding("robot", "contact not checked", "note", 1, {"torques": torques})
+
+
+def deviations(means: BlockMeans, arm: Robot) -> Array:
+    """Return the sizes [A] of what is unexplained in each window of each joint's current (W, n).
+
+    NaN where the joint neither moves nor the arm rests throughout, or too little is known.
+    """
+    assert means.time is not None
+    assert means.segment is not None
+    gravity, current = means.gravity(arm), means.currents[MEASURED_CURRENT]
+    steps = np.diff(means.time, prepend=means.time[0])
+    same = np.diff(means.segment, prepend=means.segment[0]) == 0
+    follows = same & (steps < 1.5 * np.median(steps))  # directly after the block before
+    whole = np.asarray(_windows(follows)[:, 1:].all(axis=1))
+    moves = np.abs(means.qd) > MIN_MOVING_SPEED
+    sizes = np.full((len(whole), current.shape[1]), np.nan)
+    for joint, moving in enumerate(moves.T):
+        if np.count_nonzero(moving) >= MIN_MOVING_BLOCKS:
+            residual = _unexplained_current(means, gravity[:, joint], joint, moving)
+            rows = whole & _windows(moving).all(axis=1)
+            sizes[rows, joint] = np.abs(_windows(residual).mean(axis=1)[rows])
+    resting = (np.abs(means.qd) < FULL_FRICTION_SPEED).all(axis=1)
+    for start, end in runs(resting & follows):
+        changes = current[start + SETTLING_BLOCKS : end]
+        if len(changes) > WINDOW_BLOCKS:
+            mean = sliding_window_view(changes, WINDOW_BLOCKS, axis=0).mean(axis=2)
+            sizes[start + SETTLING_BLOCKS :][: len(mean)] = mean - mean.min(axis=0)
+    return sizes
+
+
+def _unexplained_current(means: BlockMeans, gravity: Array, joint: int, moving: Mask) -> Array:
+    """Return what gravity, friction and inertia leave of a joint's current (M,) [A].
+
+    A robust regression on the blocks in which it moves.
+    """
+    friction, speed = means.friction(joint), means.qd[:, joint]
+    terms = [gravity, friction, np.abs(gravity) * friction[:, 0], np.abs(speed) * speed, means.qdd]
+    columns = np.column_stack([*terms, np.ones(len(gravity))])
+    current = means.currents[MEASURED_CURRENT][:, joint]
+    weight = moving.astype(float)
+    residual = current
+    for _ in range(REGRESSION_ROUNDS):
+        scaled = columns * weight[:, None]
+        residual = current - columns @ np.linalg.lstsq(scaled, current * weight, rcond=None)[0]
+        spread = OUTLIER_DISTANCE * 1.48 * np.median(np.abs(residual[moving])) + 1e-9
+        weight = moving * np.sqrt(1 / np.maximum(1, np.abs(residual) / spread))
+    return np.asarray(residual)
+
+
+def _windows(values: Array | Mask) -> Array:
+    """Return the windows (W, WINDOW_BLOCKS) of consecutive blocks of (M,)."""
+    return sliding_window_view(values, WINDOW_BLOCKS)

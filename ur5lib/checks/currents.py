@@ -1,0 +1,305 @@
+"""Checks of measured currents: their unit, their joints' motion, and loads that nothing declares.
+
+Each joint's current is explained by the dry and viscous friction of its own motion, by gravity or
+the controller's target, and by inertia. Friction brakes, so that its coefficients have a sign. How
+much of the current is left, and how it changes from frame to frame, distinguishes exchanged columns
+and delayed ones from right ones; friction distinguishes turned ones.
+"""
+
+from collections.abc import Container, Iterator
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import nnls
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import DECORRELATION_TIME, BlockMeans, combination, fitted_load, size
+from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.checks.innovations import innovation_likelihoods
+from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque, load_torque
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+# difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
+MIN_LEAD_OF_DELAY = 20.0
+# the same of two joints before all others; in right recordings, at most 5
+MIN_LEAD_OF_EXCHANGE = 60.0
+# likewise of a led arm, before shorter delays; in right ones, at most 1
+MIN_LEAD_OF_DELAY_BY_HAND = 40.0
+CURRENT_NOISE = 0.02  # A; nothing is explained better
+MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
+# standard errors by which friction drives; in right recordings, at most 2
+MIN_ERRORS_OF_FRICTION = 4.0
+DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
+MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
+# Nm; a joint with less gravity torque does not show the unit of its current
+MIN_GRAVITY_TORQUE = 3.0
+MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
+MILLIAMPERE_CODES = ("current in mA", "current not in mA")
+OPPOSITE_CODE = "opposite current"
+CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
+    "torque as current": (0.5, 2.0),
+    MILLIAMPERE_CODES[0]: (1e-3 * MIN_CONSTANT, 1e-3 * MAX_CONSTANT),
+    MILLIAMPERE_CODES[1]: (1e3 * MIN_CONSTANT, 1e3 * MAX_CONSTANT),
+    OPPOSITE_CODE: (-MAX_CONSTANT, -MIN_CONSTANT),
+}
+OTHER_UNIT_CODE = "no current"  # the code of any other unit
+MIN_STANDARD_ERRORS = 5.0  # standard errors that are no chance
+# share of a current's square that gravity, friction and inertia may leave
+MAX_SHARE_UNEXPLAINED = 0.5
+MIN_UNDECLARED_LOAD = 1.0  # kg; right recordings show up to 0.3 kg, all of it friction
+MIN_MOVING_BLOCKS = 30  # blocks of a joint in motion that show a load
+# least share of the difference of the currents that such a load explains
+MIN_SHARE_EXPLAINED_BY_LOAD = 0.2
+
+
+class Answers(NamedTuple):
+    """How well motions explain currents: log-likelihoods.
+
+    of_delays: of all currents, by how much later they are than the motion, `delays` [s], none in
+    the middle; of_joints: (6, 6), row j: of the current of joint j, column k: by the motion of
+    joint k.
+    """
+
+    delays: Array
+    of_delays: Array
+    of_joints: Array
+
+    def ahead(self) -> Array:
+        """Return how much likelier each current (6, 6) is that of a joint than of any other."""
+        return np.array(
+            [[own[k] - np.delete(own, k).max() for k in range(len(own))] for own in self.of_joints]
+        )
+
+    def behind(self) -> Array:
+        """Return how much likelier no delay is than each."""
+        return np.asarray(self.of_delays[len(self.delays) // 2] - self.of_delays)
+
+    def late(self) -> Mask:
+        """Return which delays matter; none at 1 Hz, where steps are longer than all of these."""
+        return np.asarray(np.abs(self.delays) >= MIN_DELAY)
+
+    def longest_unnoticed(self) -> float:
+        """Return the longest delay [s] that is hardly less likely than none."""
+        if not self.late().any():
+            return MAX_DELAY
+        return float(np.abs(self.delays[self.behind() <= MIN_LEAD_OF_DELAY]).max())
+
+
+def answers(robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float) -> Answers:
+    """Return how well motions explain the measured currents.
+
+    robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
+    """
+    count = max(1, round(DELAY_STEP / step))
+    most = round(MAX_DELAY / (count * step))
+    lags = np.arange(-most, most + 1)
+    likelihoods = innovation_likelihoods(robot, step, lags * count)
+    of_delays = delay_scores(robot, arm, step, count, lags) + np.einsum("ljj->l", likelihoods)
+    variance = _unexplained_squares(means, arm) + CURRENT_NOISE**2
+    of_joints = likelihoods[most] + means.log_likelihood(variance)
+    return Answers(np.asarray(lags * count * step), of_delays, of_joints)
+
+
+def is_driven(robot: pd.DataFrame) -> bool:
+    """Return whether a joint is to move; friction does not brake a joint that a contact moves."""
+    if "target_qd_0" not in robot:
+        return True
+    return bool((np.nanmean(channel(robot, "target_qd") ** 2, axis=0) > MIN_MOVING_SPEED**2).any())
+
+
+def moving_joints(means: BlockMeans) -> Mask:
+    """Return which joints (6,) move."""
+    return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MIN_MOVING_SPEED)
+
+
+def exchanged_currents(answers: Answers) -> Iterator[Finding]:
+    """Find two joints, each of which explains the other's current better than all others do."""
+    ahead = answers.ahead()
+    gains = np.triu(ahead + ahead.T, 1)
+    j, k = np.argwhere(gains == gains.max())[0].tolist()
+    if gains[j, k] > MIN_LEAD_OF_EXCHANGE:
+        yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
+
+
+def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find currents whose friction drives the motion instead of braking it."""
+    for joint, friction in friction_in_errors(means, arm).items():
+        if friction < -MIN_ERRORS_OF_FRICTION:
+            yield contradiction("turned current", joint=joint + 1)
+
+
+def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
+    """Return the friction of joints that move, from 0, at their usual speed, in standard errors."""
+    gravity, rest = means.gravity(arm), [means.qdd, np.ones((len(means.q), 1))]
+    speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
+    for joint in np.flatnonzero(moving_joints(means)).tolist():
+        columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
+        value, error = combination(
+            columns, means.currents[MEASURED_CURRENT][:, joint], [1.0, speed[joint]]
+        )
+        errors[joint] = value / (error + 1e-9)
+    return errors
+
+
+def delayed_currents(answers: Answers, driven: bool) -> Iterator[Finding]:
+    """Find currents that come later or earlier than the motion that they drive."""
+    late, behind = answers.late(), answers.behind()
+    if not late.any():
+        return
+    most, shorter = behind[late].min(), behind[~late].min()
+    least = 0.0 if driven else MIN_LEAD_OF_DELAY_BY_HAND
+    if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
+        delay = float(answers.delays[late][np.argmin(behind[late])])
+        code = "late current" if delay > 0 else "early current"
+        yield contradiction(code, seconds=abs(delay))
+
+
+def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags: Labels) -> Array:
+    """Return the log-likelihoods of delays of all currents, from the joints that move.
+
+    robot: a repaired table with a period `step` [s]; lags: in blocks of `count` frames.
+    """
+    # means over blocks, from positions and currents alone
+    q, current = (_means(channel(robot, name), count) for name in ("actual_q", MEASURED_CURRENT))
+    received = 1 - _means(robot[["interpolated"]].to_numpy(float), count)[:, 0]
+    step *= count
+    qd = np.gradient(q, step, axis=0)
+    gravity, qdd = gravity_torque(arm, arm.chosen_model, q), np.gradient(qd, step, axis=0)
+    # blocks whose current is known at every delay
+    most = int(lags.max())
+    rows = np.arange(most, len(q) - most)
+    later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
+    rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]
+    rows = rows[received[rows] >= MIN_SHARE_RECEIVED]
+    # the log-likelihood of each delay
+    scores, independent = np.zeros(len(lags)), len(rows) * step / DECORRELATION_TIME
+    moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
+    for joint in np.flatnonzero(moves):
+        friction = np.tanh(qd[:, joint] / MIN_MOVING_SPEED)
+        terms = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
+        basis, _ = np.linalg.qr(np.column_stack(terms)[rows])
+        currents = later[rows - most, joint]
+        residual = currents - basis @ (basis.T @ currents)
+        scores -= independent / 2 * np.log((residual**2).mean(axis=0) + CURRENT_NOISE**2)
+    return scores
+
+
+def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:
+    """Return the mean squares (6, 6) that the motion of each joint leaves of each current.
+
+    Row j: the current of joint j; column k: the motion and the target of joint k.
+    """
+    targets = means.currents.get("target_current")
+    expected = means.gravity(arm) if targets is None else targets
+    current = means.currents[MEASURED_CURRENT]
+    joints = range(current.shape[1])
+    columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in joints]
+    sizes = np.array([[nnls(column, current[:, j])[1] for column in columns] for j in joints])
+    return np.asarray(sizes**2 / len(current))
+
+
+def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> Array:
+    """Return what a current contains (M, n), each with a coefficient that is not negative."""
+    free = np.column_stack([means.qdd[:, joint]] * inertia + [np.ones(len(expected))])
+    return np.column_stack([means.friction(joint), expected, free, -free])
+
+
+def _means(values: Array, count: int) -> Array:
+    """Return the means of each `count` rows (N // count, n)."""
+    whole = len(values) // count * count
+    return np.asarray(values[:whole].reshape(-1, count, values.shape[1]).mean(axis=1))
+
+
+class Held(NamedTuple):
+    """Current per torque of gravity [A/Nm], its standard error, and the share left unexplained."""
+
+    slope: float
+    error: float
+    unexplained: float
+
+
+def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find currents that are not in A: too many or too few of them hold gravity.
+
+    arm: with what it carries.
+    """
+    if arm.senses_torque():
+        return
+    gravity = means.gravity(arm)
+    joint = int(np.argmax((gravity**2).mean(axis=0)))
+    if np.sqrt((gravity[:, joint] ** 2).mean()) < MIN_GRAVITY_TORQUE:
+        return
+    for name, current in means.currents.items():
+        held = held_gravity(means, gravity, current, joint)
+        away = MIN_STANDARD_ERRORS * held.error
+        if held.unexplained < MAX_SHARE_UNEXPLAINED and not (
+            held.slope + away > 1 / MAX_CONSTANT and held.slope - away < 1 / MIN_CONSTANT
+        ):
+            constant = 1 / (held.slope or 1e-9)
+            shown = CONSTANTS_OF_UNITS if abs(held.slope) > away else {}
+            codes = (c for c, (low, high) in shown.items() if low <= constant <= high)
+            code = next(codes, OTHER_UNIT_CODE)
+            yield contradiction(code, name=name, joint=joint + 1, constant=constant)
+
+
+def undeclared_load(
+    means: BlockMeans, arm: Robot, carrying: Robot, odd: Container[int] = ()
+) -> Iterator[Finding]:
+    """Find a load that neither the study nor the controller knows, by which currents differ.
+
+    arm: with the payload that the controller knows; carrying: with the declared one;
+    odd: joints from 0 whose targets do not count.
+    """
+    if {"actual_current", "target_current"} - means.currents.keys():
+        return
+    declared = means.gravity(carrying) - means.gravity(arm)
+    columns, torque = _unexpected_torque(means, arm, declared, odd)
+    if len(torque):
+        mass, left = fitted_load(columns, torque)
+        _, error = combination(columns, torque, [1.0])  # large where only a wrist moves
+        explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_LOAD) * size(torque) ** 2
+        if mass > max(MIN_UNDECLARED_LOAD, MIN_STANDARD_ERRORS * error) and explained:
+            yield contradiction("undeclared load", mass=mass)
+
+
+def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
+    """Return how much of a joint's current holds gravity, beside friction and inertia."""
+    effort = current[:, joint]
+    columns = np.column_stack([gravity[:, joint], means.friction(joint), means.qdd])
+    inverse = np.linalg.pinv(columns)
+    solution = inverse @ effort
+    residual = size(effort - columns @ solution)
+    error = residual / np.sqrt(max(1, len(effort) - columns.shape[1])) * np.linalg.norm(inverse[0])
+    return Held(float(solution[0]), float(error), (residual / size(effort)) ** 2)
+
+
+def _unexpected_torque(
+    means: BlockMeans, arm: Robot, declared: Array, odd: Container[int]
+) -> tuple[Array, Array]:
+    """Return torque per load (n, 4), and the torque (n,) that measured currents hold beyond
+    target_current, both without friction and in units of its spread, of all joints that bear.
+
+    Only of joints in motion: at rest, stiction bears an unknown part of what a posture demands,
+    which looks like a load. declared: torque (M, 6) [Nm] that is known to be in it.
+    """
+    gravity, loads = means.gravity(arm), load_torque(arm, means.q)
+    measured, target = means.currents["actual_current"], means.currents["target_current"]
+    rows = [np.empty((0, 5))]
+    for joint in range(gravity.shape[1]):
+        moves = np.abs(means.qd[:, joint]) > MIN_MOVING_SPEED
+        if joint in odd or np.count_nonzero(moves) < MIN_MOVING_BLOCKS:
+            continue
+        held = held_gravity(means, gravity, target, joint)
+        in_amperes = 1 / MAX_CONSTANT < held.slope < 1 / MIN_CONSTANT
+        if held.unexplained < MAX_SHARE_UNEXPLAINED and in_amperes:
+            torque = (measured - target)[moves, joint] / held.slope - declared[moves, joint]
+            pair = np.column_stack([loads[moves, joint], torque])
+            friction = means.friction(joint)[moves]
+            pair -= friction @ np.linalg.lstsq(friction, pair, rcond=None)[0]
+            rows.append(pair / max(pair[:, -1].std(), 0.1))
+    every = np.vstack(rows)
+    return every[:, :-1], every[:, -1]

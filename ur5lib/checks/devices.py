@@ -1,0 +1,96 @@
+"""Checks of what each device of a recording wrote, beside what it should have written."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.checks.channels import check_robot
+from ur5lib.recordings.intake import Intake
+from ur5lib.recordings.quality import Device, Finding
+from ur5lib.robots.description import FullScale, Robot
+
+CLIPPING_SHARE = 0.999  # share of the full scale at which a sample counts as clipped
+MIN_SATURATED_SAMPLES = 10  # samples at exactly the same extreme value indicate saturation
+MIN_GRAVITY, MAX_GRAVITY = 8.0, 12.0  # m/s², the median specific force that an IMU may measure
+# m/s²; a component of gravity changes at least this much where an IMU turns
+MIN_GRAVITY_CHANGE = 3.0
+
+
+def checked_intake(intake: Intake, arm: Robot) -> Intake:
+    """Return an intake whose findings include those of the checks of its devices."""
+    quality, limits = intake.quality, (arm.position_limits(), arm.velocity_limits())
+    findings = [*quality.findings, *check_robot(intake.robot, quality.period_s, *limits)]
+    for device, table in intake.sensors.items():
+        findings += check_sensor(device, table, arm)
+    return replace(intake, quality=replace(quality, findings=findings))
+
+
+def check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
+    """Return what contradicts that a sensor's file is of this sensor. table: its channels."""
+    if device == "force":
+        return check_force_sensor(table)
+    return check_imu(table, arm.mounting.imu_full_scale)
+
+
+def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
+    """Check for saturation and for an IMU file read by mistake. table: `time` and ft_* as read."""
+    return [*_saturation(table), *_looks_like_imu(table)]
+
+
+def check_imu(table: pd.DataFrame, full_scale: FullScale | None) -> list[Finding]:
+    """Check for saturation, and that the accelerometer measures gravity.
+
+    table: `time` and imu_* as read; full_scale: of the IMU, None if it is not known.
+    """
+    clipped = _clipped(table, full_scale) if full_scale else ()
+    return [*clipped, *_gravity(table)]
+
+
+def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
+    channels = table.drop(columns="time")
+    stuck = {
+        name: int((column.abs() == column.abs().max()).sum()) for name, column in channels.items()
+    }
+    saturated = {name: count for name, count in stuck.items() if count >= MIN_SATURATED_SAMPLES}
+    if saturated:
+        names = {"names": [*saturated]}
+        yield Finding("force", "saturation", "warning", max(saturated.values()), names)
+
+
+def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
+    """Find a force that rotates at the magnitude of gravity: an acceleration, or a 1 kg tool."""
+    if "ft_fx" not in table:
+        return
+    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy()
+    low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
+    turns = np.ptp(force, axis=0).max() > MIN_GRAVITY_CHANGE
+    if low >= MIN_GRAVITY and high <= MAX_GRAVITY and turns:
+        force_n = {"force_n": float(low + high) / 2}
+        yield Finding("force", "size of gravity", "warning", len(table), force_n)
+
+
+def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
+    """Find samples at the full scale of accelerometer or gyroscope."""
+    rate = math.radians(full_scale.angular_rate_deg)
+    limits = {"imu_a": full_scale.acceleration, "imu_g": rate}
+    channels = {name: limits[name[:5]] for name in table if name[:5] in limits}
+    reached = table[[*channels]].abs() >= CLIPPING_SHARE * pd.Series(channels, dtype=float)
+    if reached.any(axis=None):
+        values = {
+            "names": [*reached.columns[reached.any()]],
+            "acceleration": full_scale.acceleration,
+            "angular_rate_deg": full_scale.angular_rate_deg,
+        }
+        count = int(reached.any(axis=1).sum())
+        yield Finding("imu", "saturation", "warning", count, values, "full scale")
+
+
+def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
+    if "imu_ax" not in table:
+        return
+    norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
+    if not MIN_GRAVITY <= norm <= MAX_GRAVITY:
+        yield Finding("imu", "no gravity", "warning", len(table), {"specific_force": norm})

@@ -1,0 +1,160 @@
+"""Checks of postures at rest: gravity is all that tells arm, order, units and signs."""
+
+from collections.abc import Iterator
+from itertools import islice
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import CURRENTS, MEASURED_CURRENT
+from ur5lib.checks.arm import (
+    MIN_LEAD_OF_ARM,
+    exchanged_joints,
+    foreign_arms,
+    gains_of_arms,
+    likeliest,
+    of_measured,
+)
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
+from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.torques import foreign_torque
+from ur5lib.errors import Remark, remark
+from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
+
+MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
+# of the motor's largest torque, the standard deviation of gravity beside which friction is small
+MIN_GRAVITY_SHARE = 0.1
+MAX_CONSTANT_ERROR = 0.1  # relative, of a torque constant that contradicts the known one
+MAX_CONSTANT_RATIO = 1.75  # to the known one
+# of the motor's largest torque, the static friction of a joint; 0.04 to 0.06 on the measured arms
+STATIC_FRICTION_SHARE = 0.06
+# share of such a current's variance that may be left; friction leaves 0.1
+MAX_VARIANCE_UNEXPLAINED = 0.3
+
+
+def posture_means(postures: pd.DataFrame) -> BlockMeans:
+    """Return postures as blocks without motion; friction at rest may have a mean."""
+    q = channel(postures, "actual_q")
+    moment = channel(postures, "target_moment") if "target_moment_0" in postures else None
+    currents = {name: channel(postures, name) for name in CURRENTS if f"{name}_0" in postures}
+    still = np.zeros_like(q)
+    return BlockMeans(q, still, still, moment, currents, offset=True, independent=1.0)
+
+
+def posture_stop_signs(
+    means: BlockMeans, arm: Robot, configured: Payload | None, declared: Payload | None
+) -> list[Finding]:
+    """Return the stop sign of a recording of postures, if there is one.
+
+    arm: under the recording's gravity; configured: the payload that the controller was given;
+    declared: the one that the study gives.
+    """
+    contradictions = _contradictions(means, arm, configured, declared)
+    return [*islice(contradictions, 1)]  # others follow from the first
+
+
+def _contradictions(
+    means: BlockMeans, arm: Robot, configured: Payload | None, declared: Payload | None
+) -> Iterator[Finding]:
+    """Yield what contradicts the arm and what it carries, the strongest evidence first."""
+    if len(means.q) < MIN_BLOCKS:
+        return
+    loaded = arm.carrying(declared)
+    yield from foreign_torque(means, arm, [configured, declared])
+    # of a smaller correlation, friction may be the cause
+    turned = _correlation(means, loaded) < -np.sqrt(MAX_VARIANCE_UNEXPLAINED)
+    for joint in np.flatnonzero(turned).tolist():
+        yield contradiction("turned current at rest", joint=joint + 1)
+    yield from foreign_currents(means, loaded)
+    yield from likeliest(exchanged_joints(means, loaded))
+    yield from _unexplained(means, loaded)
+    yield from likeliest(foreign_arms(means, loaded, arms_alike(arm, declared)))
+    small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
+    if small:
+        yield contradiction("contradicting constants", each=small)
+
+
+def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:
+    """Return the note on what a recording of postures tells, and what it leaves unchecked.
+
+    payload: on the arm's flange.
+    """
+    correlation = _correlation(means, arm.carrying(payload))
+    shown = np.flatnonzero(np.isfinite(correlation))
+    shares = [remark("share", joint=j + 1, value=correlation[j] ** 2) for j in shown.tolist()]
+    others = (np.flatnonzero(np.isnan(correlation)) + 1).tolist()
+    alike = _arms_alike(means, arm, payload)
+    values = {
+        "shares": shares,
+        "joints": [remark("unchecked joints", joints=others)] if others else [],
+        "arms": [remark("arms alike", arms=alike)] if alike else [],
+    }
+    code = "postures" if shares else "postures without gravity"
+    few = "few postures" if len(means.q) < MIN_BLOCKS else ""
+    return [Finding("robot", "postures", "note", len(means.q), values, few or code)]
+
+
+def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
+    """Return a warning of torque constants far above the known ones; arm: with what it carries."""
+    each = [one for smaller, one in _unlike_constants(means, arm) if not smaller]
+    warning = Finding("robot", "torque constants", "warning", len(each), {"each": each})
+    return [warning] if each else []
+
+
+def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
+    """Return the other described arms whose gravity explains the currents hardly worse."""
+    loaded = arm.carrying(payload)
+    gains = gains_of_arms(of_measured(means), loaded, arms_alike(arm, payload))
+    alike = (name for name, gain in gains.items() if -MIN_LEAD_OF_ARM < gain != 0.0)
+    return [name for name in alike if name != arm.name]
+
+
+def _correlation(means: BlockMeans, arm: Robot) -> Array:
+    """Return the correlation (n,) of each current with gravity, NaN where chance would do."""
+    pairs = zip(means.gravity(arm).T, means.currents[MEASURED_CURRENT].T, strict=True)
+    correlation = np.array([_pair_correlation(*pair) for pair in pairs])
+    error = np.sqrt((1 - correlation**2) / max(1, len(means.q) - 2))
+    return np.where(np.abs(correlation) > MIN_ERRORS_OF_CORRELATION * error, correlation, np.nan)
+
+
+def _pair_correlation(torque: Array, current: Array) -> float:
+    """Return the correlation of a current with a torque (M,); zero where one is constant."""
+    sizes = torque.std() * current.std()
+    if sizes < 1e-9:
+        return 0.0
+    return float(np.mean((torque - torque.mean()) * (current - current.mean())) / sizes)
+
+
+def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find a current that gravity does not explain, although the joint bears much of it."""
+    heavy = means.gravity(arm).std(axis=0) / np.array(arm.torque_limits())
+    joint = int(np.argmax(heavy))
+    share = np.nan_to_num(_correlation(means, arm)[joint]) ** 2
+    if heavy[joint] > MIN_GRAVITY_SHARE and share < 1 - MAX_VARIANCE_UNEXPLAINED:
+        yield contradiction("gravity unexplained", joint=joint + 1, share=float(share))
+
+
+def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Remark]]:
+    """Yield joints whose torque constant by gravity is far from the known one, and whether it is
+    smaller, which no lost torque explains: a unit, the arm or its load is wrong.
+
+    A joint whose friction may hold as much as gravity pulls is not judged: how its postures were
+    reached changes the constant more than the known ones differ. arm: with what it carries.
+    """
+    if len(means.q) < MIN_BLOCKS:
+        return
+    torque, current = means.gravity(arm), means.currents[MEASURED_CURRENT]
+    correlation, makers = _correlation(means, arm), np.array(arm.family_torque_constants())
+    bears = torque.std(axis=0) > STATIC_FRICTION_SHARE * np.array(arm.torque_limits())
+    for joint in np.flatnonzero(bears & np.isfinite(correlation * makers)).tolist():
+        share = correlation[joint] ** 2
+        error = np.sqrt((1 - share) / share / (len(torque) - 2))
+        slope = correlation[joint] * current[:, joint].std() / torque[:, joint].std()
+        ratio = 1 / slope / makers[joint]
+        if error < MAX_CONSTANT_ERROR and not 1 / MAX_CONSTANT_RATIO < ratio < MAX_CONSTANT_RATIO:
+            values = {"fitted": float(1 / slope), "known": float(makers[joint])}
+            yield ratio < 1, remark("other constant", joint=joint + 1, **values)

@@ -1,0 +1,155 @@
+"""Which order of the joints, which unit and which arm explain the efforts: by gravity.
+
+A joint's effort is gravity, by a slope that the unit bounds, and friction and inertia. What is left
+of each joint's effort, with a variance of its own, gives the likelihood of an order and an arm.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque
+from ur5lib.timeseries.arrays import Array, Labels
+
+Order = tuple[int, ...]  # the column of each joint, from 0
+Units = Mapping[str, tuple[float, float]]  # bounds of effort per Nm, by unit
+
+ELBOW_FIRST = (2, 1, 0, 3, 4, 5)  # elbow, shoulder lift, shoulder pan, wrists: by the alphabet
+SLOPE_BOUNDS = {  # effort per Nm
+    "A": (1 / MAX_CONSTANT, 1 / MIN_CONSTANT),
+    "Nm": (0.8, 1.25),
+    "mA": (1e3 / MAX_CONSTANT, 1e3 / MIN_CONSTANT),
+}
+SLOPE_BOUNDS_OR_NONE = SLOPE_BOUNDS | {"neither": (0.0, 0.0)}  # or a torque without gravity
+EFFORT_NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
+SPREAD_OF_CONSTANTS = 0.2  # of torque constants around those of the joints' sizes
+CLEAR_LEAD = 8.0  # difference of log-likelihoods from which on a reading is proven
+MAX_SPEED_RATIO = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
+MAX_RANGE_RATIO = 1.05  # times the range of a joint, which a controller enforces
+IMPOSSIBLE_MOTION_PENALTY = 100.0  # on the log-likelihood of an arm that cannot move so
+MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm, root mean square; less gravity tells no torque constant
+
+
+def in_order(arm: Robot) -> Order:
+    """Return the columns of an arm's joints in their order."""
+    return tuple(range(len(arm.joints)))
+
+
+def usual_orders(joints: int) -> list[Order]:
+    """Return the orders in which logs list joints: base to wrist, elbow first, wrist to base."""
+    base_to_wrist = tuple(range(joints))
+    elbow_first = [ELBOW_FIRST] if joints == len(ELBOW_FIRST) else []
+    return [base_to_wrist, *elbow_first, base_to_wrist[::-1]]
+
+
+def exchanged_order(order: Order, j: int, k: int) -> Order:
+    """Return an order in which two joints, from 0, have each other's columns."""
+    return tuple(order[{j: k, k: j}.get(joint, joint)] for joint in range(len(order)))
+
+
+class Reading(NamedTuple):
+    """An arm, an order of the joints and a unit of each effort, and their log-likelihood."""
+
+    arm: str
+    order: Order
+    units: tuple[str, ...]
+    score: float
+
+
+def readings(
+    means: BlockMeans, arms: Sequence[Robot], orders: Sequence[Order], units: Units = SLOPE_BOUNDS
+) -> list[Reading]:
+    """Return the readings of some arms and orders, the likeliest first, with each effort's unit.
+
+    means: `currents` holds the efforts, columns as in the file; units: possible ones.
+    """
+    columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
+    lowest, highest = means.q.min(axis=0), means.q.max(axis=0)
+    free = [_without_motion(means, effort) for effort in means.currents.values()]
+    candidates = []
+    for arm in arms:
+        postures = means.q[:, columns].swapaxes(0, 1)  # (orders, M, n)
+        torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, len(arm.joints)))
+        torque = torque.reshape(postures.shape)
+        constants = arm.maker_torque_constants()
+        scores = [_scores(means, effort, torque, columns, constants, units) for effort in free]
+        total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
+        beyond = speed[columns] > MAX_SPEED_RATIO * np.array(arm.velocity_limits())
+        low, high = np.transpose(arm.position_limits())
+        slack = (MAX_RANGE_RATIO - 1) / 2 * (high - low)
+        beyond |= (lowest[columns] < low - slack) | (highest[columns] > high + slack)
+        total -= IMPOSSIBLE_MOTION_PENALTY * beyond.any(axis=1)
+        for place, order in enumerate(orders):
+            likely = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
+            candidates.append(Reading(arm.name, order, likely, float(total[place])))
+    return sorted(candidates, key=lambda reading: -reading.score)
+
+
+def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
+    """Return the log-likelihood of each unit of an effort, and that it holds no gravity.
+
+    means: with the joints in order.
+    """
+    free, columns = _without_motion(means, means.currents[effort]), np.array([in_order(arm)])
+    unknown = [math.nan] * len(arm.joints)
+    scores = _scores(means, free, means.gravity(arm)[None], columns, unknown, SLOPE_BOUNDS_OR_NONE)
+    return {unit: float(score[0]) for unit, score in scores.items()}
+
+
+def _motion_basis(means: BlockMeans, column: int) -> Array:
+    """Return an orthonormal basis (M, n) of a joint's friction, inertia and offset."""
+    terms = means.without_gravity(column, means.qdd)
+    basis, size, _ = np.linalg.svd(terms, full_matrices=False)
+    return basis[:, size > 1e-8 * size[0]]
+
+
+def _project(basis: Array, values: Array) -> Array:
+    """Return the part of values (..., M) that a basis (M, n) does not span."""
+    return values - (values @ basis) @ basis.T
+
+
+def _without_motion(means: BlockMeans, effort: Array) -> Array:
+    """Return efforts (M, n) without friction and inertia."""
+    columns = [_project(_motion_basis(means, k), effort[:, k]) for k in range(effort.shape[1])]
+    return np.stack(columns, axis=1)
+
+
+def _scores(
+    means: BlockMeans,
+    effort: Array,
+    torque: Array,
+    columns: Labels,
+    constants: Sequence[float],
+    units: Units,
+) -> dict[str, Array]:
+    """Return the log-likelihood of each order (K,) by unit.
+
+    torque: (K, M, n) of gravity; constants: Nm/A that the joints should have, NaN where unknown.
+    """
+    total = {unit: np.zeros(len(columns)) for unit in units}
+    for column in range(effort.shape[1]):
+        basis = _motion_basis(means, column)
+        for joint in range(columns.shape[1]):
+            rows = columns[:, joint] == column
+            gravity = _project(basis, torque[rows, :, joint])
+            slope = gravity @ effort[:, column] / ((gravity**2).sum(axis=1) + 1e-12)
+            expected = {"A": constants[joint], "mA": constants[joint] / 1e3, "Nm": 1.0}
+            for unit, (low, high) in units.items():
+                bounded = np.clip(slope, low, high)
+                residual = ((effort[:, column] - bounded[:, None] * gravity) ** 2).mean(axis=1)
+                total[unit][rows] += means.log_likelihood(residual + EFFORT_NOISE**2)
+                total[unit][rows] -= _surprise(bounded, expected.get(unit, math.nan), gravity)
+    return total
+
+
+def _surprise(slope: Array, constant: float, torque: Array) -> Array:
+    """Return how unlikely slopes (K,) are for a torque constant [Nm/A], where gravity is large."""
+    if math.isnan(constant):
+        return np.zeros(len(slope))
+    loaded = np.linalg.norm(torque, axis=1) > MIN_TORQUE_FOR_CONSTANT * math.sqrt(torque.shape[1])
+    return np.where(loaded, (np.log(slope * constant) / SPREAD_OF_CONSTANTS) ** 2 / 2, 0.0)

@@ -1,0 +1,80 @@
+"""Stop signs: what in a recording contradicts the study so much that no forces may be stated."""
+
+from collections.abc import Iterator
+from itertools import islice
+
+from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, columns
+from ur5lib.checks.arm import (
+    contradictions_by_gravity,
+    foreign_mountings,
+    likeliest,
+    torque_constants,
+)
+from ur5lib.checks.channels import misread_velocities
+from ur5lib.checks.checked import MIN_BLOCKS, Checked
+from ur5lib.checks.currents import (
+    delayed_currents,
+    exchanged_currents,
+    foreign_currents,
+    turned_currents,
+    undeclared_load,
+)
+from ur5lib.checks.exchanged_channels import (
+    exchanged_current,
+    exchanged_motion,
+    names_equal_to_targets,
+)
+from ur5lib.checks.targets import scaled_currents
+from ur5lib.checks.tool import tool_off_flange
+from ur5lib.checks.torques import foreign_torque
+from ur5lib.recordings.quality import Finding, contradiction
+
+CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
+    columns("actual_TCP_pose"),
+    *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
+    *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
+)
+
+
+def stop_signs(checked: Checked) -> list[Finding]:
+    """Return the stop signs of a recording, of which the columns CHECKED_COLUMNS are enough."""
+    if copied := [*names_equal_to_targets(checked.robot, checked.step)]:
+        return [contradiction("simulated", names=copied)]  # nothing else follows from it
+    channels = [*exchanged_motion(checked.robot), *exchanged_current(checked.robot)]
+    of_channels = [contradiction("exchanged channels", name=name) for name in channels]
+    return [*of_channels, *islice(_contradictions(checked), 1)]  # others follow from the first
+
+
+def _contradictions(checked: Checked) -> Iterator[Finding]:
+    """Yield what contradicts the arm and what it carries, the strongest evidence first."""
+    robot, arm, loaded = checked.robot, checked.arm, checked.loaded
+    yield from misread_velocities(robot, checked.step)
+    means = checked.means
+    if len(means.q) < MIN_BLOCKS:
+        return
+    yield from foreign_torque(means, arm, [checked.configured, checked.declared])
+    yield from tool_off_flange(robot, arm)
+    if checked.answers is not None:  # whatever arm and units are
+        yield from delayed_currents(checked.answers, checked.driven)
+        yield from exchanged_currents(checked.answers)
+    if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints
+        shown = means, loaded, checked.others, checked.fitted, checked.driven
+        yield from contradictions_by_gravity(*shown)
+    else:
+        yield from _mounting(checked)
+        yield from foreign_currents(means, loaded)
+    if checked.answers is not None and checked.driven:
+        yield from turned_currents(means, loaded)
+        yield from scaled_currents(means, checked.odd_targets)
+    if checked.fitted:  # elsewhere, the fit finds an undeclared load
+        configured = arm.carrying(checked.configured)
+        yield from undeclared_load(means, configured, loaded, checked.odd_targets)
+
+
+def _mounting(checked: Checked) -> Iterator[Finding]:
+    """Find another mounting; a push at rest is like one, but for torque constants that none has."""
+    means, loaded = checked.means, checked.loaded
+    if MEASURED_CURRENT not in means.currents or loaded.senses_torque():
+        return
+    if checked.tells_by_gravity() or torque_constants(means, loaded).foreign():
+        yield from likeliest(foreign_mountings(means, loaded, checked.driven))

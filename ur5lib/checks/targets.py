@@ -1,0 +1,82 @@
+"""Checks of currents beside their targets: a fraction or a multiple of these, in joints that bear.
+
+Gravity tells which of the two is to blame, where one shows the motor's torque constant.
+"""
+
+from collections.abc import Container, Iterator
+
+import numpy as np
+
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
+from ur5lib.checks.arm import torque_constants
+from ur5lib.checks.block_means import BlockMeans, combination
+from ur5lib.checks.currents import moving_joints
+from ur5lib.recordings.quality import ODD_TARGET, Finding, contradiction
+from ur5lib.robots.description import Robot
+
+# current per target; 0.87 to 1.5 in right recordings, loads included
+MIN_RATIO_TO_TARGET, MAX_RATIO_TO_TARGET = 0.8, 2.0
+MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bears something
+
+
+def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
+    """Find currents that are a fraction or a multiple of their targets.
+
+    odd: joints from 0 whose targets are to blame.
+    """
+    for joint, ratio in unlike_targets(means):
+        if joint not in odd:
+            yield contradiction("scaled current", joint=joint + 1, ratio=ratio)
+
+
+def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
+    """Return warnings of targets that are to blame, by joint from 0; arm: with its load.
+
+    The current then shows the motor's torque constant, and nearer than its target does.
+    """
+    unlike = dict(unlike_targets(means))
+    if not unlike:
+        return {}
+    measured, targeted = torque_constants(means, arm), torque_constants(means, arm, TARGET_CURRENT)
+    both = measured.ratio.keys() & targeted.ratio.keys()
+    nearer = {joint for joint in both if measured.away(joint) < targeted.away(joint)}
+    return {
+        joint: Finding(
+            "robot",
+            ODD_TARGET,
+            "warning",
+            1,
+            {
+                "joint": joint + 1,
+                "ratio": 1 / ratio,
+                "measured": measured.ratio[joint] * measured.known[joint],
+                "target": targeted.ratio[joint] * targeted.known[joint],
+                "known": measured.known[joint],
+            },
+        )
+        for joint, ratio in unlike.items()
+        if joint in nearer - measured.foreign().keys()
+    }
+
+
+def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
+    """Yield joints, from 0, whose current is a fraction or multiple of its target, and which."""
+    if {MEASURED_CURRENT, TARGET_CURRENT} - means.currents.keys():
+        return
+    moves = moving_joints(means)
+    for joint in range(min(3, len(moves))):  # wrists hardly bear anything
+        target, friction = means.currents[TARGET_CURRENT][:, joint], means.friction(joint)
+        # without friction, which targets of some arms contain, and inertia: only a load shows it
+        others = np.column_stack([friction, means.qdd[:, joint]])
+        borne = target - others @ np.linalg.lstsq(others, target, rcond=None)[0]
+        # at rest, of a joint whose load others change
+        if (
+            not (moves[joint] and np.sqrt((borne**2).mean()) > MIN_BORNE_CURRENT)
+            and borne.std() <= MIN_BORNE_CURRENT
+        ):
+            continue
+        load = np.abs(target) * friction[:, 0]
+        columns = np.column_stack([target, friction, load, means.qdd[:, joint]])
+        slope, error = combination(columns, means.currents[MEASURED_CURRENT][:, joint], [1.0])
+        if slope + 5 * error < MIN_RATIO_TO_TARGET or slope - 5 * error > MAX_RATIO_TO_TARGET:
+            yield joint, slope

@@ -1,0 +1,32 @@
+"""Check of the tool's pose beside that of the flange, which the arm and its joints determine."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import columns, joint_count
+from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import link_frames
+from ur5lib.tables import channel
+
+# m; in right recordings, the tool stays within 0.002 m of its place on the flange
+MAX_TOOL_DISTANCE = 0.01
+
+
+def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
+    """Find a tool that does not stay at its place on the flange; robot: a repaired table."""
+    if "actual_TCP_pose_0" not in robot:
+        return
+    frames = robot.loc[
+        ~robot["interpolated"], columns("actual_TCP_pose") + columns("actual_q", joint_count(robot))
+    ]
+    frames = frames.dropna(subset=["actual_TCP_pose_0", "actual_q_0"])
+    frames = frames.iloc[:: max(1, len(frames) // 1000)]
+    rotation, origin = link_frames(arm, channel(frames, "actual_q"))
+    away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, -1]
+    place = np.einsum("nij,ni->nj", rotation[:, -1], away)
+    apart = float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))
+    if apart > MAX_TOOL_DISTANCE:
+        yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * apart)

@@ -1,0 +1,136 @@
+"""Checks of the controller's torque, `target_moment`: whether it is that of the arm and load."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.checks.arm import MIN_LEAD_OF_ARM, MOUNTINGS
+from ur5lib.checks.block_means import BlockMeans, fitted_load, size
+from ur5lib.checks.checked import MIN_BLOCKS, Checked, described
+from ur5lib.errors import Remark, remark
+from ur5lib.recordings.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
+from ur5lib.robots.description import Payload, Robot, robot_names
+from ur5lib.robots.statics import load_torque
+from ur5lib.timeseries.arrays import Array
+
+TORQUE_NOISE = 0.02  # Nm; nothing is explained better
+# share that another arm, a load or a unit may leave to be named as the cause
+MAX_SHARE_LEFT_BY_CAUSE = 0.1
+MIN_LOAD, MAX_LOAD = 0.3, 40.0  # kg; loads that are named as the cause
+MIN_GIVEN_LOAD = 0.1  # kg
+# share of what is left that a load explains; at most 0.14 in right recordings in motion
+MIN_SHARE_EXPLAINED_BY_GIVEN_LOAD = 0.3
+DEGREES_PER_RADIAN = 180 / np.pi
+
+
+def foreign_torque(
+    means: BlockMeans, arm: Robot, payloads: Sequence[Payload | None]
+) -> Iterator[Finding]:
+    """Find a target_moment that is not the arm's; payloads: those that it may contain."""
+    torque = means.torque
+    if torque is None:
+        return
+    residual = _least_residual(means, torque, arm, payloads)
+    share = size(residual) / size(torque)
+    foreign = share > MAX_SHARE_UNMODELLED
+    if foreign:
+        arms = [*_fitting_arms(means, torque, arm)]
+    else:
+        arms = [*_likelier_arms(means, torque, arm, payloads)]
+    if foreign or arms:
+        fitting = [*arms, *_other_causes(means, torque, residual, arm)]
+        code = "other torque of known cause" if fitting else "other torque"
+        yield contradiction(code, arm=arm.name, share=share, causes=fitting)
+
+
+def is_foreign(
+    means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
+) -> bool:
+    """Return whether a torque (M, 6) [Nm] cannot be that of an arm with any of some payloads."""
+    return size(_least_residual(means, torque, arm, payloads)) > MAX_SHARE_UNMODELLED * size(torque)
+
+
+def given_load(checked: Checked) -> Iterator[Finding]:
+    """Warn of a load in `target_moment` that neither the study nor the recording names."""
+    means, torque = checked.means, checked.means.torque
+    if torque is not None and len(means.q) >= MIN_BLOCKS:
+        payloads = [checked.configured, checked.declared]
+        residual = _least_residual(means, torque, checked.arm, payloads)
+        mass, left = _as_load(means, residual, checked.arm)
+        explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_GIVEN_LOAD) * size(residual) ** 2
+        if MIN_GIVEN_LOAD < mass < MAX_LOAD and explained:
+            yield Finding("robot", GIVEN_LOAD, "warning", 1, {"mass": mass})
+
+
+def _as_load(means: BlockMeans, residual: Array, arm: Robot) -> tuple[float, float]:
+    """Return the mass [kg] of the load that explains torques (M, 6) best, and what is left."""
+    load = load_torque(arm, means.q)
+    columns = [means.beside_inertia(load[:, :, k]).ravel() for k in range(4)]
+    return fitted_load(np.stack(columns, axis=1), residual.ravel())
+
+
+def _least_residual(
+    means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
+) -> Array:
+    return min((_residual(means, torque, arm.carrying(payload)) for payload in payloads), key=size)
+
+
+def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
+    """Return what neither the arm's gravity nor its inertia explains of a torque (M, 6) [Nm]."""
+    return means.beside_inertia(torque - means.gravity(arm))
+
+
+def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
+    """Return whether an arm leaves so little of a torque (M, 6) [Nm] that it is its own."""
+    return size(_residual(means, torque, arm)) < MAX_SHARE_LEFT_BY_CAUSE * size(torque)
+
+
+def _likelier_arms(
+    means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
+) -> Iterator[Remark]:
+    """Yield the described arm that explains the torque best, if it is likelier by far."""
+    names = [arm.name, *(name for name in robot_names() if name != arm.name)]
+    arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
+    likelihoods = [
+        max(_likelihood(means, torque, one.carrying(payload)) for payload in payloads)
+        for one in arms
+    ]
+    best = int(np.argmax(likelihoods))
+    if likelihoods[best] - likelihoods[0] > MIN_LEAD_OF_ARM:
+        yield remark("robot as cause", value=names[best])
+
+
+def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
+    """Return the log-likelihood of a torque (M, 6) [Nm], each joint with a variance of its own."""
+    variance = (_residual(means, torque, arm) ** 2).mean(axis=0) + TORQUE_NOISE**2
+    return float(means.log_likelihood(variance).sum())
+
+
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Remark]:
+    """Yield the described arms whose torque it is."""
+    for name in robot_names():
+        other = described(name).mounted(arm.gravity)
+        if len(other.joints) == len(arm.joints) and _fits(means, torque, other):
+            yield remark("robot as cause", value=name)
+
+
+def _other_causes(
+    means: BlockMeans, torque: Array, residual: Array, arm: Robot
+) -> Iterator[Remark]:
+    """Yield the payload, mounting, unit of positions and currents with which a torque is the arm's.
+
+    residual: (M, 6) [Nm], what the arm leaves of the torque.
+    """
+    mass, left = _as_load(means, residual, arm)
+    if MIN_LOAD < mass < MAX_LOAD and left < MAX_SHARE_LEFT_BY_CAUSE * size(torque):
+        yield remark("load as cause", value=mass)
+    for gravity in MOUNTINGS:
+        if _fits(means, torque, arm.mounted(gravity)):
+            yield remark("mounting as cause", value=[*gravity])
+    for unit, factor in (("rad", DEGREES_PER_RADIAN), ("deg", 1 / DEGREES_PER_RADIAN)):
+        if _fits(replace(means, q=factor * means.q), torque, arm):
+            yield remark("unit as cause", value=unit)
+    for name, current in means.currents.items():
+        if _fits(means, current, arm):
+            yield remark("column as cause", value=name)

@@ -1,0 +1,143 @@
+"""Mistakes that the checks of a recording would not notice: one note each, with the reason."""
+
+from collections.abc import Iterable, Iterator
+from itertools import combinations
+
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT, columns
+from ur5lib.checks.arm import (
+    MIN_LEAD_OF_EXCHANGED_JOINTS,
+    Pair,
+    fitting_arms,
+    gains_of_exchange,
+    is_shown,
+    of_measured,
+    torque_constants,
+)
+from ur5lib.checks.checked import MIN_BLOCKS, Checked
+from ur5lib.checks.currents import (
+    MIN_DELAY,
+    MIN_ERRORS_OF_FRICTION,
+    MIN_GRAVITY_TORQUE,
+    MIN_LEAD_OF_EXCHANGE,
+    Answers,
+    friction_in_errors,
+)
+from ur5lib.checks.readings import exchanged_order, in_order
+from ur5lib.checks.tool import tool_off_flange
+from ur5lib.checks.torques import is_foreign
+from ur5lib.recordings.quality import Finding, Severity
+from ur5lib.tables import channel, named
+
+POSE, TORQUE = "actual_TCP_pose", "target_moment"
+
+
+def unchecked(checked: Checked) -> list[Finding]:
+    """Return what would not be noticed in a recording without a stop sign."""
+    if len(checked.means.q) < MIN_BLOCKS:
+        return [_note("nothing checked", seconds=len(checked.robot) * checked.step)]
+    return [*_arm(checked), *_order(checked), *_currents(checked)]
+
+
+def _note(finding: str, **values: object) -> Finding:
+    return Finding("robot", finding, "note", 1, values)
+
+
+def _arm(checked: Checked) -> Iterator[Finding]:
+    """Yield which other arms fit as well, where no torque of the controller tells all apart."""
+    others = [one for one in checked.others if one.name != checked.arm.name]
+    if checked.means.torque is not None:
+        return
+    if f"{POSE}_0" in checked.robot:
+        others = [one for one in others if not any(tool_off_flange(checked.robot, one))]
+    if checked.tells_by_gravity():
+        fitting = fitting_arms(checked.means, checked.loaded, others)
+        others = [one for one in others if one.name in fitting]
+    if others:
+        absent = [
+            name for name in (TORQUE, POSE, MEASURED_CURRENT) if f"{name}_0" not in checked.robot
+        ]
+        names = [one.name for one in others]
+        yield _note("arm not checked", arm=checked.arm.name, others=names, absent=absent)
+
+
+def _order(checked: Checked) -> Iterator[Finding]:
+    """Yield the pairs of joints of which all columns may be exchanged."""
+    shown = {
+        *_pairs_shown_by_pose(checked),
+        *_pairs_shown_by_torque(checked),
+        *_pairs_shown_by_gravity(checked),
+    }
+    open_pairs = [pair for pair in combinations(in_order(checked.arm), 2) if pair not in shown]
+    if open_pairs:
+        yield _note("order not checked", pairs=_named(open_pairs))
+
+
+def _named(pairs: Iterable[Pair]) -> list[str]:
+    """Return pairs of joints, which count from 0, as written."""
+    return [f"{j + 1}-{k + 1}" for j, k in pairs]
+
+
+def _pairs_shown_by_pose(checked: Checked) -> Iterator[Pair]:
+    """Yield the pairs whose exchange would take the tool off the flange."""
+    if f"{POSE}_0" not in checked.robot:
+        return
+    q, order = channel(checked.robot, "actual_q"), in_order(checked.arm)
+    table = checked.robot[["interpolated", *columns(POSE)]]
+    for pair in combinations(order, 2):
+        moved = table.assign(**named(q[:, exchanged_order(order, *pair)], "actual_q"))
+        if any(tool_off_flange(moved, checked.arm)):
+            yield pair
+
+
+def _pairs_shown_by_torque(checked: Checked) -> Iterator[Pair]:
+    """Yield the pairs whose exchange the controller's torque would not fit."""
+    means, torque, in_place = checked.means, checked.means.torque, in_order(checked.arm)
+    if torque is None:
+        return
+    payloads = [checked.configured, checked.declared]
+    for pair in combinations(in_place, 2):
+        order = exchanged_order(in_place, *pair)
+        moved = means.part(columns=order)
+        if is_foreign(moved, torque[:, order], checked.arm, payloads):
+            yield pair
+
+
+def _pairs_shown_by_gravity(checked: Checked) -> Iterator[Pair]:
+    """Yield the pairs whose exchange the currents would not fit."""
+    if checked.means.torque is not None or not checked.tells_by_gravity():
+        return
+    for pair, gain in gains_of_exchange(of_measured(checked.means), checked.loaded).items():
+        if gain < -MIN_LEAD_OF_EXCHANGED_JOINTS and is_shown(checked.means, pair):
+            yield pair
+
+
+def _currents(checked: Checked) -> Iterator[Finding]:
+    """Yield what is open about the columns of currents, their units, signs and clock."""
+    means, joints = checked.means, range(len(checked.arm.joints))
+    if MEASURED_CURRENT not in means.currents:
+        severity: Severity = "warning" if checked.fitted else "note"
+        yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
+        return
+    bearing = torque_constants(means, checked.loaded).ratio
+    if not bearing and TARGET_CURRENT not in means.currents:
+        yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
+    if checked.answers is None:
+        yield _note("currents not checked")
+        return
+    brakes = friction_in_errors(means, checked.loaded) if checked.driven else {}
+    unproven = [j for j in joints if brakes.get(j, 0.0) < MIN_ERRORS_OF_FRICTION]
+    signs = [j + 1 for j in unproven if j not in bearing]
+    if signs:
+        yield _note("sign not checked", joints=signs)
+    if pairs := [*_pairs_alike(checked.answers)]:
+        yield _note("columns not checked", pairs=_named(pairs))
+    if (delay := checked.answers.longest_unnoticed()) >= MIN_DELAY:
+        yield _note("clock not checked", seconds=delay)
+
+
+def _pairs_alike(answers: Answers) -> Iterator[Pair]:
+    """Yield the joints whose currents may be exchanged."""
+    lead = answers.ahead().diagonal()
+    for j, k in combinations(range(len(lead)), 2):
+        if lead[j] + lead[k] < MIN_LEAD_OF_EXCHANGE:
+            yield j, k

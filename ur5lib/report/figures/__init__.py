@@ -1,0 +1,1 @@
+"""The drawings of reports and papers, and the numbers that each shows."""

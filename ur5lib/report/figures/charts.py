@@ -1,0 +1,125 @@
+"""Figures that are not over time: scatter plots, filters, coverage of bands."""
+
+import re
+from collections.abc import Mapping, Sequence
+from itertools import cycle
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.report.figures.house_style import (
+    DOT_STYLE,
+    FITTED_DOT_STYLE,
+    JOINT_COLOURS,
+    Drawing,
+    house_style,
+    nothing_to_draw,
+)
+from ur5lib.timeseries.arrays import Array
+
+LINE_DASHES = ("-", "--")
+
+
+def scatter_panels(
+    x: Array,
+    y: Array,
+    axes: tuple[str, str],
+    lines: Sequence[tuple[Array, Array]] = (),
+    fitted: Array | None = None,
+) -> Drawing:
+    """Draw a panel for each joint of samples (N, n) over (N, n).
+
+    axes: labels of x and y with units; {} stands for the joint.
+    lines: (M, 6) over (M, 6), the first solid, the second dashed; fitted: (N, 6) over the same x,
+    in black.
+    """
+    if np.isnan(x).all():
+        return nothing_to_draw()
+    rows = -(-x.shape[1] // 3)
+    with house_style(2.2 * rows, rows, 3) as (figure, panels):
+        axes_of = panels.flat
+        for empty in axes_of[x.shape[1] :]:
+            empty.set_visible(False)
+        for joint, axis in enumerate(axes_of[: x.shape[1]]):
+            axis.plot(x[:, joint], y[:, joint], ".", color=JOINT_COLOURS[joint], **DOT_STYLE)
+            for (along, values), dashes in zip(lines, LINE_DASHES, strict=False):
+                axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
+            if fitted is not None:
+                axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOT_STYLE)
+            labels = (label.format(joint + 1) for label in axes)
+            xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", label) for label in labels)
+            axis.set(xlabel=xlabel, ylabel=ylabel)
+    columns = {axes[0]: x, axes[1]: y} | ({} if fitted is None else {f"fitted {axes[1]}": fitted})
+    data = {
+        name.format(j + 1): column[:, j]
+        for j in range(x.shape[1])
+        for name, column in columns.items()
+    }
+    return Drawing(figure, pd.DataFrame(data))
+
+
+def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Drawing:
+    """Draw residuals (N, n), a row of panels per joint, a column per explanatory variable."""
+    if np.isnan(residual).all():
+        return nothing_to_draw()
+    joints = residual.shape[1]
+    size = 7.0 * joints / 6, joints, len(against)
+    with house_style(*size, sharey="row") as (figure, rows):
+        for joint, row in enumerate(rows):
+            for axis, (name, values) in zip(row, against.items(), strict=True):
+                axis.plot(
+                    values[:, joint],
+                    residual[:, joint],
+                    ".",
+                    color=JOINT_COLOURS[joint],
+                    **DOT_STYLE,
+                )
+                if joint == joints - 1:
+                    axis.set_xlabel(name)
+            row[0].set_ylabel(f"joint {joint + 1} [{unit}]")
+    columns = {f"residual [{unit}]": residual, **against}
+    data = {f"joint {j + 1}, {n}": columns[n][:, j] for j in range(joints) for n in columns}
+    return Drawing(figure, pd.DataFrame(data))
+
+
+def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz") -> Drawing:
+    """Draw the gain of filters over frequency, both logarithmic. gains: six at most, (K,)."""
+    with house_style(3.2) as (figure, ((axis,),)):
+        dashes = cycle(["-", "--", ":"])
+        for (label, gain), colour in zip(gains.items(), JOINT_COLOURS[: len(gains)], strict=True):
+            axis.loglog(frequency, gain, next(dashes), label=label, color=colour)
+        axis.set(xlabel=f"frequency [{unit}]", ylabel="gain", ylim=(1e-4, 2))
+        axis.legend(loc="lower left", frameon=False)
+    return Drawing(figure, pd.DataFrame({f"frequency [{unit}]": frequency, **gains}))
+
+
+def calibration_panels(
+    stated: Sequence[float],
+    held: Mapping[str, Mapping[str, Array]],
+    components: Sequence[str],
+) -> Drawing:
+    """Draw actual over nominal coverage: a panel per estimate, a line per component.
+
+    stated: (K,) [%]; held: by estimate and by period (the first drawn solid, the second dotted),
+    (K, M) [%], a column for each of the M components.
+    """
+    if not held:
+        return nothing_to_draw()
+    with house_style(2.8, 1, len(held), sharey=True) as (figure, (axes,)):
+        for axis, (estimate, during) in zip(axes, held.items(), strict=True):
+            axis.plot([0, 100], [0, 100], color="black", linewidth=0.8)
+            for (name, shares), line in zip(during.items(), ("o-", "o:"), strict=False):
+                for values, part, colour in zip(shares.T, components, JOINT_COLOURS, strict=False):
+                    label = f"{part} {name}"
+                    axis.plot(stated, values, line, color=colour, markersize=3, label=label)
+            axis.set(title=estimate, xlabel="stated [%]", xlim=(40, 100), ylim=(0, 101))
+        axes[0].set_ylabel("held [%]")
+        lines, labels = axes[0].get_legend_handles_labels()
+        figure.legend(lines, labels, loc="outside lower center", frameon=False, ncols=6)
+    columns = {
+        f"{estimate}, {part} {name} [%]": shares[:, i]
+        for estimate, during in held.items()
+        for name, shares in during.items()
+        for i, part in enumerate(components)
+    }
+    return Drawing(figure, pd.DataFrame({"stated [%]": [*stated], **columns}))

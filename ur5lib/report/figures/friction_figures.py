@@ -1,0 +1,156 @@
+"""Currents over torques as in Figures 6.1 and 6.2, friction of an arm, residuals of its fit."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Self
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from ur5lib.identification.currents import CurrentFit, Parameter, predict
+from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
+from ur5lib.report.figures.charts import residual_panels, scatter_panels
+from ur5lib.report.figures.house_style import Drawing, house_style, nothing_to_draw
+from ur5lib.robots.description import CurrentToTorque
+from ur5lib.thesis.published_constants import CurrentTorque
+from ur5lib.timeseries.arrays import Array
+
+DRAWN_STEP = 0.1  # s between the samples that are drawn
+CURRENT_AXIS, TORQUE_AXIS = ("i_{} [A]", "A"), ("sensed τ_{} [Nm]", "Nm")  # label and unit
+KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours
+    "prior_share": ("other arms and the maker", "#BBBBBB"),
+    "arm_share": ("other days", "#0072B2"),
+    "day_share": ("other recordings of the day", "#56B4E9"),
+    "run_share": ("the one recording that tells most", "#E69F00"),
+}
+PARAMETER_SYMBOLS = {
+    "torque_constant": "k",
+    "offset": "b",
+    "coulomb": "Coulomb",
+}  # on a narrow axis
+
+
+@dataclass(frozen=True)
+class MovingSamples:
+    """Low-passed samples of recordings, (N, 6) each; NaN where a joint rests."""
+
+    time: Array
+    q: Array
+    qd: Array
+    torque: Array
+    current: Array
+    predicted: Array
+
+    @classmethod
+    def from_record(cls, record: CurrentSamples, fit: CurrentFit, smooth: Smooth) -> Self:
+        """Return a recording's samples where each joint moves."""
+        every = max(1, round(DRAWN_STEP / record.period))
+        moving = smoothed_moving(record, smooth)[::every]
+
+        def thinned(values: Array) -> Array:
+            return np.where(moving, smooth(values, record)[::every], np.nan)
+
+        time = np.arange(len(record.q))[::every, None] * record.period * np.ones(record.q.shape[1])
+        return cls(
+            time=np.where(moving, time, np.nan),
+            q=thinned(record.q),
+            qd=thinned(record.qd),
+            torque=thinned(record.torque),
+            current=thinned(record.current),
+            predicted=thinned(predict(fit, record)),
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self], joints: int) -> Self:
+        """Return the samples of all parts, after a row of NaN: panels may be empty."""
+        nothing, names = np.full((1, joints), np.nan), [field.name for field in fields(cls)]
+        arrays = ([nothing, *(getattr(part, name) for part in parts)] for name in names)
+        return cls(*map(np.concatenate, arrays))
+
+
+def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
+    """Draw a bar of shares for each parameter, in a panel for each joint."""
+    if not parameters:
+        return nothing_to_draw()
+    data = pd.DataFrame([asdict(row) for row in parameters])[["joint", "name", *KNOWLEDGE_SOURCES]]
+    rows = -(-data["joint"].nunique() // 3)
+    with house_style(1.3 * rows + 0.3, rows, 3, sharex=True) as (figure, panels):
+        axes = panels.flat
+        for empty in axes[data["joint"].nunique() :]:
+            empty.set_visible(False)
+        for axis, (joint, of_joint) in zip(axes, data.groupby("joint"), strict=False):
+            _draw_shares(axis, of_joint)
+            axis.set_title(f"joint {joint}", fontsize=8)
+        figure.supxlabel("share of what is known [%]", fontsize=7.5)
+        bars, labels = axes[0].get_legend_handles_labels()
+        figure.legend(bars, labels, loc="outside upper center", frameon=False, ncols=4, fontsize=7)
+    return Drawing(figure, data)
+
+
+def _draw_shares(axis: Axes, parameters: pd.DataFrame) -> None:
+    """Draw the shares of a joint's parameters."""
+    shares = 100 * parameters[[*KNOWLEDGE_SOURCES]].to_numpy()
+    ends = shares.cumsum(axis=1)
+    for (label, color), width, end in zip(
+        KNOWLEDGE_SOURCES.values(), shares.T, ends.T, strict=True
+    ):
+        axis.barh(range(len(parameters)), width, 0.75, end - width, color=color, label=label)
+    axis.set_yticks(
+        range(len(parameters)), [PARAMETER_SYMBOLS.get(name, name) for name in parameters["name"]]
+    )
+    axis.set_xlim(0, 100)
+    axis.invert_yaxis()
+    axis.grid(visible=False)
+
+
+def friction_figures(
+    samples: MovingSamples, constant: Array, known: Array, sensed: bool = False
+) -> dict[str, Drawing]:
+    """Return the four figures by name.
+
+    constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; sensed:
+    whether sensed torques take the currents' place.
+    """
+    measured_axis, unit = TORQUE_AXIS if sensed else CURRENT_AXIS
+    friction = constant * samples.predicted - samples.torque
+    needed = samples.torque + friction
+    ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
+    lines = [(ends, ends / constant), (ends, ends / known)]
+    measured = constant * samples.current - samples.torque
+    labels = ("velocity of joint {} [rad/s]", "k i_{0} − τ_{0} [Nm]")
+    against = {
+        "position [rad]": samples.q,
+        "velocity [rad/s]": samples.qd,
+        "rigid torque [Nm]": samples.torque,
+        "time [s]": samples.time,
+    }
+    return {
+        "current_torque": scatter_panels(
+            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", measured_axis), lines
+        ),
+        "current_torque_friction": scatter_panels(
+            needed, samples.current, ("τ_{} with friction [Nm]", measured_axis), lines
+        ),
+        "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
+        "residuals": residual_panels(samples.current - samples.predicted, against, unit),
+    }
+
+
+def printed_friction(
+    samples: CurrentTorque | None, constants: CurrentToTorque | None
+) -> tuple[Drawing, Drawing]:
+    """Draw Figure 6.1, over the torque of rigid links, and Figure 6.2, over the torque including
+    the printed friction, with the line of Equation 6.5.
+    """
+    if samples is None:
+        return nothing_to_draw(), nothing_to_draw()
+    labels = "τ_{} of rigid links [Nm]", CURRENT_AXIS[0]
+    rigid = scatter_panels(samples.rigid, samples.current, labels)
+    if constants is None:
+        return rigid, nothing_to_draw()
+    torque = samples.total
+    ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
+    lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
+    labels = "τ_{} with friction [Nm]", CURRENT_AXIS[0]
+    return rigid, scatter_panels(torque, samples.current, labels, lines)

@@ -1,0 +1,245 @@
+"""Figures of one recording, after the thesis's 4.4, 5.1 to 5.4, 5.9 to 5.15 and 6.4 to 6.9."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from ur5lib.force.estimators import NEW
+from ur5lib.records.accelerations import Accelerations
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.signals import Signals
+from ur5lib.report.figures.house_style import JOINT_COLOURS, Drawing, house_style, nothing_to_draw
+from ur5lib.report.figures.panels import Panel, joint_quantity
+from ur5lib.report.figures.traces import (
+    ACCELERATION_PANELS,
+    CURRENT_PANELS,
+    TORQUE_PANELS,
+    WRENCH_PANELS,
+    Traces,
+    draw_traces,
+)
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.timeseries.segments import starts
+
+OptionalLines = Mapping[
+    str, tuple[Array | None, str]
+]  # values (N, 6), if known, and style, by label
+StyledLines = dict[str, tuple[Array, str]]
+TimedTable = Signals | Accelerations | Forces | SensorWrenches
+ESTIMATE_STYLES = (
+    "third",
+    "first",
+    "second",
+    "fourth",
+    "fifth",
+)  # of estimates; the first has the band
+PUBLISHED_STYLES = {
+    "Fu": ("controller's estimate", "first"),
+    "F": ("without friction", "second"),
+    "F*": ("with friction", "third"),
+}
+EULER_LABEL = "Euler angles, Equation 2.33 as printed"
+STATE_AXES = {"q": ("q", "rad"), "qd": (r"\dot{q}", "rad/s")}  # symbol, unit
+LATE_STEP_PERIODS = 1.5  # periods: a longer step lacks frames
+ENLARGED_SPAN = (-0.15, 0.35)  # s, around the first late frame
+RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1], "#666666"
+
+
+def chosen_gains(robot: Robot) -> str:
+    """Return the name of the gains that were published for the chosen model, or "estimated"."""
+    return robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
+
+
+def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state: str) -> Drawing:
+    """Return Figures 5.1 and 5.9 (state q) or 5.2 and 5.10 (qd): the closed loop under some gains.
+
+    The measured motion, its target and the closed loop, and the errors of the latter two.
+    """
+    simulated = getattr(closed_loop, state).get(gains)
+    if simulated is None:
+        return nothing_to_draw()
+    lines: OptionalLines = {
+        "measured": (getattr(signals, f"actual_{state}"), "measured"),
+        "target": (getattr(signals, f"target_{state}"), "first"),
+        f"closed loop, gains {gains}": (simulated, "second"),
+    }
+    return draw_lines(signals, lines, joint_quantity(*STATE_AXES[state]))
+
+
+def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
+    """Return Figures 5.11 and 5.12: the chosen model against the controller's torque."""
+    motion = "target" if model in torques.target else "measured"
+    modelled = getattr(torques, motion)[model]
+    lines: OptionalLines = {
+        "controller's target_moment": (signals.target_moment, "measured"),
+        f"Model {model}, {motion} motion": (modelled, "joint"),
+    }
+    return draw_lines(signals, lines, TORQUE_PANELS)
+
+
+def older_torque_figure(
+    signals: Signals, modelled: Mapping[str, Array], printed: Sequence[float]
+) -> Drawing:
+    """Return Figures 5.3 and 5.4 without the older model's torque, whose equations are not printed.
+
+    modelled: torques (N, 6) [Nm] by label; printed: the older model's mean absolute error (6,).
+    """
+    if signals.target_moment is None or not modelled:
+        return nothing_to_draw()
+    lines = {"controller's target_moment": (signals.target_moment, "measured")}
+    lines |= {
+        label: (modelled[label], style)
+        for label, style in zip(modelled, ESTIMATE_STYLES, strict=False)
+    }
+    mean = np.ones_like(signals.target_moment) * printed
+    return draw_lines(signals, lines, TORQUE_PANELS, {"[21], printed mean": (mean, "second")})
+
+
+def current_figure(signals: Signals, currents: Currents, sensed: bool) -> Drawing:
+    """Return the measured current and that predicted for motion without contact.
+
+    sensed: whether they are torques that the joints sense.
+    """
+    lines: OptionalLines = {
+        "actual_torque" if sensed else "actual_current": (signals.actual_current, "measured"),
+        "predicted without contact": (currents.predicted_current, "joint"),
+    }
+    return draw_lines(signals, lines, TORQUE_PANELS if sensed else CURRENT_PANELS)
+
+
+def acceleration_figure(accelerations: Accelerations) -> Drawing:
+    """Return Figures 5.14 and 5.15 by the calibrated IMU and the joints."""
+    lines: OptionalLines = {
+        "IMU": (accelerations.felt, "measured"),
+        "from the joints": (accelerations.acceleration.get("encoders"), "first"),
+    }
+    return draw_lines(accelerations, lines, ACCELERATION_PANELS)
+
+
+def euler_figure(
+    table: Signals | Accelerations, felt: Array | None, modelled: Array | None
+) -> Drawing:
+    """Return Figures 5.14 and 5.15 as published: acceleration through Euler angles.
+
+    felt, modelled: of the IMU and through the angles, (N, 6) [m/s², rad/s²].
+    """
+    lines: OptionalLines = {"IMU": (felt, "measured"), EULER_LABEL: (modelled, "second")}
+    return draw_lines(table, lines, ACCELERATION_PANELS)
+
+
+def published_force_figure(
+    published: PublishedForces, sensor: SensorWrenches, kind: str, estimates: tuple[str, ...]
+) -> Drawing:
+    """Return Figures 6.4 to 6.9 of some estimates, as printed or corrected: values and errors."""
+    lines: dict[str, tuple[Array | None, str]] = {
+        "force sensor": (sensor.wrench.get(kind), "measured")
+    }
+    for estimate in estimates:
+        label, style = PUBLISHED_STYLES[estimate]
+        lines[label] = getattr(published, kind).get(estimate), style
+    return draw_lines(sensor, lines, WRENCH_PANELS)
+
+
+def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
+    """Return the new estimates, the band of the first, and the sensor; hidden: see Traces."""
+    labels = {name: label for name, label in NEW.items() if name in forces.wrench}
+    lines: dict[str, tuple[Array | None, str]] = {
+        "force sensor": (sensor.wrench.get("compensated"), "measured")
+    }
+    for (name, label), style in zip(labels.items(), ESTIMATE_STYLES, strict=False):
+        lines[label] = forces.wrench[name], style
+    band = None
+    if (lead := next(iter(labels), None)) in forces.std:
+        whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
+        band = whole - half, whole + half
+    return draw_lines(forces, lines, WRENCH_PANELS, band=band, hidden=hidden)
+
+
+def draw_lines(
+    table: TimedTable,
+    lines: OptionalLines,
+    panels: Sequence[Panel],
+    further: OptionalLines | None = None,
+    band: tuple[Array, Array] | None = None,
+    hidden: Mask | None = None,
+) -> Drawing:
+    """Draw the known lines over a table's time, and the errors of all others against the first.
+
+    Without the first line there are no errors. further: errors of what is not drawn itself; band,
+    hidden: see Traces.
+    """
+    first = next(iter(lines))
+    series = _broken(lines, table.segment)
+    errors: StyledLines = {}
+    if first in series:
+        measured, _ = series[first]
+        others = ((label, line) for label, line in series.items() if label != first)
+        errors = {label: (measured - values, style) for label, (values, style) in others}
+    traces = Traces(
+        time=with_breaks(table.time, table.segment),
+        series=series,
+        errors=errors | _broken(further or {}, table.segment),
+        band=band and (with_breaks(band[0], table.segment), with_breaks(band[1], table.segment)),
+        hidden=None if hidden is None else with_breaks(hidden, table.segment) > 0,
+    )
+    return draw_traces(traces, panels)
+
+
+def _broken(lines: OptionalLines, segment: Labels) -> StyledLines:
+    return {
+        label: (with_breaks(values, segment), style)
+        for label, (values, style) in lines.items()
+        if values is not None
+    }
+
+
+def with_breaks(values: Array | Mask, segment: Labels) -> Array:
+    """Return values with NaN between segments, so that no line is drawn across a gap."""
+    breaks = np.flatnonzero(starts(segment)[1:]) + 1
+    if not len(breaks):
+        return np.asarray(values, dtype=float)
+    return np.insert(np.asarray(values, dtype=float), breaks, np.nan, axis=0)
+
+
+def packet_figure(signals: Signals) -> Drawing:
+    """Return Figure 4.4: steps between received frames, the arm's speed, the first late frames.
+
+    Empty for a recording that lacks no frame.
+    """
+    received = ~signals.interpolated
+    time, steps = signals.time[received][1:], 1000 * np.diff(signals.time[received])
+    late = np.flatnonzero(steps > LATE_STEP_PERIODS * 1000 * signals.period)
+    if not len(late):
+        return nothing_to_draw()
+    lost = signals.time[signals.interpolated]
+    with house_style(4.2, 3, height_ratios=[2, 1, 2]) as (figure, panels):
+        above, middle, below = panels[:, 0]
+        above.sharex(middle)
+        above.plot(time, steps, ".", color=RECEIVED_COLOUR, markersize=2.5, rasterized=True)
+        if signals.actual_qd is not None:
+            fastest = np.abs(signals.actual_qd).max(axis=1)
+            middle.plot(signals.time, fastest, color=SPEED_COLOUR, linewidth=0.8)
+        middle.set_ylabel("speed [rad/s]")
+        _enlarge(below, time, steps, lost, time[late[0]])
+        for axis in (above, below):
+            axis.set(ylabel="step [ms]", ylim=(-0.05 * steps.max(), 1.1 * steps.max()))
+        for axis in (middle, below):
+            axis.set_xlabel("time [s]")
+        below.legend(loc="upper left", frameon=False, ncols=2)
+    return Drawing(figure, pd.DataFrame({"time [s]": time, "step to this frame [ms]": steps}))
+
+
+def _enlarge(axis: Axes, time: Array, steps: Array, lost: Array, at: float) -> None:
+    """Draw received and lost frames one by one, around a time."""
+    axis.plot(
+        time, steps, "o-", color=RECEIVED_COLOUR, markersize=3, linewidth=0.6, label="received"
+    )
+    axis.plot(lost, np.zeros_like(lost), "x", color=LOST_COLOUR, markersize=4, label="lost")
+    axis.set_xlim(*(at + np.array(ENLARGED_SPAN)))

@@ -1,0 +1,218 @@
+"""Figures over time: a panel for each joint, or six of a wrench; errors under values, gaps and
+singular stretches shaded.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise, product
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.patches import Patch
+
+from ur5lib.report.figures.house_style import (
+    BAND_STYLE,
+    GAP_STYLE,
+    HOUSE_STYLE,
+    LINE_STYLES,
+    PAGE_WIDTH,
+    SHADE_STYLE,
+    Drawing,
+    nothing_to_draw,
+)
+from ur5lib.report.figures.panels import Panel, cartesian_quantity, joint_quantity
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import runs
+
+StyledLines = Mapping[str, tuple[Array, str]]
+MAX_DRAWN_POINTS = 1400  # about two for each dot across a printed page
+MIN_PANEL_SPAN = 1e-3  # of a panel
+LEGEND_ROW_LETTERS = 60  # letters of six labels of a legend that fit side by side
+ERROR_LABEL = "error of {}"
+BAND_EDGES = ("95 % band, lower", "95 % band, upper")
+TORQUE_PANELS = joint_quantity(r"\tau", "Nm")
+CURRENT_PANELS = joint_quantity("i", "A")
+WRENCH_PANELS = cartesian_quantity(("F", "F", "N"), ("n", "n", "Nm"))
+ACCELERATION_PANELS = cartesian_quantity(
+    ("a", r"\ddot{p}", "m/s²"), ("α", r"\dot{\omega}", "rad/s²")
+)
+
+
+@dataclass(frozen=True)
+class Traces:
+    """Lines drawn over time (N,) [s]; NaN in time is a gap.
+
+    series, errors: by label, values (N, k) of k panels and a style; errors get panels under the
+    values'.
+    band: lower and upper edge of a 95 % band, (N, 6) each; hidden: (N,), where a force is
+    undetermined.
+    """
+
+    time: Array
+    series: StyledLines
+    errors: StyledLines = field(default_factory=dict)
+    band: tuple[Array, Array] | None = None
+    hidden: Mask | None = None
+
+
+def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
+    """Draw columns of panels: joints 1, 3, 5 and 2, 4, 6, or linear and angular quantities."""
+    if not traces.series:
+        return nothing_to_draw()
+    width = next(iter(traces.series.values()))[0].shape[1]
+    thin, panels = _decimated(traces), panels[:width]
+    spans = _shaded(traces)
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure, above, below = _grid(thin, panels)
+        for i, axis in enumerate(above):
+            _draw_panel(axis, thin, thin.series, i, thin.band)
+            axis.set_ylabel(f"${panels[i].symbol}$ [{panels[i].unit}]")
+            if below:
+                _draw_panel(below[i], thin, thin.errors, i)
+                below[i].set_ylabel(f"$\\Delta$ [{panels[i].unit}]")
+        for starts, ends, style, _ in spans:
+            for axis, (start, end) in product([*above, *below], zip(starts, ends, strict=True)):
+                axis.axvspan(start, end, **style)
+        _legend(figure, thin, [(style, name) for starts, _, style, name in spans if len(starts)])
+    styles = tuple(style for _, style in thin.series.values())
+    return Drawing(figure, _data(thin, panels), styles)
+
+
+def _decimated(traces: Traces) -> Traces:
+    """Return the traces with fewer samples and the same envelope."""
+
+    def thin(values: Array) -> Array:  # one after the other, which takes less memory
+        return decimate(traces.time, values)[1]
+
+    def all_thin(series: StyledLines) -> StyledLines:
+        return {label: (thin(values), style) for label, (values, style) in series.items()}
+
+    time, _ = decimate(traces.time, traces.time[:, None])
+    series, errors = all_thin(traces.series), all_thin(traces.errors)
+    band = (thin(traces.band[0]), thin(traces.band[1])) if traces.band else None
+    return replace(traces, time=time, series=series, errors=errors, band=band)
+
+
+def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], list[Axes]]:
+    """Return a figure with axes of the values and of the errors, in the order of the panels."""
+    pairs = 2 if traces.errors else 1
+    rows = -(-len(panels) // 2)
+    height = (4.7 if traces.errors else 3.8) * (rows / 3)
+    figure = Figure(figsize=(PAGE_WIDTH, height))
+    # Margins of its own: a layout that looks for room takes a third of the drawing time.
+    figure.subplots_adjust(0.105, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.27, hspace=0.3)
+    ratios = [2, 1] * rows if traces.errors else [1] * rows
+    axes = figure.subplots(pairs * rows, 2, sharex=True, squeeze=False, height_ratios=ratios)
+    figure.align_ylabels(axes)
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    by_rows = panels[0].name.startswith("joint")  # 1 2, 3 4, 5 6; else linear left
+    places = [(i // 2, i % 2) if by_rows else (i % 3, i // 3) for i in range(len(panels))]
+    above = [axes[pairs * row, column] for row, column in places]
+    below = [axes[pairs * row + 1, column] for row, column in places] if traces.errors else []
+    for axis in {*axes.flat} - {*above, *below}:
+        axis.set_visible(False)
+    return figure, above, below
+
+
+def _draw_panel(
+    axis: Axes, traces: Traces, series: StyledLines, i: int, band: tuple[Array, Array] | None = None
+) -> None:
+    if band:
+        axis.fill_between(traces.time, band[0][:, i], band[1][:, i], **BAND_STYLE)
+    for values, style in series.values():
+        axis.add_line(LINE_STYLES[style].line(i, traces.time, values[:, i]))
+    axis.autoscale_view()
+    low, high = axis.get_ylim()
+    missing = MIN_PANEL_SPAN - (high - low)
+    if missing > 0:  # values change by less than rounding noise
+        axis.set_ylim(low - missing / 2, high + missing / 2)
+
+
+def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> None:
+    """Draw one legend for all panels; a style with a colour per joint shows them all."""
+    handles: Any = {}  # lines, or several of one label, which the stubs do not know
+    for label, (_, style) in [*traces.series.items(), *traces.errors.items()]:
+        count = next(iter(traces.series.values()))[0].shape[1]
+        lines = tuple(LINE_STYLES[style].line(i) for i in range(count))
+        handles.setdefault(label, lines if style.startswith("joint") else lines[0])
+    if traces.band:
+        handles["95 % band"] = Patch(**BAND_STYLE)
+    handles |= {name: Patch(**style) for style, name in spans}
+    figure.legend(
+        handles.values(),
+        handles.keys(),
+        loc="upper center",
+        ncols=6 if sum(map(len, handles)) <= LEGEND_ROW_LETTERS else 4,
+        frameon=False,
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
+        handlelength=2.5,
+    )
+
+
+def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
+    """Return the drawn numbers, a column for each line."""
+    lines = {label: values for label, (values, _) in traces.series.items()}
+    lines |= {ERROR_LABEL.format(label): values for label, (values, _) in traces.errors.items()}
+    if traces.band:
+        lines |= zip(BAND_EDGES, traces.band, strict=True)
+    columns = {
+        column_name(label, panel.name, panel.unit): values[:, i]
+        for label, values in lines.items()
+        for i, panel in enumerate(panels)
+    }
+    return pd.DataFrame({"time [s]": traces.time, **columns})
+
+
+def column_name(line: str, panel: str, unit: str) -> str:
+    """Return the name of a line's column in the numbers of a figure."""
+    return f"{line}, {panel} [{unit}]"
+
+
+def _shaded(traces: Traces) -> list[tuple[Array, Array, Any, str]]:
+    """Return the times at which shaded stretches begin and end, with their style and name."""
+    time = traces.time
+    gaps = np.flatnonzero(np.isnan(time[1:-1])) + 1
+    shaded = [(time[gaps - 1], time[gaps + 1], GAP_STYLE, "gap")]
+    if traces.hidden is not None:
+        first, end = runs(np.isfinite(time) & (traces.hidden == 1)).T
+        shaded.append((time[first], time[end - 1], SHADE_STYLE, "near a singularity"))
+    return shaded
+
+
+def decimate(time: Array, values: Array, points: int = MAX_DRAWN_POINTS) -> tuple[Array, Array]:
+    """Return time (N,) and values (N, M) with the same envelope in about `points` rows, at most.
+
+    Rows are grouped in buckets. Each bucket keeps the lowest and the highest value of every column,
+    in their order, at the times of its first and middle row. Rows with time NaN mark gaps; they are
+    kept, and no bucket reaches across them.
+    """
+    size = int(np.ceil(2 * len(time) / points))
+    if size <= 2:
+        return time, values
+    breaks = np.flatnonzero(np.isnan(time))
+    edges = np.unique([0, *breaks, *(breaks + 1), len(time)])
+    parts = [_envelope(time[start:end], values[start:end], size) for start, end in pairwise(edges)]
+    times, envelopes = zip(*parts, strict=True)
+    return np.concatenate(times), np.concatenate(envelopes)
+
+
+def _envelope(time: Array, values: Array, size: int) -> tuple[Array, Array]:
+    """Decimate one stretch; the last bucket is filled with its last row."""
+    if np.isnan(time[0]):
+        return time, values
+    missing = -len(time) % size
+    time = np.pad(time, (0, missing), mode="edge").reshape(-1, size)
+    buckets = np.pad(values, ((0, missing), (0, 0)), mode="edge").reshape(len(time), size, -1)
+    low, high = np.fmin.reduce(buckets, axis=1), np.fmax.reduce(buckets, axis=1)
+    place = np.arange(size)[None, :, None]
+    first_low = np.min(np.where(buckets == low[:, None], place, size), axis=1)
+    first_high = np.min(np.where(buckets == high[:, None], place, size), axis=1)
+    rising = first_low <= first_high
+    extremes: Array = np.stack([np.where(rising, low, high), np.where(rising, high, low)], axis=1)
+    return time[:, [0, size // 2]].reshape(-1), extremes.reshape(2 * len(time), -1)

@@ -1,0 +1,272 @@
+"""The report of a study: its contents, filled from its results."""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from ur5lib.force.estimators import ESTIMATES, LEADING
+from ur5lib.report.page.document import (
+    MOST_ROWS,
+    MOST_SHOWN,
+    Block,
+    Code,
+    Contents,
+    DeclaredSection,
+    DeclaredTable,
+    Document,
+    Heading,
+    Items,
+    Mention,
+    Paragraph,
+    Picture,
+    Repeated,
+    Section,
+    TableBlock,
+    Verdicts,
+    contents,
+)
+from ur5lib.report.page.sentences import say
+from ur5lib.report.page.tabulated import Body, tabulate
+from ur5lib.report.page.torques import in_torques
+from ur5lib.report.results import Results
+from ur5lib.report.views import (
+    arm_state,
+    audit,
+    comparison,
+    contacts,
+    currents,
+    first_screen,
+    forces,
+    models,
+    motion,
+    overview,
+    recordings,
+)
+
+VIEWS: dict[str, ModuleType] = {
+    module.__name__.rpartition(".")[2]: module
+    for module in (
+        *(arm_state, audit, comparison, contacts, currents, first_screen, forces),
+        *(models, motion, overview, recordings),
+    )
+}
+MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
+CONDITIONAL_TEXT = re.compile(
+    r"\{(thesis|ur|other)\|(.*?)\}"
+)  # of that study, or of such arms, alone
+SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
+
+
+DraftedText = Callable[[Set[str]], Paragraph | None]
+"""Returns a text, given the labels of the tables and figures that are shown."""
+
+
+def compose(contents: Contents, results: Results) -> Document:
+    """Compose the report of a study; the first section gives the reasons of omitted ones.
+
+    Tables and figures of the first section are not repeated in later ones.
+    """
+    first, *others = contents.sections
+    above = _labels(_drafts(first, results))
+    sections = [Section(part.title, _blocks(part, results, above)) for part in others]
+    filled = [part for part in sections if any(map(_is_evidence, part.blocks))]
+    left_out = [
+        say("findings.left out", title=part.title, reason=part.absent)
+        for part, section in zip(others, sections, strict=True)
+        if section not in filled and part.absent
+    ]
+    opening = Section(first.title, _blocks(first, replace(results, left_out=left_out)))
+    study = results.study
+    notice = _notice(study["recordings"])
+    document = Document(
+        title=f"{study['title']} (simulated)" if notice else study["title"],
+        subtitle=_analysed(results),
+        sections=[opening, *filled],
+        notice=notice,
+    ).numbered()
+    names = {study["study"], study["title"], *results.robots(), *results.roles()}
+    return in_torques(document, names) if results.sensed else document
+
+
+def view(name: str) -> Callable[..., Any]:
+    """Return the view `module.function`. Raises KeyError or AttributeError where there is none."""
+    module, _, function = name.partition(".")
+    views_function: Callable[..., Any] = getattr(VIEWS[module], function)
+    return views_function
+
+
+def _analysed(results: Results) -> str:
+    """Return the report's subtitle: study, arms, and counts of recordings by role."""
+    roles = [*results.roles().values()]
+    counts = ", ".join(f"{roles.count(role)} {role}" for role in dict.fromkeys(roles))
+    minutes = results.tables["recordings"]["duration_s"].sum() / 60
+    return (
+        f"Study “{results.study['study']}” of {', '.join(results.robots())}, recordings: "
+        f"{len(roles)} ({counts}; {minutes:.1f} min)"
+    )
+
+
+def _labels(blocks: Iterable[Block | DraftedText]) -> set[str]:
+    """Return the labels of the tables and figures among blocks."""
+    return {block.label for block in blocks if isinstance(block, TableBlock | Picture)}
+
+
+def _blocks(part: DeclaredSection, results: Results, above: Set[str] = frozenset()) -> list[Block]:
+    """Return the blocks of a section, without sentences about missing tables and figures.
+
+    above: labels of the tables and figures in an earlier section.
+    """
+    drafts = [draft for draft in _drafts(part, results) if not _labels([draft]) & above]
+    shown = above | _labels(drafts)
+    blocks = [draft(shown) if callable(draft) else draft for draft in drafts]
+    return [block for block in blocks if block]
+
+
+def _paragraph(text: str, beside: str, name: str, shown: Set[str]) -> Paragraph | None:
+    """Return the sentences of a text that mention only tables and figures that are shown.
+
+    beside: what the text requires, if anything; name: recording or arm of what is mentioned.
+    """
+    spans: list[str | Mention] = []
+    for sentence in SENTENCE_END.split(text.strip()):
+        parts = [  # every second one is a mention
+            Mention(_label(part, name)) if i % 2 else part
+            for i, part in enumerate(MENTION.split(sentence))
+        ]
+        if all(part.label in shown for part in parts if isinstance(part, Mention)):
+            spans += [" "] * bool(spans) + parts
+    required = not beside or _label(beside, name) in shown
+    return Paragraph(spans) if spans and required else None
+
+
+def _drafts(part: DeclaredSection, results: Results) -> Iterator[Block | DraftedText]:
+    """Yield blocks, and texts that depend on other blocks."""
+    for declared in part.blocks:
+        if not isinstance(declared, Repeated):
+            yield from _single(declared, results)
+            continue
+        each, *arguments = declared.each.split()
+        listed = partial(view(each), results) if "." in each else getattr(results, each)
+        for name in listed(*arguments):
+            drafts = [draft for block in declared.blocks for draft in _single(block, results, name)]
+            if declared.heading and any(map(_is_evidence, drafts)):
+                yield Heading(declared.heading.format(of=name))
+            yield from drafts
+
+
+def _single(
+    declared: Block | DeclaredTable, results: Results, name: str = ""
+) -> Iterator[Block | DraftedText]:
+    """Yield a block of the contents, filled from results; name: recording, arm or study of it."""
+    arguments = (results, name) if name else (results,)
+    match declared:
+        case Paragraph(sentences=sentences) if sentences:
+            yield from (Paragraph([text]) for text in view(sentences)(*arguments))
+        case Paragraph():
+            yield partial(_paragraph, _filled(declared.text, results, name), declared.beside, name)
+        case Items():
+            items = [*view(declared.entries)(*arguments)]
+            if items and declared.above:
+                yield Paragraph([declared.above])
+            if items:
+                yield replace(declared, items=items)
+        case DeclaredTable():
+            columns = declared.columns.values()
+            by_recording = "recording" in {*declared.lines, *declared.across, *columns}
+            listed = results.many and not name and by_recording
+            body = Body([], []) if listed else body_of(declared, results, name)
+            if body.rows:
+                yield _table(declared, body, results, name)
+        case Picture():
+            path = results.figures / name / f"{declared.figure}.svg"
+            if _has_numbers(path):
+                yield replace(
+                    declared,
+                    caption=_filled(declared.caption, results, name),
+                    path=path,
+                    alternative=_filled(declared.alternative, results, name),
+                    label=_label(declared.figure, name),
+                    source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
+                    of=name,
+                )
+        case Verdicts():
+            yield replace(declared, verdicts=view(declared.judged)(*arguments))
+        case Code():
+            yield replace(declared, text=view(declared.listing)(*arguments))
+        case _:
+            yield declared
+
+
+def _label(block: str, name: str) -> str:
+    return f"{block}-{name}" if name else block
+
+
+def _filled(text: str, results: Results, name: str) -> str:
+    """Return a text with the names of its recording or arm and of the leading estimate, and with
+    the remarks that concern it.
+    """
+    other = name in results.other_arms
+    conditions = {"thesis": results.of_thesis, "other": other, "ur": not other}
+    text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] if conditions[remark[1]] else "", text)
+    return text.replace("{leading}", ESTIMATES[LEADING]).replace("{of}", name)
+
+
+def shown_table(table: str, results: Results, name: str = "") -> Body:
+    """Return header and rows of a table of the contents; name: recording, arm or study of it."""
+    blocks = (block for part in contents().sections for block in part.flat())
+    declared = {block.table: block for block in blocks if isinstance(block, DeclaredTable)}
+    return body_of(declared[table], results, name)
+
+
+def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
+    """Return header and rows of a declared table; name: recording, arm or study of it."""
+    if declared.rows:
+        rows = view(declared.rows)(*((results, name) if name else (results,)))
+    else:
+        rows = results.rows(Path(declared.source).stem or declared.table)
+    if declared.where:
+        rows = rows.query(declared.where, local_dict={"of": name}, engine="python")
+    return tabulate(declared, rows, {"results": results})
+
+
+def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> TableBlock:
+    caption, rows = _filled(declared.caption, results, name), body.rows
+    if len(rows) > MOST_ROWS:
+        caption += f" The first {MOST_ROWS} of {len(rows)} rows."
+    pages = {*results.roles()} if results.many else set()
+    linked = [
+        [
+            replace(cell, link=f"runs/{cell.text}.html") if cell.text in pages else cell
+            for cell in row
+        ]
+        for row in rows[:MOST_ROWS]
+    ]
+    return TableBlock(caption, body.header, linked, _label(declared.table, name), declared.source)
+
+
+def _has_numbers(path: Path) -> bool:
+    """Whether a figure was drawn and has numbers: its CSV has more than a header."""
+    numbers = path.with_suffix(".csv")
+    if not numbers.is_file():
+        return False
+    with numbers.open(encoding="utf-8") as lines:
+        return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
+
+
+def _is_evidence(block: Block | DraftedText) -> bool:
+    """Whether a block comes from results, unlike the texts that are the same in every report."""
+    return not (callable(block) or isinstance(block, Paragraph | Heading))
+
+
+def _notice(recordings: Sequence[Mapping[str, object]]) -> str:
+    """Return a notice of simulated recordings, if any."""
+    simulated = [str(r["name"]) for r in recordings if r.get("simulate") or r.get("truth")]
+    if not simulated:
+        return ""
+    some = f"{len(simulated)} recordings" if simulated[MOST_SHOWN:] else ", ".join(simulated)
+    some = "all recordings" if len(simulated) == len(recordings) else some
+    return f"Simulated: {some} of this study are of the virtual test stand, not of a real arm."

@@ -1,0 +1,340 @@
+"""A report as data: sections of paragraphs, tables, figures and lists, numbered throughout.
+
+HTML, PDF and the summary are made from the same object, so that they agree. The report's contents
+(`contents.yaml`) are the same blocks, not yet filled: they name views, `module.function`, that fill
+them from a study's results.
+"""
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field
+
+from ur5lib.strict import Strict, read_yaml
+
+State = Literal["good", "usable", "do not use", "not determined"]
+Mark = Literal["lowest", "highest"]
+MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
+MOST_ROWS = 60  # shown of a table; its CSV file has all
+UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not determine
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A table's cell.
+
+    mark: set for the smallest and the largest error of a row; link: page of the recording that it
+    names, relative to the study's results.
+    """
+
+    text: str
+    mark: Mark | None = None
+    link: str = ""
+
+    def is_number(self) -> bool:
+        """Whether it holds a number, one that is not determined among them."""
+        return self.text == UNDETERMINED_TEXT or not re.search(r"[A-Za-z]|\d–", self.text)
+
+
+@dataclass(frozen=True)
+class Mention:
+    """A mention of a table or figure by its label; its text is known once all are numbered."""
+
+    label: str
+    text: str = ""
+
+
+class FromContents:
+    """A block that `contents.yaml` may declare; unknown keys are errors."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
+
+
+@dataclass(frozen=True)
+class Paragraph(FromContents):
+    """Running text, with mentions of tables and figures.
+
+    text: as in the contents, with mentions as @name, {of} for the recording or arm of repeated
+    blocks, {leading} for the leading estimate; sentences that mention a table or figure that is not
+    shown are left out. beside: the text is shown only where this table or figure is. sentences: the
+    view that returns paragraphs.
+    """
+
+    spans: list[str | Mention] = field(default_factory=list)
+    text: str = ""
+    beside: str = ""
+    sentences: str = ""
+
+
+@dataclass(frozen=True)
+class Heading(FromContents):
+    """A heading within a section."""
+
+    heading: str
+
+
+@dataclass(frozen=True)
+class Items(FromContents):
+    """A list, numbered or not; entries: the view of its items; above: what introduces it."""
+
+    items: list[str] = field(default_factory=list)
+    numbered: bool = False
+    entries: str = ""
+    above: str = ""
+
+
+@dataclass(frozen=True)
+class TableBlock:
+    """A table with one header row; the first column names the rows.
+
+    source: the file it was made from, relative to the study's results.
+    """
+
+    caption: str
+    header: list[str]
+    rows: list[list[Cell]]
+    label: str = ""
+    source: str = ""
+    number: int = 0
+
+    def alignment(self) -> list[str]:
+        """ "left" for columns that hold words, "right" for numbers."""
+        columns = zip(*self.rows, strict=True) if self.rows else [[] for _ in self.header]
+        return ["right" if all(map(Cell.is_number, column)) else "left" for column in columns]
+
+
+@dataclass(frozen=True)
+class DeclaredTable(FromContents):
+    """A table of the contents, which becomes a `TableBlock`; left out without rows.
+
+    table: its name, by which texts mention it. rows: the view that returns its rows, by default all
+    of the table of results in `source` or of the same name; where: a query of pandas that selects
+    among them, with @of as in texts. lines: columns whose values share a line, by default one line
+    a row. columns, last: cells by header, from the first row of a line, by default those of
+    `lines`; cells: those of each value of the columns `across`, between the former. Cells are
+    templates (`sentences.cell`), headers of `cells` likewise; a column of empty cells is left out.
+    marked: the column of errors whose smallest and largest are marked in each line, in the cells
+    that begin with its name.
+    """
+
+    table: str
+    caption: str
+    source: str = ""
+    rows: str = ""
+    where: str = ""
+    lines: list[str] = field(default_factory=list)
+    columns: dict[str, str] = field(default_factory=dict)
+    across: list[str] = field(default_factory=list)
+    cells: dict[str, str] = field(default_factory=dict)
+    last: dict[str, str] = field(default_factory=dict)
+    marked: str = ""
+
+
+@dataclass(frozen=True)
+class Picture(FromContents):
+    """A figure: an SVG file, its caption, and the alternative text for readers who cannot see it.
+
+    figure: its name, figures/<of>/<figure>.svg; omitted if it has no data. source: CSV file of its
+    numbers, relative to the study's results; rule: the rule that draws it; of: the recording or arm
+    that it shows, empty for figures of the whole study.
+    """
+
+    caption: str
+    path: Path = Path()
+    alternative: str = ""
+    label: str = ""
+    source: str = ""
+    rule: str = ""
+    of: str = ""
+    figure: str = ""
+    number: int = 0
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number that the summary states.
+
+    place: recording, joint or component; low, high: ends of the interval that `interval` names;
+    baseline: the same quantity for the estimate that `baseline_of` names.
+    """
+
+    name: str
+    value: float
+    unit: str
+    place: str = ""
+    low: float | None = None
+    high: float | None = None
+    interval: str = ""
+    baseline: float | None = None
+    baseline_of: str = ""
+
+    def within(self, low: float, high: float, interval: str) -> "Number":
+        """Return the number with its interval, without any where that is unknown (NaN)."""
+        if math.isnan(low):
+            return self
+        return replace(self, low=float(low), high=float(high), interval=interval)
+
+    def beside(self, baseline: float, of: str) -> "Number":
+        """Return the number with its baseline."""
+        return replace(self, baseline=float(baseline), baseline_of=of)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on one topic: a state, and a sentence that gives the reason.
+
+    evidence: the number behind the sentence, with its interval and its baseline; drawing: an SVG,
+    empty if there is nothing to draw; caption: of the drawing; numbers: of sentence and evidence.
+    """
+
+    topic: str
+    state: State
+    sentence: str
+    evidence: str = ""
+    drawing: str = ""
+    caption: str = ""
+    numbers: tuple[Number, ...] = ()
+
+
+@dataclass(frozen=True)
+class Verdicts(FromContents):
+    """Verdicts side by side; judged: the view that returns them."""
+
+    verdicts: list[Verdict] = field(default_factory=list)
+    judged: str = ""
+
+
+@dataclass(frozen=True)
+class Equation(FromContents):
+    """An equation in typst's notation, and in words for readers who cannot see it."""
+
+    equation: str
+    alternative: str
+
+
+@dataclass(frozen=True)
+class Code(FromContents):
+    """Text shown as typed; listing: the view that returns it."""
+
+    text: str = ""
+    listing: str = ""
+
+
+Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Equation | Code
+NUMBERED_KINDS = {TableBlock: "Table", Picture: "Figure"}
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the report under its own heading."""
+
+    title: str
+    blocks: list[Block] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A complete report; `notice`: text on every page, if any; home: from it to the results."""
+
+    title: str
+    subtitle: str
+    sections: list[Section]
+    notice: str = ""
+    home: str = ""
+
+    def numbered(self) -> "Document":
+        """Return the document with tables and figures numbered from 1, also where mentioned.
+
+        Mentions of what is not in the document raise KeyError.
+        """
+        counts = dict.fromkeys(NUMBERED_KINDS.values(), 0)
+        names: dict[str, str] = {}
+
+        def count(block: Block) -> Block:
+            if not isinstance(block, TableBlock | Picture):
+                return block
+            kind = NUMBERED_KINDS[type(block)]
+            counts[kind] += 1
+            names[block.label] = f"{kind} {counts[kind]}"
+            return replace(block, number=counts[kind])
+
+        def resolve(block: Block) -> Block:
+            if not isinstance(block, Paragraph):
+                return block
+            spans = [
+                replace(span, text=names[span.label]) if isinstance(span, Mention) else span
+                for span in block.spans
+            ]
+            return replace(block, spans=spans)
+
+        sections = self.sections
+        for change in (count, resolve):
+            sections = [replace(part, blocks=[*map(change, part.blocks)]) for part in sections]
+        return replace(self, sections=sections)
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield all blocks, in order."""
+        for section in self.sections:
+            yield from section.blocks
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the document as plain data, for templates; `kind` names the class of a block."""
+        data = asdict(self)
+        plain = (block for section in data["sections"] for block in section["blocks"])
+        for block, fields in zip(self.blocks(), plain, strict=True):
+            fields["kind"] = type(block).__name__.removesuffix("Block").lower()
+            if isinstance(block, TableBlock):
+                fields["alignment"] = block.alignment()
+            if isinstance(block, Picture):
+                fields["path"] = str(block.path)
+        return data
+
+
+class Repeated(Strict):
+    """Blocks repeated for each recording or arm.
+
+    each: what lists them, a view or a method of `Results` with its arguments.
+    """
+
+    each: str
+    heading: str = ""
+    blocks: list[Block | DeclaredTable]
+
+
+class DeclaredSection(Strict):
+    """A section; absent: the reason that the report states if the study has no data for it."""
+
+    title: str
+    absent: str = ""
+    blocks: list[Block | DeclaredTable | Repeated]
+
+    def flat(self) -> Iterator[Block | DeclaredTable]:
+        """Yield all blocks, those that are repeated once."""
+        for block in self.blocks:
+            yield from block.blocks if isinstance(block, Repeated) else [block]
+
+
+class Contents(Strict):
+    """The whole report; run: the sections of a recording's own page."""
+
+    sections: list[DeclaredSection]
+    run: list[DeclaredSection] = Field(default_factory=list)
+
+    def parts(self) -> list[DeclaredSection]:
+        """Return the sections of the report and of a recording's page."""
+        return [*self.sections, *self.run]
+
+    def of_run(self) -> "Contents":
+        """Return the contents of a recording's own page."""
+        return Contents(sections=self.run)
+
+
+@cache
+def contents() -> Contents:
+    """Return the report's contents from `contents.yaml`."""
+    return Contents.model_validate(read_yaml(Path(__file__).with_name("contents.yaml")))

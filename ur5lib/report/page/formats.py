@@ -1,0 +1,121 @@
+"""Formats of numbers, dates and joints as text.
+
+Most are filters of the templates in `sentences.yaml` and `contents.yaml`.
+"""
+
+from collections.abc import Iterable, Sequence
+from datetime import date
+
+import numpy as np
+import pandas as pd
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+VISIBLE_DIFFERENCE = 5e-5  # visible with four decimals
+
+
+def capital(text: str) -> str:
+    """Return a text with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+def fixed(value: float, digits: int = 0, unit: str = "") -> str:
+    """Format a value with some decimals, and its unit; a dash for NaN."""
+    if pd.isna(value):
+        return "–"
+    text = f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")  # + 0.0: no −0
+    return _with_unit(text, unit)
+
+
+def rounded(value: float, digits: int = 0, unit: str = "") -> str:
+    """Format a value with some decimals, or as a bound if they would all be zeros."""
+    if 0 < abs(value) < 0.5 * 10**-digits:  # a value given as a bound stays as it is
+        return _with_unit(f"< {10**-digits:.{digits}f}", unit)
+    return fixed(value, digits, unit)
+
+
+def significant(value: float, digits: int, unit: str = "") -> str:
+    """Format a value with some significant digits, without an exponent; a dash for NaN."""
+    if pd.isna(value):
+        return "–"
+    text = np.format_float_positional(value, digits, fractional=False, trim="-")
+    return _with_unit(text.replace("-", "−"), unit)
+
+
+def percent(share: float, digits: int = 0) -> str:
+    """Format a share in per cent."""
+    return fixed(100 * share, digits, "%")
+
+
+def signed(value: float, digits: int, unit: str = "") -> str:
+    """Format a difference with its sign; a dash for NaN."""
+    return "–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−")
+
+
+def power(value: float, digits: int = 3) -> str:
+    """Format a value with some significant digits, as a power of ten where it is far from one."""
+    if np.isnan(value):
+        return "–"
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    factor = f"·10{str(int(exponent)).translate(SUPERSCRIPTS)}" if exponent else ""
+    return mantissa.replace("-", "−") + factor
+
+
+def counted(count: int) -> str:
+    """Format a count with commas between thousands."""
+    return f"{count:,}"
+
+
+def error(value: float, std: float, digits: int, unit: str = "") -> str:
+    """Format a value with its standard error and its unit; a dash for NaN."""
+    if pd.isna(value):
+        return "–"
+    return _with_unit(f"{fixed(value, digits)} ± {rounded(std, digits)}", unit)
+
+
+def to(low: float, high: float, digits: int, unit: str = "") -> str:
+    """Format an interval and its unit without a line break within the interval."""
+    return _with_unit(f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}", unit)
+
+
+def each(values: Iterable[float], digits: int = 2, unit: str = "", bounds: bool = True) -> str:
+    """Format values one after the other, and their unit after the last.
+
+    bounds: whether values that would round to zero are given as a bound (< 0.01).
+    """
+    parts = [(rounded if bounds else fixed)(value, digits) for value in values]
+    return _with_unit(", ".join(parts), unit)
+
+
+def _with_unit(text: str, unit: str) -> str:
+    return f"{text} {unit}".rstrip()
+
+
+def joints(numbers: Iterable[float]) -> str:
+    """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
+    integers = [round(number) for number in numbers]
+    return f"joint{'s' if len(integers) > 1 else ''} {numbered(integers)}"
+
+
+def numbered(numbers: Sequence[int]) -> str:
+    """Format numbers in order: 6; 2, 3; 2 to 4; 1, 5, 6."""
+    row = len(numbers) > 2 and [*numbers] == [*range(numbers[0], numbers[-1] + 1)]
+    return f"{numbers[0]} to {numbers[-1]}" if row else ", ".join(map(str, numbers))
+
+
+def flange_speeds(low: float, high: float) -> str:
+    """Return a range of the flange's speeds [m/s] in words; the slowest counts as rest."""
+    if pd.isna(high):
+        return f"≥ {low:g}"
+    return f"{low:g}–{high:g}" if low > 0 else "at rest"
+
+
+def days(first: str, last: str, word: str) -> str:
+    """Return two ISO dates in words, without repeating month and year."""
+    _, month, year = day(last).split()
+    return f"{day(first).removesuffix(f' {year}').removesuffix(f' {month}')} {word} {day(last)}"
+
+
+def day(iso: str) -> str:
+    """Return an ISO date in words."""
+    parsed = date.fromisoformat(iso)
+    return f"{parsed.day} {parsed:%B %Y}"

@@ -1,0 +1,68 @@
+"""The summary of a study as data: `results.json`, and its schema."""
+
+from itertools import pairwise
+
+from pydantic import Field
+
+from ur5lib.report.page.document import Document, Heading, Items, Number, State, Verdicts
+from ur5lib.report.results import Results
+from ur5lib.strict import Strict
+
+SCHEMA_FILE = "results.schema.json"
+
+
+class VerdictSummary(Strict, from_attributes=True):
+    """A verdict: one topic and whether its result can be used; docs/report.md has the rules."""
+
+    topic: str
+    state: State
+    sentence: str
+    evidence: str
+    numbers: list[Number]
+
+
+class ListSummary(Strict):
+    """A list under its heading."""
+
+    heading: str
+    sentences: list[str]
+
+
+class Summary(Strict):
+    """The first screen of a report as data."""
+
+    schema_file: str = Field(alias="$schema")
+    study: str
+    title: str
+    simulated: list[str] = Field(description="recordings of the virtual test stand")
+    commit: str = Field(description="of the code")
+    verdicts: list[VerdictSummary]
+    lists: list[ListSummary] = Field(
+        description="what to do next, findings, and what may follow them"
+    )
+
+
+def summary(document: Document, results: Results) -> dict[str, object]:
+    """Return the first section of a report as plain data that fit `summary_schema`."""
+    recordings, blocks = results.study["recordings"], document.sections[0].blocks
+    plain = {
+        "$schema": SCHEMA_FILE,
+        "study": results.study["study"],
+        "title": results.study["title"],
+        "simulated": [entry["name"] for entry in recordings if entry.get("simulate")],
+        "commit": results.commit,
+        "verdicts": [
+            verdict for block in blocks if isinstance(block, Verdicts) for verdict in block.verdicts
+        ],
+        "lists": [
+            {"heading": above.heading, "sentences": block.items}
+            for above, block in pairwise(blocks)
+            if isinstance(above, Heading) and isinstance(block, Items)
+        ],
+    }
+    return Summary.model_validate(plain).model_dump(by_alias=True)
+
+
+def summary_schema() -> dict[str, object]:
+    """Return the JSON schema of a summary."""
+    return Summary.model_json_schema(by_alias=True)

@@ -1,0 +1,198 @@
+"""Errors beside those of an estimate of zero, the state that follows from them, small drawings.
+
+docs/report.md explains the states.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+from xml.sax.saxutils import quoteattr
+
+import pandas as pd
+
+from ur5lib.report.page.document import Number, State
+from ur5lib.report.page.formats import VISIBLE_DIFFERENCE, rounded
+from ur5lib.report.page.sentences import say
+
+ZERO_ESTIMATE = "an estimate of zero"
+MIN_GOOD_SKILL = 0.5  # smallest skill of a good estimate: less than half the error of zero
+BETTER_RIVAL_RATIO = 0.95  # share of an error, below which that of a simple rival is less
+MIN_GOOD_COVERAGE = 0.9  # smallest share of readings in a good 95 % band
+WIDE_BAND_COVERAGE = 0.99  # smallest share, from which on a 95 % band is wider than it states
+DRAWING_WIDTH, DRAWING_HEIGHT = 160.0, 48.0  # of a drawing
+BAR_GAP = 0.25  # of the step from bar to bar
+MIN_BAR_HEIGHT = 1.5  # height that is still seen
+PALE_STYLE = "fill-opacity='.15'"
+
+
+def state(
+    error: float,
+    zero: float,
+    coverage: float = 1.0,
+    tested: bool = True,
+    better: float = MIN_GOOD_SKILL,
+) -> State:
+    """Return the state of an error beside the error of an estimate of zero.
+
+    coverage: share of readings in the stated 95 % band; tested: whether the error comes from
+    recordings that no fit has seen and, where errors have intervals, has one; better: least skill
+    of a good estimate.
+    """
+    if math.isnan(error) or not zero > 0:
+        return "not determined"
+    skill = 1 - error / zero
+    if skill <= 0:
+        return "do not use"
+    return "good" if skill > better and coverage >= MIN_GOOD_COVERAGE and tested else "usable"
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A simple method beside ours: the places where it errs less, with both errors.
+
+    better: columns `ours` and `rival`, by joint, component or recording, means over rows.
+    """
+
+    name: str
+    better: pd.DataFrame
+
+    @classmethod
+    def beside(
+        cls, name: str, rows: pd.DataFrame, error: str, place: str, models: Mapping[str, str]
+    ) -> Self:
+        """Compare errors by place; models: `ours` and `rival` by their names in the column of
+        models, `model` or `estimate`.
+        """
+        column = "model" if "model" in rows else "estimate"
+        rows = rows.assign(who=rows[column].map(models))
+        means = rows.pivot_table(error, place, "who", sort=False)
+        means = means.reindex(columns=["ours", "rival"])
+        return cls(name, means[means["rival"] < BETTER_RIVAL_RATIO * means["ours"]])
+
+    def after(self, verdict: str, unit: str, digits: int) -> str:
+        """Return the sentence of a verdict, and where the rival errs less."""
+        if self.better.empty:
+            return verdict
+        words = {"better": self.better, "joints": self.better.index.name == "joint"}
+        addition = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
+        return f"{verdict} {addition}"
+
+
+@dataclass(frozen=True)
+class AgainstBaseline:
+    """Errors beside those of the baseline `zero`, by joint or component (column `place`).
+
+    rows: by recording and place, with the errors in the columns `error` and `baseline`; unit,
+    digits: of the numbers; zero: name of the baseline.
+    """
+
+    rows: pd.DataFrame
+    error: str
+    baseline: str
+    unit: str
+    digits: int
+    place: str = "joint"
+    zero: str = ZERO_ESTIMATE
+
+    @cached_property
+    def errors(self) -> pd.DataFrame:
+        """Mean error and zero's error over recordings, with low, high and count, by place.
+
+        Places whose zero has hardly an error are left out: nothing acts there.
+        """
+        groups = self.rows.groupby(self.place, sort=False)
+        table = groups[self.error].agg(error="mean", low="min", high="max", count="size")
+        table["zero"] = groups[self.baseline].mean()
+        return table[table["zero"] > VISIBLE_DIFFERENCE]
+
+    @cached_property
+    def worst(self) -> pd.Series:
+        """The row of `errors` with the largest error relative to zero's; its name is the place."""
+        return self.errors.loc[(self.errors["error"] / self.errors["zero"]).idxmax()]
+
+    @cached_property
+    def largest(self) -> pd.Series:
+        """The largest error of a recording; of a component, as others may have another unit."""
+        rows = self.rows
+        if self.place == "component":
+            rows = rows[rows["component"] == self.worst.name]
+        names = {self.place: "place", self.error: "error", self.baseline: "zero"}
+        return rows.loc[rows[self.error].idxmax()].rename(names)
+
+    def state(
+        self, coverage: float = 1.0, tested: bool = True, better: float = MIN_GOOD_SKILL
+    ) -> State:
+        """Judge the worst joint or component; arguments as of the function `state`."""
+        return state(self.worst["error"], self.worst["zero"], coverage, tested, better)
+
+    def percent(self) -> str:
+        """Return the worst error in per cent of zero's."""
+        return say("error.worst", row=self.worst)
+
+    def shown(self) -> str:
+        """Return the worst error, its range over recordings, and its baseline."""
+        low, high = (rounded(self.worst[end], self.digits) for end in ("low", "high"))
+        return say("error.with range", row=self.worst, spread=low != high, against=self)
+
+    def largest_shown(self) -> str:
+        """Return the largest error with its place, its recording and its baseline."""
+        return say("error.largest", row=self.largest, against=self)
+
+    def drawing(self) -> str:
+        """Draw the errors relative to zero's."""
+        ratios = self.errors["error"] / self.errors["zero"]
+        return bars({str(name): float(ratio) for name, ratio in ratios.items()})
+
+    def numbers(self, name: str) -> tuple[Number, Number]:
+        """Return the worst error with its range and baseline, and the largest on a recording."""
+        row, largest = self.worst, self.largest
+        prefix = "joint " if self.place == "joint" else ""
+        mean = Number(name, float(row["error"]), self.unit, f"{prefix}{row.name}")
+        if row["count"] > 1:
+            mean = mean.within(row["low"], row["high"], f"range over {row['count']:.0f} recordings")
+        place = f"{prefix}{largest['place']} on {largest['recording']}"
+        most = Number("largest error on a recording", float(largest["error"]), self.unit, place)
+        return mean.beside(row["zero"], self.zero), most.beside(largest["zero"], self.zero)
+
+
+def bars(shares: Mapping[str, float]) -> str:
+    """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG."""
+    step = DRAWING_WIDTH / max(len(shares), 1)
+    parts = [
+        _rectangle(i * step, 0.0, step * (1 - BAR_GAP), DRAWING_HEIGHT, PALE_STYLE)
+        + _rectangle(i * step, DRAWING_HEIGHT - height, step * (1 - BAR_GAP), height)
+        for i, height in enumerate(
+            max(DRAWING_HEIGHT * min(x, 1.0), MIN_BAR_HEIGHT * (x > 0)) for x in shares.values()
+        )
+    ]
+    label = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
+    return _svg("".join(parts), label)
+
+
+def error_bar(value: float, low: float, high: float, zero: float) -> str:
+    """Draw a value as a dot with its interval, if known, beside the error of zero, a line."""
+    scale = 0.95 * DRAWING_WIDTH / max(zero, value, 0.0 if math.isnan(high) else high)
+    middle = DRAWING_HEIGHT / 2
+    parts = [_rectangle(0.0, middle - 0.5, DRAWING_WIDTH, 1.0, PALE_STYLE)]
+    parts.append(
+        _rectangle(zero * scale - 1.5, 4.0, 3.0, DRAWING_HEIGHT - 8.0, "fill-opacity='.5'")
+    )
+    if not math.isnan(low):
+        parts.append(_rectangle(low * scale, middle - 1.5, (high - low) * scale, 3.0))
+    parts.append(f"<circle cx='{value * scale:.1f}' cy='{middle:.1f}' r='6' fill='currentColor'/>")
+    return _svg("".join(parts), f"error {value:.2g}, zero {zero:.2g}")
+
+
+def _rectangle(x: float, y: float, width: float, height: float, style: str = "") -> str:
+    place = f"x='{x:.1f}' y='{y:.1f}' width='{width:.1f}' height='{height:.1f}'"
+    return f"<rect {place} fill='currentColor' {style}/>"
+
+
+def _svg(content: str, label: str) -> str:
+    box = f"0 0 {DRAWING_WIDTH:.0f} {DRAWING_HEIGHT:.0f}"
+    return (
+        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='{box}' "
+        f"role='img' aria-label={quoteattr(label or 'nothing to show')}>{content}</svg>"
+    )
