@@ -25,7 +25,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.steps.fit_friction import ContradictionError, fitted_friction
-from ur5lib.steps.read_postures import checked_postures, held_torque
+from ur5lib.steps.read_postures import checked_postures
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
 
@@ -86,7 +86,7 @@ def fitted(
     """The fit of an arm to postures alone, as the workflow does it."""
     arm = described(name)
     postures, _ = checked_postures(entry_of(folder, q, current), arm, payload, None)
-    torque = held_torque(postures, arm, arm.chosen_model)
+    torque = postures.held_torque(arm, arm.chosen_model)
     known = replace(prior(name), at_rest=AtRest.of([(torque, postures.current)]))
     return fitted_friction([], known, Smoother(4, 2.0))
 
@@ -179,7 +179,7 @@ def test_any_number_of_joints_may_rest(tmp_path: Path) -> None:
     postures, quality = checked_postures(entry, arm, None, None)
     assert not postures.contradictions.stop_signs
     assert quality.frames == ROWS
-    held = held_torque(postures, arm, arm.chosen_model)
+    held = postures.held_torque(arm, arm.chosen_model)
     known = replace(prior_of(arm, []), at_rest=AtRest.of([(held, postures.current)]))
     rows = constants_of(fitted_friction([], known, Smoother(4, 2.0)))
     assert len(rows) == 7

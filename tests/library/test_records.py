@@ -14,7 +14,7 @@ from tests.made_records import same
 from ur5lib.force.force_input import force_input
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.closed_loop import ClosedLoop
-from ur5lib.records.currents import Currents, LoadRegressor
+from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.motion import FusedMotion, Motion
@@ -24,7 +24,7 @@ from ur5lib.records.truth import Truth
 from ur5lib.tables import column_unit, read_table
 
 RECORDS: list[type[Table]] = [
-    *(Signals, Kinematics, Motion, FusedMotion, Torques, ClosedLoop, Currents, LoadRegressor),
+    *(Signals, Kinematics, Motion, FusedMotion, Torques, ClosedLoop, Currents),
     *(Forces, PublishedForces, SensorWrenches, Accelerations, Truth),
 ]
 KEYS = ("C", "C+rotors", "identified")  # of families that may have any; one begins as another does
@@ -177,8 +177,6 @@ def test_what_was_not_recorded_is_no_array_of_nothing() -> None:
     joints = {"interpolated": np.zeros(1, bool), "actual_q": np.zeros((1, 6))}
     with pytest.raises(ValueError, match="no IMU"):
         _ = Signals(**empty, **joints).imu
-    with pytest.raises(ValueError, match="no currents"):
-        LoadRegressor(**empty).torque(np.zeros(4))
 
 
 def test_truth_is_a_line_between_its_samples_and_unknown_outside() -> None:

@@ -74,8 +74,8 @@ def test_a_study_uses_them(lab: Workflow) -> None:
     ("kind", "repeated", "kept"),
     [
         ("estimators", "estimate_forces", "fit_friction"),
-        ("friction", "fit_friction", "repair_frames"),
-        ("formats", "repair_frames", "describe_arm"),
+        ("friction", "fit_friction", "read_recording"),
+        ("formats", "read_recording", "describe_arm"),
     ],
 )
 def test_a_change_repeats_what_uses_it(

@@ -162,7 +162,7 @@ def test_a_study_runs_nothing_and_writes_nothing_but_results(
     Path("theirs.yaml").write_text(STUDIES[name], encoding="utf-8")
     before = files_beside_results(lab.folder)
     checked = run_ur5("check", "theirs.yaml")
-    ran = lab.run("--cores", "1", "--until", "repair_frames", "--configfile", "theirs.yaml")
+    ran = lab.run("--cores", "1", "--until", "read_recording", "--configfile", "theirs.yaml")
     assert files_beside_results(lab.folder) == before
     refused = name in REFUSED
     assert checked.status == refused, checked.line

@@ -153,7 +153,7 @@ def test_a_published_study_needs_its_recordings_alone(installed: Installed) -> N
     recordings = shared_folder("ur3-cb", "they are recordings of a real UR3")
     (lab / "raw" / "ur3-cb").symlink_to(recordings)
     planned = installed.snakemake(lab, "--configfile", "workflow/studies/ur3-cb.yaml", "--dry-run")
-    assert "repair_frames" in planned
+    assert "read_recording" in planned
 
 
 @pytest.mark.thorough
@@ -199,7 +199,7 @@ def test_labs_never_mix(installed: Installed) -> None:
     edited = updated.library / "recordings" / "frames.py"
     edited.write_text(edited.read_text() + "\n# A sentence is added.\n")
     planned = updated.snakemake(moved, *read)
-    assert "repair_frames" in planned
+    assert "read_recording" in planned
     assert "Params have changed" in planned
     assert "simulate_recording" not in planned
     assert "Nothing to be done" in installed.snakemake(moved, *read)

@@ -1,6 +1,5 @@
 """Runs taken by a pattern: those that cannot be read are named and left out, the others go on."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,15 @@ from tests.conftest import Workflow, copy_project
 from tests.synthetic import write_recording
 from tests.workflow.test_workflow import results
 from ur5lib.channels import THESIS_FILES
+from ur5lib.study.reading import parse_study
+from ur5lib.study.selection import (
+    MAX_DRAWN,
+    MAX_EXAMINED_WHOLE,
+    MAX_ILLUSTRATED,
+    Selection,
+)
+from ur5lib.tables import read_csv
+from ur5lib.thesis.reference import read_reference
 
 RUNS = 3
 DAMAGED = {"2026-01-01": "This is a letter, not a recording.\n", "2026-03-13": ""}
@@ -47,7 +55,6 @@ def test_damaged_files_change_no_result_of_the_others(tmp_path: Path) -> None:
     workflow.build()
     before = results(workflow)
     tables = workflow.folder / "results" / "small" / "tables"
-    assert not (tables / "left_out.csv").exists()
 
     name = "run_2026-03-2026-03-03"  # the report draws the first four
     pages = workflow.folder / "results" / "small" / "runs"
@@ -59,12 +66,34 @@ def test_damaged_files_change_no_result_of_the_others(tmp_path: Path) -> None:
         (workflow.folder / "logs" / day[:7] / f"{day}.extra.csv").write_text(text)
     done = workflow.run("--cores", "1")
     assert done.returncode == 0, done.stdout
-    absent = [f"run_{day[:7]}-{day}.extra" for day in DAMAGED]
-    assert f"{len(absent)} of {RUNS + len(absent)} recordings were left out:" in done.stdout
-    rows = [*csv.DictReader((tables / "left_out.csv").open())]
-    assert [row["recording"] for row in rows] == absent
-    assert all(f"{day}.extra.csv" in row["reason"] for day, row in zip(DAMAGED, rows, strict=True))
+    absent = {f"run_{day[:7]}-{day}.extra": f"{day}.extra.csv" for day in DAMAGED}
+    [*_, end] = done.stdout.split(
+        f"{len(absent)} of {RUNS + len(absent)} recordings cannot be read:"
+    )
+    assert all(f"  {name}: logs/" in end and file in end for name, file in absent.items())
+    rows = read_csv(tables / "quality.csv").query("recording in @absent")
+    assert [*rows["recording"]] == [*absent]
+    assert {*rows["severity"]} == {"stop sign"}
     after = results(workflow)
-    kept = [name for name in before if name.startswith(("recordings", "parameters", "tables"))]
+    kept = [name for name in before if name.startswith(("recordings", "parameters"))]
     assert [name for name in kept if after[name] != before[name]] == []
     assert workflow.plan() == {}
+
+
+def test_of_many_runs_those_that_are_drawn_are_examined(tmp_path: Path) -> None:
+    """Another run seldom changes which; no result of the others depends on it."""
+    before, after = (examined(tmp_path, count) for count in (300, 301))
+    assert MAX_DRAWN <= len(before) <= MAX_DRAWN + 2 * MAX_ILLUSTRATED
+    assert len(before ^ after) <= 2
+    assert len(examined(tmp_path, MAX_EXAMINED_WHOLE)) == MAX_EXAMINED_WHOLE
+
+
+def examined(folder: Path, count: int) -> frozenset[str]:
+    """The runs of a study of so many that are examined."""
+    entry = {"robot": "ur5", "format": "rtde-csv", "folder": str(folder), "role": "validate"}
+    names = [f"run_{k}" for k in range(count)]
+    for name in names:
+        (folder / f"{name}.csv").touch()
+    entries = [entry | {"name": name, "file": f"{name}.csv"} for name in names]
+    study = parse_study({"study": "many", "title": "Many", "recordings": entries}, "")
+    return Selection(study, read_reference(None)).examined

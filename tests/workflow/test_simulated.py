@@ -37,7 +37,8 @@ recordings:
 POINTS = "movej([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])\nmovej([0.2, -1.4, 1.5, -1.2, 1.2, 0.1])\n"
 DESCRIBED = {"describe_arm": 1}
 MOVED, HELD = {"simulate_recording_moved": 1}, {"simulate_recording_held.1": 1}
-READ = ("--until", "repair_frames")  # as far as these tests build
+BOTH = MOVED | HELD | {"read_recording": 2}
+READ = ("--until", "read_recording")  # as far as these tests build
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +73,7 @@ def simulated_files(workflow: Workflow) -> dict[str, bytes]:
 def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
     before = simulated_files(made)
     (made.folder / "raw/made/moved/csv_files/log_i_actual.csv").unlink()
-    assert made.plan(*READ) == MOVED | {"repair_frames": 1}
+    assert made.plan(*READ) == MOVED | {"read_recording": 1}
     (made.folder / "raw/made/held.1/force_sensor.csv").unlink()
     made.build(*READ)
     assert simulated_files(made) == before
@@ -81,17 +82,17 @@ def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
 @pytest.mark.parametrize(
     ("file", "old", "new", "expected"),
     [
-        ("config.yaml", "seed: 1", "seed: 2", HELD | {"repair_frames": 1}),
+        ("config.yaml", "seed: 1", "seed: 2", HELD | {"read_recording": 1}),
         ("config.yaml", "role: contact", "role: validate\n    payload: {mass: 1}", {}),
         (
             "config.yaml",
             "role: contact",
             "role: contact\n    gravity: [0, 0, 9.81]",
-            HELD | {"repair_frames": 1},
+            HELD | {"read_recording": 1},
         ),
-        ("points.txt", "0.5", "0.6", MOVED | {"repair_frames": 1}),
-        ("ur5lib/lab/stand/friction.py", "0.054", "0.055", MOVED | HELD | {"repair_frames": 2}),
-        ("ur5lib/robots/ur5.yaml", "1.61", "1.62", DESCRIBED | MOVED | HELD | {"repair_frames": 2}),
+        ("points.txt", "0.5", "0.6", MOVED | {"read_recording": 1}),
+        ("ur5lib/lab/stand/friction.py", "0.054", "0.055", BOTH),
+        ("ur5lib/robots/ur5.yaml", "1.61", "1.62", DESCRIBED | BOTH),
     ],
 )
 def test_an_edit_simulates_again_what_it_concerns(
@@ -106,7 +107,7 @@ def test_no_step_but_the_comparison_is_given_the_truth(made: Workflow) -> None:
     done = made.run("--dry-run", "--forceall", "--quiet", "host")
     jobs = re.findall(r"\nrule (\S+):\n    input: (.*)\n", done.stdout)
     plan = Counter(job for job, _ in jobs)
-    assert plan.items() >= (MOVED | HELD | {"repair_frames": 2, "compare_with_truth": 1}).items()
+    assert plan.items() >= (BOTH | {"compare_with_truth": 1}).items()
     assert {"estimate_forces", "write_report"} <= {*plan}
     given = {job for job, files in jobs if "made/truth/" in files}
     assert given - {"all"} == {"compare_with_truth"}  # `all` wants it made, and runs nothing

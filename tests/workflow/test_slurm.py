@@ -15,7 +15,7 @@ import yaml
 
 from tests.conftest import PROJECT, STUDY, Workflow
 from tests.one_node_slurm import NoSlurmError, ask, one_node_slurm
-from tests.workflow.test_workflow import results, run_in_batches_above
+from tests.workflow.test_workflow import results, rules
 from ur5lib.errors import InputError
 from ur5lib.study.turn import take_turn
 
@@ -23,7 +23,9 @@ pytestmark = pytest.mark.slow
 
 PROFILE = ("--workflow-profile", "profiles/slurm")
 SMALL = ("--cores", "2", "--latency-wait", "5")  # the profile is for more cores and a slow disk
-TOGETHER = ("--group-components", "motion=2", "forces=2", "fits=3")  # two short recordings a job
+# two short recordings a job
+TOGETHER = ("--group-components", "motion=2", "forces=2", "judgement=2")
+GIVEN = yaml.safe_load((PROJECT / "profiles" / "slurm" / "config.yaml").read_text())
 
 
 needs_plugin = pytest.mark.skipif(
@@ -92,7 +94,7 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
     ended = ask(slurm, "squeue", "--noheader", "--states=all", "--format=%i %T").splitlines()
     killed = [line.split()[0] for line in ended if not line.endswith(" COMPLETED")]
     assert killed == running[:1], ended
-    assert len(ended) == 7, "two to read, one of each other group, one again"
+    assert len(ended) == 8, "two to read, one of each other group, one again"
     assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
 
 
@@ -128,13 +130,12 @@ def known_of(job: str, environment: dict[str, str]) -> str:
 def test_jobs_of_a_killed_run_keep_a_second_one_waiting(
     workflow: Workflow, slurm: dict[str, str]
 ) -> None:
-    """In batches, as far as the torques of all models, which wait for what is fitted to the arm."""
+    """As far as the smoothed motion, which waits for the files to be read."""
     before = results(workflow)
-    run_in_batches_above(1, workflow)
     folder = workflow.folder / "results" / "small"
     shutil.rmtree(folder)
     workflow.environment |= slurm
-    given = *PROFILE, *SMALL, *("--until", "process_batch_1")
+    given = *PROFILE, *SMALL, *("--until", "align_recording")
     first = subprocess.Popen(
         workflow.command(*given),
         cwd=workflow.folder,
@@ -153,26 +154,26 @@ def test_jobs_of_a_killed_run_keep_a_second_one_waiting(
     assert second.returncode == 0, second.stdout
     after = results(workflow)
     made = [name for name in before if name in after]
-    assert {"recordings/still/torques.parquet", "recordings/pushed/torques.parquet"} <= {*made}
+    assert {"recordings/still/motion.parquet", "recordings/pushed/motion.parquet"} <= {*made}
     assert [name for name in made if after[name] != before[name]] == []
 
 
-# The profiles, where no cluster is at hand
+# The profile, where no cluster is at hand
+
+PUBLISHED = "reference: workflow/studies/thesis_reference.yaml\n"
 
 
-@needs_plugin
-@pytest.mark.parametrize("study", [STUDY, STUDY + "hosts: {pc: [imu]}\n"])
-def test_the_groups_of_a_study_do_not_wait_for_each_other(workflow: Workflow, study: str) -> None:
-    (workflow.folder / "config.yaml").write_text(study)
-    assert sum(workflow.plan(*PROFILE, "--forceall").values()) > 40
+@pytest.mark.parametrize("more", ["", "hosts: {pc: [imu]}\n", PUBLISHED])
+def test_the_groups_of_a_study_do_not_wait_for_each_other(workflow: Workflow, more: str) -> None:
+    (workflow.folder / "config.yaml").write_text(STUDY + more)
+    planned = workflow.plan("--forceall", "--groups", *GIVEN["groups"])
+    assert {"pool_drifts", "align_recording", "judge_recording"} <= planned.keys()
+    assert ("rebuild_thesis" in planned) == (more == PUBLISHED)
 
 
-def test_every_step_but_the_shortest_is_in_a_group() -> None:
-    profile = yaml.safe_load((PROJECT / "profiles" / "slurm" / "config.yaml").read_text())
-    files = (PROJECT / "workflow" / "rules").glob("*.smk")
-    rules = [rule for path in files for rule in re.split(r"^ *rule ", path.read_text(), flags=re.M)]
-    group = re.compile(r'in_cluster(?:_at)?\("(\w+)"')
-    alone = {rule.partition(":")[0] for rule in rules if "run_step(rule" in rule}
-    alone -= {rule.partition(":")[0] for rule in rules if "group:" in rule}
-    assert alone == {"pool_drifts", "describe_arm"}
-    assert profile["group-components"].keys() <= {*group.findall("".join(rules))}
+def test_every_rule_but_the_shortest_is_in_a_group() -> None:
+    groups = dict(pair.split("=") for pair in GIVEN["groups"])
+    named = {name for name, _ in rules() if name}
+    assert named - groups.keys() == {"describe_arm", "pool_drifts", "set_threshold", "write_run"}
+    assert groups.keys() <= named
+    assert GIVEN["group-components"].keys() <= {*groups.values()}

@@ -25,31 +25,25 @@ from ur5lib.tables import read_csv, read_table
 SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
-TABULATED = "tabulate_recording"
-FROM_ALARMS = ["detect_contacts", TABULATED]
-FROM_SENSOR = ["compare_forces", *FROM_ALARMS, "draw_figures"]
-FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
-FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
-FROM_TORQUES = ["compute_torques", "find_contradictions", *FROM_FRICTION]
-FROM_MOTION = ["smooth_motion", "fuse_imu", "compare_accelerations", *FROM_TORQUES]
-FROM_SIGNALS = ["estimate_gains", "draw_tracking", *FROM_MOTION]
-FROM_IMU = ["fuse_imu", "compare_accelerations", "draw_figures", TABULATED]
-FROM_CLOCKS = ["estimate_clocks", "align_signals", *FROM_SIGNALS]
-FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
-EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
-MODELS = {"fit_rotor_inertia": 1, "identify_model": 1, "draw_models": 1}  # of the only arm
+JUDGED = ["judge_recording", "draw_figures"]
+FROM_FORCES = ["estimate_forces", *JUDGED]
+FROM_LOADS = ["estimate_load", "predict_currents", *FROM_FORCES]
+FROM_TORQUES = ["compute_torques", *FROM_LOADS]
+FROM_MOTION = ["align_recording", *FROM_TORQUES]
+EACH_RECORDING = ["read_recording", *FROM_MOTION]
+MODELS = {"identify_model": 1, "draw_models": 1}  # of the only arm
 OBSERVABILITY = {"measure_observability": 1, "draw_observability": 1}
 RESIDUALS = {"fit_residuals": 1, "set_threshold": 1} | OBSERVABILITY
-TRACKED = {"track_health": 1, "draw_health": 1}
-HEALTH = {"examine_joints": 1} | TRACKED  # of the only contact-free recording
+HEALTH = {"track_health": 1, "draw_health": 1}
 FITTED = {"fit_friction": 1, "draw_friction": 1, "rank_recordings": 1}
-FRICTION = FITTED | HEALTH | RESIDUALS
+FRICTION = FITTED | RESIDUALS
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
 ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
 DOCUMENTED = {"write_report": 1, "describe_run": 1}
 DOCUMENT = {"time_steps": 1} | DOCUMENTED
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
+SUMMARY = HEALTH | REPORT  # of what is judged
 DRAWINGS = {
     "draw_filters": 1,
     "draw_friction": 1,
@@ -58,9 +52,8 @@ DRAWINGS = {
     "draw_observability": 1,
     "draw_calibration": 1,
 }
-DESCRIBED = {"describe_arm": 1}
-ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
-FRESH = DESCRIBED | ALL_ELSE | {"compare_studies": 1}
+ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | SUMMARY
+FRESH = {"describe_arm": 1} | ALL_ELSE | {"compare_studies": 1}
 
 
 def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
@@ -84,14 +77,6 @@ def results(workflow: Workflow) -> dict[str, bytes]:
 
 def append(path: Path, text: str) -> None:
     path.write_text(path.read_text() + text)
-
-
-def run_in_batches_above(alone: int, workflow: Workflow) -> None:
-    """Let a study of more recordings than that run in batches."""
-    common = workflow.folder / "workflow" / "rules" / "common.smk"
-    before, changed = "MOST_ALONE = 100", f"MOST_ALONE = {alone}"
-    assert before in common.read_text()
-    common.write_text(common.read_text().replace(before, changed))
 
 
 NEW = "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: ROLE}\n"
@@ -151,8 +136,8 @@ def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path
 
 
 def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
-    """Its figures by the scripts of the report's, so that they show the same."""
-    drawn = jobs("draw_figures", "draw_tracking") | DRAWINGS
+    """Its figures by the steps of the report's, so that they show the same."""
+    drawn = jobs("draw_figures") | DRAWINGS
     expected = {f"{rule}_for_paper": count for rule, count in drawn.items()}
     expected |= {"paper": 1}
     assert workflow.plan("paper") == expected
@@ -168,42 +153,30 @@ def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
 @pytest.mark.parametrize(
     ("module", "expected"),
     [
-        ("ur5lib/timeseries/lowpass.py",
-         jobs(*FROM_CLOCKS) | ALL_ELSE),
-        ("ur5lib/signals/clock.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
-        ("ur5lib/timeseries/kalman.py",
-         jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
-        # Side branches: no force estimate runs again.
-        ("ur5lib/smoothing/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
-        ("ur5lib/signals/end_effector.py",  # a wrist sensor's tool moves by its Jacobian
-         jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
-        ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),
-        ("ur5lib/thesis/gains.py",
-         jobs("estimate_gains", "draw_tracking", TABULATED) | REPORT),
-        ("ur5lib/robots/friction.py",
-         jobs(*FROM_FRICTION) | FRICTION | REPORT),
-        ("ur5lib/dynamics/rigid_body.py",
-         jobs("estimate_gains", "draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
-        ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
-        ("ur5lib/force/residual_model.py",
-         jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
-        ("ur5lib/force/flange_contact.py", jobs(*FROM_ALARMS) | REPORT),
-        ("ur5lib/identification/payload.py",
-         jobs(*FROM_CURRENTS) | RESIDUALS | HEALTH | REPORT),
-        ("ur5lib/timeseries/changes.py", TRACKED | REPORT),
-        ("ur5lib/checks/currents.py",
-         jobs("find_contradictions", *FROM_FRICTION) | FRICTION | REPORT),
-        # The wording of a warning, verdict or caption: no step but those of the report.
-        ("ur5lib/report/page/templates/findings.yaml", jobs(TABULATED) | REPORT),
+        ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE),
+        ("ur5lib/timeseries/kalman.py", jobs(*FROM_MOTION) | ARM | SUMMARY),
+        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | SUMMARY),
+        ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | SUMMARY),
+        ("ur5lib/robots/friction.py", jobs(*FROM_LOADS) | FRICTION | SUMMARY),
+        ("ur5lib/identification/payload.py", jobs(*FROM_LOADS) | RESIDUALS | SUMMARY),
+        ("ur5lib/force/residual_model.py", jobs(*FROM_FORCES) | RESIDUALS | SUMMARY),
+        # Judgements: no force estimate runs again.
+        ("ur5lib/signals/imu_calibration.py", jobs(*JUDGED) | IMU | SUMMARY),
+        ("ur5lib/smoothing/imu_fusion.py", jobs(*JUDGED) | SUMMARY),
+        ("ur5lib/force/sensor.py", jobs(*JUDGED) | SUMMARY),
+        ("ur5lib/force/flange_contact.py", jobs(*JUDGED) | SUMMARY),
+        ("ur5lib/steps/judge_contacts.py", jobs(*JUDGED) | SUMMARY),
+        ("ur5lib/tidy/friction.py", jobs(*JUDGED) | SUMMARY),
+        ("ur5lib/timeseries/changes.py", SUMMARY),
+        # The wording of a warning, verdict or caption.
+        ("ur5lib/report/page/templates/findings.yaml", jobs(*JUDGED) | SUMMARY),
         ("ur5lib/report/views/contacts.py", DOCUMENTED),
         ("ur5lib/report/page/contents.yaml", DOCUMENTED),
         ("ur5lib/report/page/sentences.yaml", DOCUMENTED),
         ("ur5lib/commands/compare.py", {"compare_studies": 1} | DOCUMENT),
-        ("workflow/scripts/detect_contacts.py", jobs(*FROM_ALARMS) | REPORT),
-        ("ur5lib/report/figures/house_style.py",
-         jobs("draw_figures", "draw_tracking") | DRAWINGS | DOCUMENT),
+        ("ur5lib/report/figures/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
         ("ur5lib/cli.py", {}),
-        ("ur5lib/tidy/friction.py", jobs(TABULATED) | REPORT),
+        ("ur5lib/jobs/files.py", {}),
     ],
 )  # fmt: skip
 def test_editing_code_reruns_its_users(
@@ -219,36 +192,30 @@ def test_touching_code_reruns_nothing(built_workflow: Workflow) -> None:
     assert built_workflow.plan() == {}
 
 
-SETTING = "settings: {lowpass: {published_forces: {cutoff_hz: 2.0}}}\n"
+SETTING = "settings: {contact: {force_n: 30.0}}\n"
 HOST = "hosts: {pc: [force_sensor, imu]}\n"
-AT_A_SETTING = (
-    jobs("rebuild_forces", *FROM_SENSOR)
-    | dict.fromkeys(("set_threshold", "measure_observability", "draw_observability"), 1)
-    | {"draw_filters": 1}
-    | REPORT
-)
 
 
 @pytest.mark.parametrize(
     ("more", "expected"),
     [
-        (SETTING, AT_A_SETTING),
-        ("settings: {lowpass: {published_forces: {order: 5}}}\n", {}),  # the default, spelt out
-        (HOST, jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
+        (SETTING, jobs(*FROM_FORCES) | {"set_threshold": 1} | OBSERVABILITY | SUMMARY),
+        ("settings: {lowpass: {currents: {order: 4}}}\n", {}),  # the default, spelt out
+        (HOST, jobs(*FROM_MOTION) | DRIFTS | ARM | SUMMARY),
         (NEW.replace("ROLE", "contact"), jobs(*EACH_RECORDING, recordings=1) | REPORT),
         (  # a contact-free one serves the others' IMU alone
             NEW.replace("ROLE", "validate"),
             jobs(*EACH_RECORDING, recordings=1)
-            | jobs("compare_accelerations", "draw_figures", recordings=3)
+            | jobs(*JUDGED, recordings=3)
             | {"calibrate_imu_without_each": 1}
-            | DRIFTS | HEALTH | OBSERVABILITY | REPORT,
+            | DRIFTS | OBSERVABILITY | SUMMARY,
         ),
         (  # one to fit on reruns what was fitted; the report draws the first few of a kind
             NEW.replace("ROLE", "fit"),
             jobs(*EACH_RECORDING, recordings=1)
-            | jobs("fuse_imu", "compare_accelerations", *FROM_TORQUES, recordings=3)
-            | jobs("draw_figures", "draw_tracking")
-            | DRIFTS | ARM | {"examine_joints": 2} | REPORT,
+            | jobs(*FROM_TORQUES, recordings=3)
+            | jobs("draw_figures")
+            | DRIFTS | ARM | SUMMARY,
         ),
     ],
     ids=["setting", "default", "host", "contact", "validate", "fit"],
@@ -262,22 +229,13 @@ def test_editing_the_study_reruns_what_it_concerns(
     assert built_workflow.plan() == expected
 
 
-def test_figures_that_no_report_shows_are_drawn_on_demand(workflow: Workflow) -> None:
-    assert workflow.plan("figures") == {"draw_published_forces": RECORDINGS, "figures": 1}
-    made = "results/small/figures/pushed/forces_printed.svg"
-    workflow.build("--", made)
-    assert (workflow.folder / made).stat().st_size > 0
-    assert workflow.plan() == {}
-
-
 def test_a_changed_raw_file_reruns_its_recording(built_workflow: Workflow, change: Change) -> None:
     change("raw/pushed/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n")
     assert built_workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | REPORT
 
 
 DELETED = {
-    "recordings/pushed/torques.parquet":
-        jobs("compute_torques", *FROM_FRICTION, recordings=1) | REPORT,
+    "recordings/pushed/torques.parquet": jobs(*FROM_TORQUES, recordings=1) | REPORT,
     "tables/force_mae.csv": REPORT,
     "figures/still/torques.svg": {"draw_figures": 1} | DOCUMENT,
 }  # fmt: skip
@@ -313,9 +271,10 @@ def end(run: int, random: np.random.Generator) -> None:
                 os.kill(random.choice(processes_of(run) or [run]), signal.SIGKILL)
 
 
-def killed_runs_go_on(workflow: Workflow, seed: int) -> None:
-    """Lose results and kill runs at random moments, each of which goes on where the last ended."""
-    before, random = results(workflow), np.random.default_rng(seed)
+@pytest.mark.slow
+def test_runs_killed_at_random_moments_go_on_to_the_same_results(workflow: Workflow) -> None:
+    """Each goes on where the last ended, some results of which were lost."""
+    before, random = results(workflow), np.random.default_rng(100)
     folder = workflow.folder / "results" / "small"
     for _ in range(int(os.environ.get("KILLS", "3"))):
         lost = random.choice(["recordings/pushed", "recordings/still", "parameters", "none"])
@@ -331,12 +290,6 @@ def killed_runs_go_on(workflow: Workflow, seed: int) -> None:
     assert {name: after[name] for name in before} == before
     assert [*folder.rglob("*.part")] == []
     assert workflow.plan() == {}
-
-
-@pytest.mark.slow
-def test_runs_killed_at_random_moments_go_on_to_the_same_results(workflow: Workflow) -> None:
-    """Step by step; test_batches.py has those in batches."""
-    killed_runs_go_on(workflow, seed=100)
 
 
 def test_a_second_run_at_once_is_refused_and_changes_nothing(
@@ -435,19 +388,23 @@ def test_a_study_that_expands_beyond_measure(
         fails_with(built_workflow, "config.yaml ")
 
 
-def test_recordings_that_cannot_be_read(workflow: Workflow) -> None:
-    """One has a pipe for a file, the other a letter; each has its sentence, again at the end."""
+def test_a_study_of_which_no_recording_to_fit_can_be_read(workflow: Workflow) -> None:
+    """One has a pipe for a file, the other a letter: each has its sentence at the end."""
     letter, pipe = (workflow.folder / f"raw/{name}/csv_files" for name in ("pushed", "still"))
     (letter / "log_i_actual.csv").write_text("This is a letter, not a recording.\n")
     (pipe / "log_m_target.csv").unlink()
     os.mkfifo(pipe / "log_m_target.csv")
     sentences = (
-        "repair_frames: raw/still/csv_files/log_m_target.csv is a named pipe",
+        "still: raw/still/csv_files/log_m_target.csv is a named pipe",
         "raw/pushed/csv_files/log_i_actual.csv, line 1: expected 7 numbers (it has 2 cells)",
     )
     with time_limit(SECONDS):
-        [*_, end] = fails_with(workflow, *sentences).split("2 failed:\n")
-    assert all(sentence in end for sentence in sentences)
+        done = workflow.run("--cores", "1")
+    assert done.returncode == 1
+    assert "Traceback" not in done.stdout
+    [*_, end] = done.stdout.split("2 of 2 recordings cannot be read:\n")
+    assert all(sentence in end for sentence in sentences), done.stdout
+    assert "none of 1 recordings can be read; raw/still/" in end
 
 
 def test_unwritable_results(workflow: Workflow) -> None:
@@ -463,22 +420,43 @@ def test_unwritable_results(workflow: Workflow) -> None:
 # The code of the workflow
 
 
-def test_every_rule_declares_its_code_and_its_log() -> None:
-    for path in (PROJECT / "workflow" / "rules").glob("*.smk"):
-        for rule in path.read_text().split("\nrule ")[1:] if "rule " in path.read_text() else []:
-            name = rule.split(":")[0].removeprefix("rule ")
-            step = re.search(r'code\(\s*"(\w+)"', rule)
-            assert step, name
-            assert name.startswith(step[1])
-            assert f'traces("{name}"' in rule, name
-            ran = "rule" if name == step[1] else f'"{step[1]}"'
-            assert f"run_step({ran}, input, output, params, log)" in rule, name
+RULES = {path.stem: path.read_text() for path in (PROJECT / "workflow/rules").glob("*.smk")}
 
 
-def test_every_script_has_a_rule() -> None:
-    rules = "".join(p.read_text() for p in (PROJECT / "workflow" / "rules").glob("*.smk"))
-    for path in (PROJECT / "workflow" / "scripts").glob("*.py"):
-        assert re.search(rf'code\(\s*"{path.stem}"', rules)
+def rules() -> Iterator[tuple[str, str]]:
+    """Each rule with a name, also in a condition, and its text; that of a loop by its step."""
+    for text in RULES.values():
+        for rule in re.split(r"^ *rule\b", text, flags=re.MULTILINE)[1:]:
+            yield rule[: rule.index(":")].strip(), rule
+
+
+def test_every_rule_runs_a_step_with_its_code_and_its_log() -> None:
+    named = [(name, rule) for name, rule in rules() if name]
+    assert {"compare_with_truth", "rebuild_thesis"} <= {name for name, _ in named}
+    for name, rule in named:
+        step = re.search(r'code\(\s*"(\w+)"', rule)
+        assert step, name
+        assert name.startswith(step[1])
+        assert re.search(rf'traces\(\s*"{name}"', rule), name
+        ran = "rule" if name == step[1] else f'"{step[1]}"'
+        assert f"run_step({ran}, input, output, params, log)" in rule, name
+
+
+def test_every_rule_of_a_loop_runs_a_step() -> None:
+    """Of a simulated recording its own, of a figure for a paper that of the report's."""
+    given = [rule for name, rule in rules() if not name]
+    assert len(given) == 2
+    for rule in given:
+        assert "**traces(" in rule
+        assert re.search(r"run_step\((rule|\"\w+\"), input, output, params, log\)", rule)
+        assert "code(" in rule or "drawing.params" in rule
+
+
+def test_every_step_has_a_rule() -> None:
+    """A step is the function that is called as its module."""
+    modules = (PROJECT / "ur5lib" / "steps").glob("*.py")
+    steps = {path.stem for path in modules if f"\ndef {path.stem}(" in path.read_text()}
+    assert steps == {step for rule in rules() for step in re.findall(r'code\(\s*"(\w+)"', rule[1])}
 
 
 def test_parsing_imports_neither_torch_nor_pandas(built_workflow: Workflow) -> None:

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from ur5lib.recordings.quality import Contradictions
-from ur5lib.robots.description import Payload
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array
 
 
@@ -20,3 +21,8 @@ class Postures:
     gravity: list[float]
     payload: Payload | None
     contradictions: Contradictions
+
+    def held_torque(self, arm: Robot, model: str) -> Array:
+        """Return the torque (M, n) [Nm] by which an arm holds the postures and its payload."""
+        loaded = arm.mounted(self.gravity).carrying(self.payload)
+        return gravity_torque(loaded, model, self.q)

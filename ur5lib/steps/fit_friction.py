@@ -36,7 +36,6 @@ from ur5lib.records.postures import Postures
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.steps.read_postures import held_torque
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -71,7 +70,7 @@ def fit_friction(
             ratios.append(controllers_ratio(recorded, moved, odd))
     at_rest = dict(postures.items())
     contradictions |= {name: one.contradictions for name, one in at_rest.items()}
-    held = [(held_torque(one, arm, model), one.current) for one in at_rest.values()]
+    held = [(one.held_torque(arm, model), one.current) for one in at_rest.values()]
     try:
         require_no_stop_sign(contradictions)
         require_single_runs(quality)

@@ -23,10 +23,8 @@ from ur5lib.records.judgement import Judgement
 from ur5lib.records.postures import Postures
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, Six
-from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import checksum
 from ur5lib.tidy import files, rows_of
-from ur5lib.timeseries.arrays import Array
 
 
 class ReadPostures(NamedTuple):
@@ -88,9 +86,3 @@ def checked_postures(
     if not postures.contradictions.stop_signs:
         shown += large_constants(means, arm.carrying(load.payload))
     return postures, replace(quality, findings=[*quality.findings, *shown])
-
-
-def held_torque(postures: Postures, arm: Robot, model: str) -> Array:
-    """Return the torque (M, n) [Nm] by which an arm holds the postures and its payload."""
-    loaded = arm.mounted(postures.gravity).carrying(postures.payload)
-    return gravity_torque(loaded, model, postures.q)

@@ -5,6 +5,7 @@
 localrules:
     describe_arm,
     pool_drifts,
+    set_threshold,
 
 
 rule describe_arm:
@@ -115,9 +116,7 @@ rule fit_friction:
         **traces("fit_friction", "{robot}"),
     params:
         code=code("fit_friction"),
-        dates=lambda wildcards: {
-            name: SELECTION.date(name) for name in fitted_on(wildcards.robot)
-        },
+        dates=lambda wildcards: {name: SELECTION.date(name) for name in fitted_on(wildcards.robot)},
         lowpass=design(SETTINGS.lowpass.currents),
     run:
         run_step(rule, input, output, params, log)
@@ -141,9 +140,7 @@ rule fit_residuals:
 
 rule set_threshold:
     input:
-        **(
-            {"published": results_of(fitted_on, "published_forces.parquet")} if REFERENCE else {}
-        ),
+        **({"published": results_of(fitted_on, "published_forces.parquet")} if REFERENCE else {}),
         forces=results_of(fitted_on, "forces.parquet"),
         signals=results_of(fitted_on, "signals.parquet"),
         arm=parameter("described.yaml"),

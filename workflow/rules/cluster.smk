@@ -1,7 +1,4 @@
-# A cluster's job starts Snakemake once more. It runs its steps there, as many at once as it has
-# cores, in warm processes; else each step would start Snakemake anew.
+# A cluster's job starts Snakemake once more, which snakemake-executor-plugin-slurm 2.8 does not tell the
+# groups: it would start it yet again for each step. Local rules run where they are, in warm processes.
 if workflow.remote_exec:
-    for step in workflow.rules:
-        step.group = None  # which no local rule has
     workflow.localrules(*(step.name for step in workflow.rules))
-    workflow.register_resource("_nodes", int(os.environ.get("SLURM_CPUS_PER_TASK", 1)))

@@ -220,6 +220,12 @@ def code(step, *files):
     return checksum_of_step(step, files)
 
 
+def way_points(name):
+    """Return the file of way-points of a simulated recording, if any."""
+    given = getattr(RECORDINGS[name].simulate.trajectory, "way_points", None)
+    return {"way_points": given} if isinstance(given, str) else {}
+
+
 # What a run makes
 
 
@@ -229,13 +235,13 @@ def outputs_in(folder, kind="output"):
 
     What is for a paper is made on demand alone.
     """
-    of = {"{robot}": lambda rule: ROBOTS, "{recording}": recordings_of}
+    of = {"{robot}": lambda step: ROBOTS, "{recording}": recordings_of}
     paths = []
-    for rule in workflow.rules:
-        for file in getattr(rule, kind) or []:
+    for step in workflow.rules:
+        for file in getattr(step, kind) or []:
             path = re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file))
             wildcard = next((name for name in of if name in path), None)
-            names = of[wildcard](rule.name) if wildcard else [""]
+            names = of[wildcard](step.name) if wildcard else [""]
             if path.startswith(f"{RESULTS}/{folder}") and "/paper/" not in path:
                 paths += [path.replace(wildcard, name) if wildcard else path for name in names]
     return paths

@@ -153,7 +153,7 @@ rule compare_studies:
         run_step(rule, input, output, params, log)
 
 
-BENCHMARKS = [path for path in outputs_in("benchmarks", "benchmark") if path.endswith(".tsv")]
+BENCHMARKS = outputs_in("benchmarks", "log")
 
 
 rule time_steps:

@@ -1,10 +1,4 @@
 # One rule for each simulated recording: which files it has depends on what is simulated.
-def way_points(name):
-    """Return the file of way-points of a simulated recording, if any."""
-    given = getattr(RECORDINGS[name].simulate.trajectory, "way_points", None)
-    return {"way_points": given} if isinstance(given, str) else {}
-
-
 for recording in SELECTION.simulated:
 
     rule:
