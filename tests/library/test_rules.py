@@ -15,6 +15,7 @@ from tests.conftest import PROJECT
 from tests.synthetic import write_recording
 from ur5lib.jobs.code import imported_modules
 from ur5lib.jobs.job import load_step
+from ur5lib.report.figures.house_style import Drawing
 from ur5lib.tidy import columns
 
 EVERYTHING = """\

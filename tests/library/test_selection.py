@@ -13,7 +13,7 @@ from ur5lib.study.selection import (
     OF_THE_STUDY,
     Selection,
 )
-from ur5lib.thesis.reference import OLDER_MODEL, Erratum, Lookup, PrintedTable, Reference
+from ur5lib.thesis.reference import OLDER_MODEL, Erratum, Lookup, PrintedTable, PublishedValues
 
 ROLES = ("fit", "validate", "contact", "validate", "contact")  # in turn
 MANY = 3 * MAX_EXAMINED_WHOLE
@@ -33,12 +33,12 @@ def entries(folder: Path, count: int) -> list[dict[str, Any]]:
     ]
 
 
-def of(recordings: list[dict[str, Any]], published: Reference | None = None) -> Selection:
+def of(recordings: list[dict[str, Any]], published: PublishedValues | None = None) -> Selection:
     for one in recordings:
         if "simulate" not in one:
             Path(one["folder"]).mkdir(exist_ok=True)
     study = {"study": "made", "title": "Made", "recordings": recordings}
-    return Selection(parse_study(study, "made.yaml"), published or Reference())
+    return Selection(parse_study(study, "made.yaml"), published or PublishedValues())
 
 
 def printed(recording: str, rows: tuple[str, ...] = ("A",)) -> PrintedTable:
@@ -77,7 +77,7 @@ def test_of_many_those_are_examined_that_are_drawn_shown_fitted_or_published(
     plain = of(given)
     (other, older, *_) = sorted(plain.recordings.keys() - plain.examined)
     tables = {"closed_loop_q": printed(other), "torque_mae": printed(older, (OLDER_MODEL,))}
-    many = of(given, Reference(printed=tables))
+    many = of(given, PublishedValues(printed=tables))
     expected = {*many.drawn("ur5"), *many.drawn("ur10e"), *many.illustrated, other, older}
     expected |= {entry["name"] for entry in given if entry["role"] == "fit"}
     assert many.examined == expected
@@ -105,14 +105,14 @@ def test_a_few_of_each_role_are_illustrated(tmp_path: Path, count: int) -> None:
 def test_what_is_published_is_shown(tmp_path: Path) -> None:
     """Of recordings of the study alone."""
     tables = {"torque_mae": printed("run_20", ("A", OLDER_MODEL)), "force_mae": printed("gone")}
-    few = of(entries(tmp_path, 30), Reference(printed=tables))
+    few = of(entries(tmp_path, 30), PublishedValues(printed=tables))
     assert few.printed() == few.printed("torque_mae") == few.of_older_model() == ["run_20"]
     assert few.printed("force_mae") == few.explained() == few.filtered_first() == []
     assert "run_20" in few.illustrated
     assert "run_20" not in of(entries(tmp_path, 30)).illustrated
     way = {"printed": "torque_mae", "row": "A", "acceleration": {"model_delay_s": 0.1}}
     erratum = Erratum.model_validate({"place": "", "error": "", "choice": "", "explains": [way]})
-    explained = of(entries(tmp_path, 30), Reference(printed=tables, errata=(erratum,)))
+    explained = of(entries(tmp_path, 30), PublishedValues(printed=tables, errata=(erratum,)))
     assert explained.explained() == explained.filtered_first() == ["run_20"]
 
 

@@ -20,13 +20,18 @@ from tests.steps.made_evidence import (
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.errors import remark
 from ur5lib.force.estimators import GATED
-from ur5lib.force.flange_contact import lever
+from ur5lib.force.flange_contact import place_jacobian
 from ur5lib.force.problem import is_fitted
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
-from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, judged_load
-from ur5lib.identification.samples import Record
+from ur5lib.identification.payload import (
+    SCALED_TORQUE_ERROR,
+    JudgedLoad,
+    PayloadEstimate,
+    judged_load,
+)
+from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.records.carried import Carried
 from ur5lib.records.contacts import Alarm
@@ -142,7 +147,7 @@ def loaded(ur5: Robot) -> Loaded:
     return Loaded(*tables(replace(bare, current=current)), load)
 
 
-def tables(record: Record) -> tuple[Signals, Motion, Torques]:
+def tables(record: CurrentSamples) -> tuple[Signals, Motion, Torques]:
     """Of a recording, its torque that of the fullest model."""
     time = record.period * np.arange(len(record.q))
     return (
@@ -163,7 +168,7 @@ class Predicted:
     def taken_torque(self) -> Array:
         """Of the load that the prediction contains, (N, 6) [Nm], times how each motor feels it."""
         assert self.currents.load_doubt is not None
-        return self.currents.load_doubt / LEFT
+        return self.currents.load_doubt / SCALED_TORQUE_ERROR
 
     def left_on_joint_2(self) -> float:
         """Median external torque [Nm]."""
@@ -409,7 +414,7 @@ def test_a_push_on_the_forearm_is_not_at_the_flange(ur5: Robot) -> None:
     run = free_run(ur5, 6, seconds=16, period=PERIOD, scale=0.2)
     frames = link_frames(ur5, run.q)
     force = 60.0 * between(run.time, 6.0, 11.0)[:, None] * np.array([0.3, 0.8, 0.5, 0, 0, 0])
-    touched = np.matvec(lever(*frames, 3, frames[1][:, 3]).mT, force)
+    touched = np.matvec(place_jacobian(*frames, 3, frames[1][:, 3]).mT, force)
     found = raised(replace(run, torque=run.torque + touched), ur5)
     assert [own.off_flange for own in found] == [True]
 

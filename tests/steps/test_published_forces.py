@@ -18,7 +18,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.quality import Quality, StartOffset, contradiction
 from ur5lib.records.signals import SENSOR_COLUMNS
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clock import BY_STAMPS, SettledClock
+from ur5lib.signals.clock import STAMPS_METHOD, SettledClock
 from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
 from ur5lib.steps.rebuild_thesis import rebuild_thesis
@@ -78,7 +78,7 @@ def results(ur5: Robot) -> Results:
     read = {"actual_current": current, "force_sensor": reading + BIAS}
     sent = {"target_qd": qd, "actual_TCP_force": -wrench + 1.0}
     columns = dict(zip(SENSOR_COLUMNS["force"], (reading + BIAS).T, strict=True))
-    clock = SettledClock(START, 0.001, None, None, BY_STAMPS, warning=None, end_std=0.001)
+    clock = SettledClock(START, 0.001, None, None, STAMPS_METHOD, warning=None, end_std=0.001)
     known = evidence(
         ur5,
         signals_of(TIME, q, **read, **sent),
