@@ -24,7 +24,7 @@ from ur5lib.commands.check import (
     unusable,
 )
 from ur5lib.errors import InputError, remark
-from ur5lib.recordings.quality import Finding, Quality
+from ur5lib.records.quality import Finding, Quality
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque

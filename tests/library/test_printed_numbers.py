@@ -9,8 +9,8 @@ import pytest
 from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.recordings.quality import StartOffset
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.report.figures.recording_figures import euler_figure
 from ur5lib.report.page.compose import shown_table

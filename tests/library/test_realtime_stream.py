@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from tests.conftest import said
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.realtime_stream import read_stream
+from ur5lib.records.quality import Finding
 
 SIZE = 756
 SIZES = [756, 764, 812, 1044, 1060, 1108, 1116, 1140, 1220]

@@ -34,6 +34,7 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders
+from ur5lib.steps.draw_models import draw_models
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 
@@ -224,3 +225,7 @@ def test_a_joint_that_is_not_described_is_refused(field: str) -> None:
     described[field] = described[field][:-1]
     with pytest.raises(ValueError, match=rf"`{field}` has 6 entries, `joints` has 7"):
         Robot.model_validate(described)
+
+
+def test_its_link_models_are_drawn() -> None:
+    assert {*draw_models(arm())} == {"models", "frames"}

@@ -9,8 +9,8 @@ from tests.conftest import PROJECT
 from tests.made_records import motion_of, signals_of, torques_of
 from tests.made_tables import table
 from ur5lib.identification.current_samples import controllers_ratio
-from ur5lib.recordings.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.records.dynamics import Torques
+from ur5lib.records.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.friction_figures import printed_friction
 from ur5lib.robots.description import Robot

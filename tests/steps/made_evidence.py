@@ -5,7 +5,6 @@ from typing import Any
 from tests.made_records import stretch, torques_of
 from tests.made_tables import record
 from ur5lib.force.residual_model import Residuals
-from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
@@ -14,6 +13,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.steps.evidence import Evidence

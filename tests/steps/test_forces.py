@@ -33,7 +33,6 @@ from ur5lib.identification.payload import (
 )
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
-from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.records.carried import Carried
 from ur5lib.records.contacts import Alarm
 from ur5lib.records.currents import Currents
@@ -41,6 +40,7 @@ from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.friction import Friction, KnownConstants
 from ur5lib.records.motion import Motion
+from ur5lib.records.quality import Contradictions, Finding, contradiction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.statics import link_frames

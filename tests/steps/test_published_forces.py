@@ -11,11 +11,11 @@ from tests.steps.made_evidence import aligned, evidence, premises
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
-from ur5lib.recordings.quality import Quality, StartOffset, contradiction
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.forces import PublishedForces, SensorWrenches
 from ur5lib.records.friction import Friction
+from ur5lib.records.quality import Quality, StartOffset, contradiction
 from ur5lib.records.signals import SENSOR_COLUMNS
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import STAMPS_METHOD, SettledClock

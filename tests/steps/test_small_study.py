@@ -7,8 +7,8 @@ import pytest
 
 from tests.conftest import Workflow
 from ur5lib.force.estimators import NEW
-from ur5lib.recordings.quality import Quality
 from ur5lib.records.motion import Alignment
+from ur5lib.records.quality import Quality
 from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv, read_record, read_table
 from ur5lib.tidy import columns

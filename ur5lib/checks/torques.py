@@ -9,7 +9,7 @@ from ur5lib.checks.arm import MIN_LEAD_OF_ARM, MOUNTINGS
 from ur5lib.checks.block_means import BlockMeans, fitted_load, size
 from ur5lib.checks.checked import MIN_BLOCKS, Checked, described
 from ur5lib.errors import Remark, remark
-from ur5lib.recordings.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
+from ur5lib.records.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_names
 from ur5lib.robots.statics import load_torque
 from ur5lib.timeseries.arrays import Array

@@ -12,7 +12,7 @@ from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
-from ur5lib.recordings.quality import Finding, add_finding
+from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated
 

@@ -15,11 +15,11 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.held_samples import fresh_samples
-from ur5lib.recordings.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, repair_samples
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.zeroings import on_one_zero
+from ur5lib.records.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.tables import channel, checksum, has_unit, named

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import joint_count
-from ur5lib.recordings.quality import Device, Finding, add_finding
+from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 # frames; a jump back in time followed by fewer is disorder, not a clock reset

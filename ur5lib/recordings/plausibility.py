@@ -10,7 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ur5lib.channels import CHANNELS, MOST_JOINTS, columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs
-from ur5lib.recordings.quality import Device, Finding, add_finding
+from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.tables import unit
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs

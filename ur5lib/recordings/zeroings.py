@@ -12,8 +12,8 @@ import pandas as pd
 
 from ur5lib.channels import MEASURED_CURRENT, columns
 from ur5lib.errors import remark
-from ur5lib.recordings.quality import Finding, StartOffset
 from ur5lib.recordings.starts import MAX_CLOCK_DRIFT
+from ur5lib.records.quality import Finding, StartOffset
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frames
 from ur5lib.tables import channel
