@@ -37,10 +37,10 @@ from ur5lib.records.carried import carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.friction import Friction
-from ur5lib.records.motion import Motion
+from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clock import ClockRelation, SettledClock
+from ur5lib.signals.clock import ClockRelation
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
@@ -181,7 +181,7 @@ class RealStudy:
         if self.built is not None:
             arm = self.built / "parameters" / entry.robot / "arm.yaml"
             its = self.built / "recordings" / name
-            clock = read_record(dict[str, SettledClock], its / "clocks.json").get("force")
+            clock = read_record(Alignment, its / "alignment.json").clocks.get("force")
             return RealRecording(entry, settings, arm, its / "motion.parquet", its, clock)
         arm, motion = robot_path(entry.robot), self.kept / self.study.study / f"{name}.parquet"
         return RealRecording(entry, settings, arm, motion, None, self.sensor_clocks.get(name))

@@ -13,8 +13,9 @@ import yaml
 
 from tests.commands import Command
 from tests.conftest import Workflow, copy_project
+from ur5lib.records.premises import Premises
 from ur5lib.study.reading import read_study, study_text
-from ur5lib.tables import read_csv, read_json
+from ur5lib.tables import read_csv, read_json, read_record
 
 pytestmark = pytest.mark.slow
 
@@ -72,12 +73,12 @@ def test_each_recording_has_its_own_rate(results: Path) -> None:
 
 def test_the_tool_is_carried_and_the_controller_given_it(results: Path) -> None:
     """Where the format says so: then both agree."""
-    loads = {n: read_json(results / f"recordings/{n}/torques.json") for n in ("fit_1", "fit_2")}
-    assert [load["payload"]["mass"] for load in loads.values()] == [1.2, 1.2]
-    configured = [load["configured"] for load in loads.values()]
-    assert [payload and payload["mass"] for payload in configured] == [1.2, None]
-    doubts = (read_json(results / f"recordings/{n}/contradictions.json") for n in loads)
-    assert [found["findings"] for found in doubts] == [[], []]
+    files = [results / f"recordings/{n}/premises.json" for n in ("fit_1", "fit_2")]
+    known = [read_record(Premises, file) for file in files]
+    assert [own.load.mass for own in known] == [1.2, 1.2]
+    configured = [own.load.configured for own in known]
+    assert [payload and payload.mass for payload in configured] == [1.2, None]
+    assert [own.contradictions.findings for own in known] == [[], []]
 
 
 @pytest.mark.parametrize(("arm", "most"), [("cell-2", 0.25), ("ur3", 0.35), ("ur30", 0.35)])

@@ -9,10 +9,13 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
+from ur5lib import tidy
 from ur5lib.force.estimators import GATED
 from ur5lib.records.forces import Forces
+from ur5lib.records.judgement import Judgement
+from ur5lib.records.premises import Premises
 from ur5lib.records.truth import Truth
-from ur5lib.tables import read_json
+from ur5lib.tables import read_record
 from ur5lib.timeseries.sampling import interpolated
 
 pytestmark = pytest.mark.slow
@@ -54,15 +57,14 @@ STUDY = {
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     workflow = Workflow(copy_project(tmp_path_factory.mktemp("loads") / "project"))
     (workflow.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
-    workflow.build("--until", "detect_contacts")
+    workflow.build("--until", "judge_recording")
     return workflow.folder / "results" / "loads"
 
 
 def table(results: Path, name: str, recording: str) -> pd.DataFrame:
     """As the report's."""
-    folder = results / "recordings" / recording
-    kinds = {k: lazy_results(k, [str(folder / f"{k}.json")]) for k in ("detection", "currents")}
-    return make_table(name, kinds)
+    file = results / "recordings" / recording / "judgement.json"
+    return tidy.table(name, {recording: read_record(Judgement, file).rows[name]})
 
 
 def gated(results: Path, name: str, recording: str) -> pd.DataFrame:
@@ -143,4 +145,5 @@ def test_the_load_does_not_spoil_the_forces(results: Path) -> None:
 def test_nothing_but_the_study_says_so(results: Path) -> None:
     """The truth about the load is in no file that a step reads."""
     for name in ("loaded", "grasping"):
-        assert read_json(results / "recordings" / name / "torques.json")["payload"] is None
+        premises = read_record(Premises, results / "recordings" / name / "premises.json")
+        assert premises.load.payload is None

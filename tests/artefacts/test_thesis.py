@@ -23,7 +23,8 @@ from tests.artefacts.documents import (
 from tests.conftest import PROJECT
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import PUBLISHED
-from ur5lib.tables import channel, read_json, read_table
+from ur5lib.records.judgement import Judgement
+from ur5lib.tables import channel, read_json, read_record, read_table
 from ur5lib.thesis.reference import read_reference
 
 TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"
@@ -96,7 +97,8 @@ def test_joints_tell_what_the_imu_feels(
     limits = ACCELERATION_LIMITS[recording]
     assert (rows["mae"].to_numpy()[: len(limits)] <= limits).all()
     folder = thesis_results / "recordings" / recording
-    assert recording not in read_json(folder / "accelerations.json")["calibrated_on"]
+    judged = read_record(Judgement, folder / "judgement.json")
+    assert recording not in judged.imu.calibrated_on
 
 
 def test_the_smoother_is_nearer_to_the_imu_than_a_plain_filter(study: FinishedStudy) -> None:

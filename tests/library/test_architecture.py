@@ -11,74 +11,108 @@ import pytest
 
 from tests.conftest import PROJECT
 
-ROOMS = {"recordings", "checks", "signals", "dynamics", "identification", "force", "lab.stand"}
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
+METHODS = {"signals", "dynamics", "identification", "force"}
+ROOMS = METHODS | {"recordings", "checks", "smoothing", "excitation"}
 ARROWS = {  # what each part of ur5lib may import, besides itself
     "timeseries": set(),
     "channels": set(),
     "errors": set(),
     "strict": {"errors"},
     "workspace": {"errors", "strict", "tables"},
-    "steps": {"errors", "workspace"},
     "datasets": {"errors", "strict", "tables"},
     "tables": {"channels", "errors", "timeseries"},
     "robots": {"errors", "strict", "timeseries", "workspace"},
-    **dict.fromkeys(ROOMS, BASE),
+    # rooms know records, and not each other but for what stands here
     "recordings": BASE | {"workspace"},
     "checks": BASE | {"recordings"},
-    "smoothing": BASE | {"signals"},
-    "lab.recorder": BASE,
-    "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
+    "signals": BASE | {"records"},
+    "dynamics": BASE,
+    "identification": BASE | {"records"},
+    "force": BASE | {"records", "recordings", "workspace"},
+    "smoothing": BASE | {"records", "signals"},
     "excitation": BASE | {"dynamics", "identification"},
-    "records": BASE | ROOMS | {"pipeline"},
-    "pipeline": BASE | ROOMS | {"records", "smoothing", "workspace"},
-    "report": BASE | ROOMS | {"excitation", "pipeline", "records", "workspace"},
-    "study": BASE | {"lab.recorder", "lab.stand", "recordings"},
-    "finished": {"errors", "pipeline", "records", "recordings", "robots", "study", "tables"},
-    "commands": BASE
+    "records": BASE | {"recordings", "signals", "identification", "force", "lab.stand", "thesis"},
+    # branches
+    "thesis": BASE | METHODS - {"identification"} | {"recordings", "records", "steps"},
+    "lab.recorder": BASE,
+    "lab.stand": BASE,
+    "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
+    "leaderboard": BASE | METHODS - {"signals"} | {"records"},
+    # steps join the rooms; jobs know them by their names alone
+    "steps": BASE
     | ROOMS
-    | {"datasets", "excitation", "finished", "lab.doubles", "lab.recorder", "pipeline"}
-    | {"records", "report", "study"},
-    "leaderboard": BASE | ROOMS | {"pipeline", "records", "workspace"},
-    "importing": BASE | {"checks", "commands", "dynamics", "recordings", "study"},
+    | {"commands", "lab.stand", "records", "report", "thesis", "tidy", "workspace"},
+    "tidy": BASE | {"force", "recordings", "records", "report", "signals", "thesis"},
+    "jobs": {"errors", "records", "report", "robots", "tables", "workspace"},
+    # readers
+    "report": BASE
+    | METHODS - {"signals"}
+    | {"excitation", "recordings", "records", "thesis", "tidy", "workspace"},
+    "study": BASE | {"lab.recorder", "lab.stand", "recordings", "thesis"},
+    "finished": BASE | {"recordings", "records", "study"},
+    "commands": BASE
+    | METHODS
+    | {"checks", "excitation", "finished", "lab.doubles", "lab.recorder", "recordings", "records"}
+    | {"report", "steps", "study", "tidy"},
+    "importing": BASE | {"checks", "commands", "recordings", "study"},
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}
     | {"workspace"},
 }
-LIGHT = ("repair_frames", "set_threshold", "make_tables", "draw_figures")
+SCIPY = {"scipy.stats", "scipy.signal", "scipy.optimize"}
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then
     (
-        ("fit_residuals", "compare_forces", "estimate_forces", "detect_contacts"),
-        {"torch", "scipy.stats", "scipy.signal", "scipy.optimize"},
+        ("fit_residuals", "measure_observability", "pool_drifts", "time_steps"),
+        {"torch", "matplotlib", "pydantic", *SCIPY},
     ),
-    ((*LIGHT, "time_steps"), {"torch", "scipy.stats", "scipy.signal"}),
-    (("compute_torques", "estimate_payload", "identify_model"), {"pytorch_kinematics"}),
+    (("set_threshold", "describe_arm", "describe_run"), {"torch", "matplotlib", *SCIPY}),
+    (
+        ("draw_figures", "draw_calibration", "draw_health", "draw_observability"),
+        {"torch", *SCIPY},
+    ),
+    (("draw_tracking", "draw_published_forces", "draw_current_torque"), {"torch", *SCIPY}),
+    (("make_tables", "read_postures"), {"torch", "scipy.stats", "scipy.signal"}),
+    (("compute_torques",), {"pytorch_kinematics", "scipy.stats", "scipy.signal"}),
+    (("align_recording", "calibrate_imu", "fit_friction", "track_health"), {"torch"}),
+    (("write_report", "write_run"), {"torch"}),
+    (
+        ("estimate_load", "predict_currents", "estimate_forces", "identify_model"),
+        {"pytorch_kinematics"},
+    ),
 ]
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
-SCRIPTS = sorted((PROJECT / "workflow" / "scripts").glob("*.py"))
 
 
 def imports(path: Path) -> set[str]:
     tree = ast.parse(path.read_text())
     froms = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    froms |= {
+        f"ur5lib.{own.name}"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module == "ur5lib"
+        for own in node.names
+        if not own.name.startswith("_")
+    }
     plain = {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
     return froms | plain
 
 
 def test_only_dynamics_imports_torch() -> None:
     """Whoever needs dynamics passes arrays through its door."""
-    users = [path for path in [*MODULES, *SCRIPTS] if "torch" in imports(path)]
+    users = [path for path in MODULES if "torch" in imports(path)]
     rooms = {path.relative_to(PROJECT / "ur5lib").parts[0] for path in users}
     assert rooms == {"dynamics", "leaderboard"}  # where others' networks learn
 
 
 def test_no_step_waits_for_a_package_in_vain() -> None:
     """Loading one of these takes longer than most steps work."""
-    program = f"import runpy, sys\nfor steps, packages in {LOADED}:"
-    program += "\n [runpy.run_path(f'workflow/scripts/{step}.py') for step in steps]"
-    program += "\n if found := sys.modules.keys() & packages: sys.exit(f'{steps}: {found}')"
-    done = subprocess.run([sys.executable, "-c", program], cwd=PROJECT, capture_output=True)
-    assert done.stderr.decode().strip() == ""
+    for steps, packages in LOADED:
+        program = f"import sys\nfrom ur5lib.jobs.job import load_step\nfor step in {steps}:"
+        program += f"\n load_step(step)\n if found := sys.modules.keys() & {packages}:"
+        program += "\n  sys.exit(f'{step}: {found}')"
+        done = subprocess.run([sys.executable, "-c", program], cwd=PROJECT, capture_output=True)
+        assert done.stderr.decode().strip() == ""
 
 
 def part_of(module: str) -> str:
@@ -93,25 +127,34 @@ def test_the_parts_are_those_of_the_drawing() -> None:
     assert len([name for name in names if name.count(".") == 1]) <= 6 + 1  # and __init__.py
 
 
+def files_of(part: str) -> list[Path]:
+    room = (PROJECT / "ur5lib").joinpath(*part.split("."))
+    return [*room.rglob("*.py")] if room.is_dir() else [room.with_suffix(".py")]
+
+
 @pytest.mark.parametrize("part", sorted(ARROWS))
 def test_a_part_imports_what_the_drawing_allows(part: str) -> None:
-    room = (PROJECT / "ur5lib").joinpath(*part.split("."))
-    paths = [*room.rglob("*.py")] if room.is_dir() else [room.with_suffix(".py")]
-    for path in paths:
+    for path in files_of(part):
         used = {part_of(name) for name in imports(path) if name.startswith("ur5lib.")}
         assert used - {part} <= ARROWS[part], path
 
 
-def test_only_the_estimate_of_accelerations_smooths() -> None:
-    """Currents and forces take the motion from its file."""
+@pytest.mark.parametrize("part", sorted(ARROWS))
+def test_no_arrow_of_the_drawing_is_idle(part: str) -> None:
+    """But those to what is below every room."""
+    used = {part_of(name) for path in files_of(part) for name in imports(path) if "ur5lib." in name}
+    assert ARROWS[part] - BASE <= used
+
+
+def test_the_motion_is_smoothed_once() -> None:
+    """Currents and forces take it from its file; with an IMU, it is smoothed beside it."""
     users = {
         path.stem
-        for path in [*MODULES, *SCRIPTS]
+        for path in MODULES
         if path.parent.name != "smoothing"
         and any(name.startswith("ur5lib.smoothing") for name in imports(path))
     }
-    steps = {"smooth_motion", "fuse_imu", "compare_accelerations"}
-    assert users == steps | {"smoothed_motion", "fused_motion", "end_effector"}
+    assert users == {"align_recording", "judge_accelerations"}
 
 
 def test_no_module_imports_itself_by_way_of_others() -> None:
@@ -123,8 +166,7 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
 def test_tables_are_read_and_written_in_one_place() -> None:
     """pd.read_csv, to_parquet and their kind appear in tables.py and the readers alone."""
     words = ("read_parquet", "to_parquet", "to_csv(", "pd.read_csv", "json.dump(")
-    sources = [*MODULES, *SCRIPTS]
-    users = {path.name for path in sources if any(word in path.read_text() for word in words)}
+    users = {path.name for path in MODULES if any(word in path.read_text() for word in words)}
     assert users == {"tables.py"}
 
 
@@ -134,14 +176,9 @@ def test_readers_ask_the_registry_which_estimate_leads() -> None:
     assert [path for path in paths if '"Fmap"' in path.read_text()] == []
 
 
-def test_no_script_reads_the_configuration() -> None:
-    for path in SCRIPTS:
-        assert not re.search(r"\.config\b", path.read_text()), path
-
-
 def test_functions_are_short() -> None:
     lengths = []
-    for path in [*MODULES, *SCRIPTS]:
+    for path in MODULES:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef):
                 first = node.body[1] if ast.get_docstring(node) and node.body[1:] else node.body[0]
@@ -150,6 +187,18 @@ def test_functions_are_short() -> None:
     assert max(lengths) <= 40
 
 
-def test_scripts_are_short() -> None:
-    """A script reads, calls and writes."""
-    assert max(len(path.read_text().splitlines()) for path in SCRIPTS) <= 60
+STEPS = sorted((PROJECT / "ur5lib" / "steps").glob("[!_]*.py"))
+
+
+@pytest.mark.parametrize("path", STEPS, ids=lambda path: path.stem)
+def test_a_step_is_typed_and_reads_no_file(path: Path) -> None:
+    """From records to records: nothing in its signature may be anything, and no name of a file or
+    of the configuration stands in it."""
+    tree = ast.parse(path.read_text())
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and node.name == path.stem:
+            given = [ast.unparse(own.annotation or ast.Constant("Any")) for own in node.args.args]
+            assert not any(re.search(r"\bAny\b", own) for own in given), given
+            assert node.returns is not None
+    text = path.read_text()
+    assert not re.search(r"snakemake|\bworkflow/|\bconfig\[|results/", text)

@@ -20,13 +20,13 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.samples import path_of
 from ur5lib.leaderboard.momentum import momentum_rate
 from ur5lib.leaderboard.run import Estimate, Run
-from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.strict import read_yaml
@@ -124,7 +124,7 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
     constant = torque_constants(fit)
     assert currents.predicted_current is not None
     torque = constant * (currents.predicted_current - record.current)
-    payload = read_record(Carried, folder / "torques.json").payload
+    payload = read_record(Premises, folder / "premises.json").load.payload
     weightless = LinkModel(robot.mounted([0, 0, 0]).carrying(payload), robot.fullest_model())
     return Run(
         name=folder.name,

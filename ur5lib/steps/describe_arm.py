@@ -1,14 +1,17 @@
 """The description of an arm, with the numbers, the name and the calibration that are its own."""
 
 from pathlib import Path
-from typing import Any
 
 from ur5lib.robots.description import robot_path, robot_yaml
 from ur5lib.robots.individual import individual_robot
 
 
 def describe_arm(
-    arm: str, robot: str, override: dict[str, Any], description: list[Path], calibration: list[Path]
+    arm: str,
+    robot: str,
+    override: dict[str, object],
+    description: list[Path],
+    calibration: list[Path],
 ) -> str:
     """Return an arm's description as YAML.
 
