@@ -126,6 +126,7 @@ def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
         for recording in ("still", "pushed"):
             assert (folder / "logs" / step / f"{recording}.log").read_text() == ""
             assert (folder / "benchmarks" / step / f"{recording}.tsv").exists()
+    assert {*EACH_RECORDING} <= {*read_csv(folder / "tables" / "run_times.csv")["step"]}
 
 
 def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path) -> None:
