@@ -44,7 +44,6 @@ from ur5lib.records.models import Rotors
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.records.truth import TrueParameters, Truth
-from ur5lib.report import truth_rows
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
@@ -52,9 +51,18 @@ from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
-from ur5lib.steps.compute_torques import joint_torques, rotor_samples
+from ur5lib.steps.compare_with_truth import (
+    Row,
+    clock_rows,
+    friction_rows,
+    imu_rows,
+    rotor_rows,
+    wrench_rows,
+)
+from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.steps.identify_model import rotor_samples
 from ur5lib.steps.predict_currents import predicted_currents
 from ur5lib.steps.read_recording import own_clocks
 from ur5lib.study.model import Settings
@@ -195,16 +203,16 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
     """Rows of clocks, rotor inertias and the IMU."""
     robot, summary = fitted[0].robot, fitted[0].summary
     for own in fitted:
-        yield from truth_rows.clock_rows({"imu": own.clock}, own.summary)
+        yield from clock_rows({"imu": own.clock}, own.summary)
     true = robot.models[summary.model].rotor_inertias
-    yield from truth_rows.rotor_rows(rotors(fitted), true)
+    yield from rotor_rows(rotors(fitted), true)
     calibration = calibrate([own.imu for own in fitted])
-    yield from truth_rows.imu_rows(calibration, summary.plan.imu)
+    yield from imu_rows(calibration, summary.plan.imu)
 
 
 def map_rows(friction: Friction, truth: TrueParameters) -> Iterator[Row]:
     """Return rows of torque constants and friction."""
-    return truth_rows.friction_rows(friction, truth.drive, truth.friction)
+    return friction_rows(friction, truth.drive, truth.friction)
 
 
 def rotors(recordings: list[Taken]) -> Rotors:
@@ -246,9 +254,7 @@ def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterato
     true = pushed.truth.at(pushed.signals.time)
     touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):
-        for row in truth_rows.wrench_rows(
-            part(forces, rows), replace(true, wrench=true.wrench[rows])
-        ):
+        for row in wrench_rows(part(forces, rows), replace(true, wrench=true.wrench[rows])):
             if row["method"] == "Fmap":
                 yield row | {"quantity": f"{row['quantity']}{when}"}
 

@@ -7,8 +7,8 @@ from typing import TypeVar
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import Quality
 from ur5lib.records.carried import Carried
+from ur5lib.records.quality import Quality
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.study.model import Recording, Study

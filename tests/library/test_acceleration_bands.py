@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 
 from benchmarks.motion import judged, simulated, with_imu
-from tests.made_tables import table
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.smoothing.encoders import widening
 from ur5lib.steps.judge_accelerations import by_range
+from ur5lib.tidy import table
+from ur5lib.tidy.motion import acceleration_bands
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import innovation_test
 
@@ -37,8 +38,7 @@ def bands(own: ImuComparison, *others: ImuComparison) -> pd.DataFrame:
     """Rows of the first recording, calibrated on all."""
     every = {str(k): summary for k, summary in enumerate((own, *others))}
     calibrated = {name: replace(summary, calibrated_on=[*every]) for name, summary in every.items()}
-    rows = table("acceleration_bands", accelerations=calibrated)
-    return rows[rows["recording"] == "0"]
+    return table("acceleration_bands", {"0": acceleration_bands(calibrated["0"], calibrated)})
 
 
 def test_a_band_is_that_of_the_other_recordings() -> None:

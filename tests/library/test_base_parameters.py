@@ -11,6 +11,7 @@ import pytest
 import torch
 from scipy.signal import lfilter
 
+from tests.conftest import PROJECT
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.identification import base_parameters as module
@@ -191,7 +192,7 @@ def test_noise_is_by_the_degrees_of_freedom_that_are_left() -> None:
 
 def test_the_prior_is_as_wide_as_the_methods_say() -> None:
     """By the kind of a parameter: masses, first moments, inertias, rotors."""
-    text = " ".join(Path("docs/methods.md").read_text(encoding="utf-8").split())
+    text = " ".join((PROJECT / "docs" / "methods.md").read_text(encoding="utf-8").split())
     stated = re.findall(r"(masses|first moments|inertias about the joint|rotors) ± ([\d.]+)", text)
     kinds = {"m of": "masses", "m c": "first moments", "I_": "inertias about the joint"}
     widths = {kind: float(number) for kind, number in stated}

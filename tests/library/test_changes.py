@@ -16,7 +16,7 @@ from ur5lib.timeseries.changes import (
     explained_shares,
     find_changes,
     over_spans,
-    variation,
+    variance_between_dates,
     whitened,
 )
 
@@ -299,15 +299,15 @@ def test_what_a_jump_owes_to_the_covariate_is_by_its_means_before_and_after() ->
 
 def test_the_variation_is_what_the_errors_leave() -> None:
     value, ones = np.random.default_rng(0).normal(0, 2, 5000), np.ones(5000)
-    assert variation(value, ones) == pytest.approx(2**2 - 1, rel=0.1)
-    assert variation(value, 3 * ones) == 0
+    assert variance_between_dates(value, ones) == pytest.approx(2**2 - 1, rel=0.1)
+    assert variance_between_dates(value, 3 * ones) == 0
 
 
 def test_neither_drift_nor_jump_adds_to_the_variation() -> None:
     """A median over twenty dates scatters itself: the mean over seeds counts."""
     series = [replace(made_up(seed), covariate=None) for seed in range(100)]
     plain, changed = (
-        np.mean([variation(own.value, own.std_error) for own in some])
+        np.mean([variance_between_dates(own.value, own.std_error) for own in some])
         for some in (series, [jumping(drifting(own)) for own in series])
     )
     assert changed == pytest.approx(plain, rel=0.25)

@@ -24,12 +24,13 @@ from ur5lib.commands.check import (
     unusable,
 )
 from ur5lib.errors import InputError, remark
-from ur5lib.recordings.quality import Finding, Quality
+from ur5lib.records.quality import Finding, Quality
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.model import Settings, Study
 from ur5lib.tables import named
+from ur5lib.tidy import files
 from ur5lib.tidy.files import name_copies
 
 
@@ -201,15 +202,16 @@ REST = asdict(remark("other reason", reason="the arm rests"))
 def test_copies_and_poor_clocks_are_findings() -> None:
     finding = Finding("robot", "torn last line", "note", 1)
     torn = [asdict(finding) | {"values": {"file": name, "line": 3}} for name in "ab"]
-    quality = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
+    fresh = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
     stale = {"devices": ["robot"], "files": {"imu": "x"}, "findings": []}
     fair = {"warning": None, "offset_std": 0.006, "end_std": 0.1, "drift": None}
     poor = fair | {"warning": REST, "offset_std": 0.1, "end_std": 0.2}
     clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": REST}}
     forces["two"]["offset_doubt"] = REST
-    qualities = {"one": quality, "two": stale}
-    rows = table("quality", quality=qualities, clocks=clocks, forces=forces, contradictions={})
+    qualities = {"one": fresh, "two": stale}
+    known = {name: (own, {}, clocks[name], forces[name]) for name, own in qualities.items()}
+    rows = table(files.quality, known)
     grouped = group_findings(name_copies(rows))
     reported = grouped.set_index(["recording", "finding"])["detail"].to_dict()
     assert reported["one", "torn last line"].startswith("a, line 3; b, line 3: ")

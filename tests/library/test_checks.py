@@ -9,7 +9,7 @@ from tests.synthetic import PERIOD
 from ur5lib.checks.channels import check_robot
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import check_force_sensor, check_imu
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 from ur5lib.robots.description import FullScale
 
 CURRENTS = [f"actual_current_{joint}" for joint in range(6)]

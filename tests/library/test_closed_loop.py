@@ -24,6 +24,7 @@ from ur5lib.thesis.gains import (
     simulate_closed_loop,
     tracking_cost,
 )
+from ur5lib.tidy import motion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.sampling import interpolated
@@ -223,7 +224,7 @@ def test_a_joint_whose_target_rests_determines_nothing_whatever_it_does() -> Non
     recording = replace(moving, **rest, actual_q=wandering)
     found = estimate_gains(recording)
     summary = gain_summary(recording, found, {"some": (K0, K1)})
-    assert [*table("published_gains", gains={"one": summary})["joint"]] == [1, 2, 4, 5, 6]
+    assert [*table(motion.published_gains, {"one": summary})["joint"]] == [1, 2, 4, 5, 6]
     for gain in (found[2].position, found[2].velocity):
         assert not gain.determined
         assert (gain.low, gain.high) == (gain.grid[0], gain.grid[-1])

@@ -8,6 +8,8 @@ from benchmarks.stand_seeds import MOTION, fitted_map, rotors, taken
 from tests.made_tables import empty, table
 from ur5lib.commands.compare import compare
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.tidy.friction import friction
+from ur5lib.tidy.models import rotor_inertia
 
 pytestmark = pytest.mark.slow
 
@@ -21,8 +23,8 @@ def study(folder: Path, seed: int, coulomb_3: float = 1.0) -> Path:
     ]
     robot = load_robot(robot_path("ur5"))
     known = {
-        "friction": table("friction", arm={"ur5": robot}, friction={"ur5": fitted_map(recordings)}),
-        "rotor_inertia": table("rotor_inertia", rotors={"ur5": rotors(recordings)}),
+        "friction": table(friction, {"ur5": (fitted_map(recordings), robot)}),
+        "rotor_inertia": table(rotor_inertia, {"ur5": rotors(recordings)}),
     }
     (folder / "tables").mkdir(parents=True)
     for name in (*known, "parameters", "payload", "current_rmse", "force_mae", "quality"):

@@ -35,8 +35,9 @@ from ur5lib.report.page.document import (
 from ur5lib.report.page.torques import in_torques
 from ur5lib.report.results import Results
 from ur5lib.thesis.reference import Erratum
+from ur5lib.tidy import columns
 
-TABLES_MADE = declarations()
+TABLES_MADE = columns()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 

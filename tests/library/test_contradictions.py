@@ -36,8 +36,8 @@ from ur5lib.identification.validation import (
     explained_share,
     least_squares_coefficients,
 )
-from ur5lib.recordings.quality import Contradictions, Quality, contradiction
 from ur5lib.records.friction import Friction
+from ur5lib.records.quality import Contradictions, Quality, contradiction
 from ur5lib.report.page.findings import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import left_out_fits, stop_signs
@@ -49,6 +49,7 @@ from ur5lib.steps.fit_friction import (
     require_single_runs,
 )
 from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.tidy import models
 from ur5lib.timeseries.arrays import Array
 
 WRONG = "another arm"
@@ -157,10 +158,9 @@ def results(signs: int, stopped: str | None) -> Results:
     rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
     key, why = ("stopped", stopped) if stopped else ("refused", "too short")
     friction = {"from": [], key: asdict(remark("other reason", reason=why))}
-    fits = {"identification": {}, "friction": {"ur5": friction}, "residuals": {}}
     tables = {
         "quality": pd.concat([empty("quality"), pd.DataFrame(rows)]),
-        "remarks": table("remarks", arm={"ur5": {}}, **fits),
+        "remarks": table(models.remarks, {"ur5": (None, friction, None)}),
     }
     return Results({}, tables, Path())
 

@@ -18,7 +18,7 @@ from tests.entries import read_and_check
 from ur5lib.commands.check import print_tables, text_console, unusable
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake
-from ur5lib.recordings.quality import Device
+from ur5lib.records.quality import Device
 from ur5lib.robots.description import Robot
 
 pytestmark = pytest.mark.slow

@@ -44,7 +44,7 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.estimation import (
     CoefficientEstimate,
     estimate_together,
-    physical,
+    physical_values,
     with_fuller_errors,
 )
 from ur5lib.identification.joint_regression import left_out_residuals
@@ -169,7 +169,9 @@ def test_intervals_hold_what_they_promise() -> None:
             drawn.append(replace(own, current=own.columns @ truth[joint] + residual))
         estimates, units = estimate_together(drawn, known, seed=run)
         pairs = zip(estimates, truth, strict=True)
-        off = [np.abs(physical(own.coefficients) - physical(true)) for own, true in pairs]
+        off = [
+            np.abs(physical_values(own.coefficients) - physical_values(true)) for own, true in pairs
+        ]
         half = [half_width(own.std_error, units, own.prior_share) for own in estimates]
         inside.append(np.concatenate(off) < np.concatenate(half))
         determined.append(np.concatenate([e.prior_share < 0.5 for e in estimates]))
@@ -222,7 +224,10 @@ def test_a_push_does_not_decide(study: list[CurrentSamples]) -> None:
     )
     for before, after in zip(plain, moved, strict=True):
         np.testing.assert_allclose(
-            physical(after.coefficients), physical(before.coefficients), rtol=0.1, atol=0.4
+            physical_values(after.coefficients),
+            physical_values(before.coefficients),
+            rtol=0.1,
+            atol=0.4,
         )
 
 
@@ -414,7 +419,9 @@ def test_a_constant_of_unknown_sign_is_undetermined(study: list[CurrentSamples])
     """Whatever the share of the prior: 100 ± 120 Nm/A tells nothing."""
     fit = fit_currents(study[:3], smooth, prior())
     third = fit.joints[2]
-    unsure = replace(third.estimate, std_error=0.5 * np.abs(physical(third.estimate.coefficients)))
+    unsure = replace(
+        third.estimate, std_error=0.5 * np.abs(physical_values(third.estimate.coefficients))
+    )
     joints = (*fit.joints[:2], replace(third, estimate=unsure), *fit.joints[3:])
     rows = [row for row in parameters(replace(fit, joints=joints)) if row.joint == 3]
     assert [row.determined for row in rows if row.name == "torque_constant"] == [False]

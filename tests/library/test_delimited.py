@@ -8,7 +8,7 @@ import pytest
 from tests.conftest import said
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.delimited import read_numbers
-from ur5lib.recordings.quality import Finding, Log
+from ur5lib.records.quality import Finding, Log
 
 
 @pytest.mark.parametrize("size", [1 << 7, 1 << 9, 1 << 25])

@@ -7,7 +7,7 @@ from ur5lib.dynamics.flange import flange_kinematics, link_frames
 from ur5lib.force.flange_contact import (
     MIN_PROBABILITY_ELSEWHERE,
     flange_probability,
-    lever,
+    place_jacobian,
     places,
 )
 from ur5lib.lab.stand.plan import POSTURE
@@ -25,7 +25,7 @@ def frames_at(robot: Robot, posture: Array) -> Frames:
 
 def levers_of(frames: Frames) -> Levers:
     along = places(*frames)
-    return {link: [lever(*frames, link, own) for own in along[link]] for link in along}
+    return {link: [place_jacobian(*frames, link, own) for own in along[link]] for link in along}
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def found(torque: Array, levers: Levers, spread: float, scale: float = 1.0) -> f
 def test_the_lever_of_the_flange_is_its_jacobian(ur5: Robot) -> None:
     frames = frames_at(ur5, POSTURE)
     jacobian = flange_kinematics(ur5, np.tile(POSTURE, (COUNT, 1)))[2]
-    assert lever(*frames, 6, frames[1][:, 6]) == pytest.approx(jacobian, abs=1e-9)
+    assert place_jacobian(*frames, 6, frames[1][:, 6]) == pytest.approx(jacobian, abs=1e-9)
 
 
 @pytest.mark.parametrize("link", range(1, 7))

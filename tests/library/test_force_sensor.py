@@ -13,8 +13,8 @@ from ur5lib.errors import Remark, remark
 from ur5lib.force.detection import trial_pushes
 from ur5lib.force.sensor import (
     SensorOffset,
-    bias,
     fit_offset,
+    initial_bias,
     mounting_doubt,
     offset_doubt,
     opposite_axes,
@@ -313,7 +313,7 @@ def test_the_first_seconds_are_the_bias() -> None:
     reading = clock[:, None] * np.arange(1.0, 7.0)
     reading[:10] = np.nan
     np.testing.assert_allclose(
-        bias(reading, clock, 0.5), np.mean(clock[10:15]) * np.arange(1.0, 7.0)
+        initial_bias(reading, clock, 0.5), np.mean(clock[10:15]) * np.arange(1.0, 7.0)
     )
 
 

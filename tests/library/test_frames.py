@@ -13,7 +13,7 @@ from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.ordering import in_order
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 
 CYCLE = 0.008
 COUNT = 120

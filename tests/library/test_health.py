@@ -24,9 +24,9 @@ from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_path
 from ur5lib.identification.validation import Scores
-from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.quality import Finding, Quality
 from ur5lib.report.figures.arm_state_figures import health_figure
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.formats import days

@@ -14,8 +14,8 @@ from scipy.optimize import linprog
 from tests.conftest import said
 from tests.entries import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
-from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.records.quality import Finding
 from ur5lib.signals.clock import HOST_METHOD, OwnClock, clock_from_stamps, settle_clocks
 from ur5lib.signals.device_clock import device_clock
 

@@ -17,7 +17,13 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path, robot_yaml
-from ur5lib.robots.individual import calibrated, chain, individual_robot, link_matrix, overridden
+from ur5lib.robots.individual import (
+    calibrated_robot,
+    chain,
+    individual_robot,
+    link_matrix,
+    overridden_data,
+)
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.study.arms import Tilt, base_gravity
 from ur5lib.study.reading import parse_study
@@ -49,9 +55,9 @@ def test_nothing_different_is_the_arm_itself(ur5e: Robot, tmp_path: Path) -> Non
 
 
 def test_lists_are_changed_entry_by_entry_or_as_a_whole() -> None:
-    assert overridden([1, 2, 3], {2: 0}) == [1, 0, 3]
-    assert overridden([1, 2, 3], [4]) == [4]
-    assert overridden({"a": {"b": 1, "c": 2}}, {"a": {"b": 3}, "d": 4}) == {
+    assert overridden_data([1, 2, 3], {2: 0}) == [1, 0, 3]
+    assert overridden_data([1, 2, 3], [4]) == [4]
+    assert overridden_data({"a": {"b": 1, "c": 2}}, {"a": {"b": 3}, "d": 4}) == {
         "a": {"b": 3, "c": 2},
         "d": 4,
     }
@@ -141,7 +147,7 @@ def test_a_controller_s_calibration_places_the_flange(name: str, tmp_path: Path)
     parameters = common_normals(frames)
     path.write_text(calibration_conf(robot, parameters))
     assert max(abs(d) for _, d, _, _ in parameters) > 20  # m
-    own = calibrated(robot, path)
+    own = calibrated_robot(robot, path)
     expect_flange(own, frames, atol=1e-11)
     for nominal, ours in zip(robot.link_poses(), own.link_poses(), strict=True):
         away = np.subtract(link_matrix(ours), link_matrix(nominal))
@@ -155,7 +161,7 @@ def test_opposite_offsets_of_parallel_axes_cancel(ur5e: Robot, tmp_path: Path) -
         link[1] += offset
     path = tmp_path / "calibration.conf"
     path.write_text(calibration_conf(ur5e, parameters))
-    own, q = calibrated(ur5e, path), np.zeros((1, 6))
+    own, q = calibrated_robot(ur5e, path), np.zeros((1, 6))
     (_, at, _), (_, before, _) = flange_kinematics(own, q), flange_kinematics(ur5e, q)
     np.testing.assert_allclose(at - before, [[0, -0.001, 0]], atol=1e-12)
     ours, nominal = (LinkModel(one, "maker+rotors") for one in (own, ur5e))
@@ -174,14 +180,14 @@ def test_the_ros_driver_s_calibration_places_the_flange(ur5e: Robot, tmp_path: P
         links[name] = dict(zip(("x", "y", "z", "roll", "pitch", "yaw"), values, strict=True))
     path = tmp_path / "calibration.yaml"
     path.write_text(yaml.safe_dump({"kinematics": {**links, "hash": "calib_1278"}}))
-    expect_flange(calibrated(ur5e, path), frames, atol=1e-11)
+    expect_flange(calibrated_robot(ur5e, path), frames, atol=1e-11)
 
 
 @pytest.mark.parametrize("name", ["ur3", "ur5", "ur10", "ur3e", "ur5e", "ur10e", "ur16e"])
 def test_the_ros_description_calibrates_nothing(name: str) -> None:
     folder = shared_folder("arms", "they are config/ of Universal_Robots_ROS2_Description")
     robot = load_robot(robot_path(name))
-    own = calibrated(robot, folder / name / "default_kinematics.yaml")
+    own = calibrated_robot(robot, folder / name / "default_kinematics.yaml")
     for nominal, ours in zip(robot.link_poses(), own.link_poses(), strict=True):
         np.testing.assert_allclose(link_matrix(ours), link_matrix(nominal), rtol=0, atol=1.001e-6)
 
@@ -189,7 +195,7 @@ def test_the_ros_description_calibrates_nothing(name: str) -> None:
 def test_a_calibrated_arm_is_the_same_in_another_engine(ur5e: Robot, tmp_path: Path) -> None:
     path = tmp_path / "calibration.conf"
     path.write_text(calibration_conf(ur5e, common_normals(bent(ur5e, 5e-3))))
-    own = calibrated(ur5e, path)
+    own = calibrated_robot(ur5e, path)
     (tmp_path / "own.yaml").write_text(robot_yaml(own))
     assert load_robot(tmp_path / "own.yaml") == own
     given = np.random.default_rng(0).uniform(-3, 3, (3, 20, 6))
@@ -211,14 +217,14 @@ def test_a_wrong_calibration_is_named(ur5e: Robot, tmp_path: Path, text: str, na
     path = tmp_path / "calibration.conf"
     path.write_text(text)
     with pytest.raises(InputError, match=rf"calibration\.conf.*{named}"):
-        calibrated(ur5e, path)
+        calibrated_robot(ur5e, path)
 
 
 def test_the_calibration_of_another_arm_is_told() -> None:
     folder = shared_folder("arms", "they are config/ of Universal_Robots_ROS2_Description")
     robot = load_robot(robot_path("ur10e"))
     with pytest.raises(InputError, match=r"mm .*ur10e"):
-        calibrated(robot, folder / "ur5e" / "default_kinematics.yaml")
+        calibrated_robot(robot, folder / "ur5e" / "default_kinematics.yaml")
 
 
 # Mounting

@@ -27,7 +27,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.limits import LIMIT_VARIABLE, expect_room
-from ur5lib.recordings.quality import Log
+from ur5lib.records.quality import Log
 
 COUNT = 50_000_000  # numbers, 0.4 GB
 MOST_GB = 0.02  # that the tests allow

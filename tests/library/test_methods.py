@@ -22,7 +22,6 @@ from ur5lib.force import (
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.identification import (
     base_parameters,
-    closed_loop,
     current_regression,
     currents,
     joint_regression,
@@ -36,6 +35,7 @@ from ur5lib.signals import clock, device_clock
 from ur5lib.smoothing import noise
 from ur5lib.steps import fit_residuals as residual_fit
 from ur5lib.thesis import current_based as thesis
+from ur5lib.thesis import gains
 from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 
@@ -65,8 +65,8 @@ def statements() -> Iterator[str]:
     yield f"in windows of {noise.NOISE_WINDOW:g} s"
     yield f"jackknife over blocks of {segments.BLOCK_DURATION:g} s. Without β"
     # identification
-    yield f"within the {percent(closed_loop.CONFIDENCE_LEVEL)} point of F(2, n − 2)"
-    yield f"narrower than a factor of {closed_loop.MAX_RANGE_FACTOR:g}."
+    yield f"within the {percent(gains.CONFIDENCE_LEVEL)} point of F(2, n − 2)"
+    yield f"narrower than a factor of {gains.MAX_RANGE_FACTOR:g}."
     yield f"if less than {percent(base_parameters.MAX_PRIOR_VARIANCE_SHARE)} of its variance"
     yield f"over {friction.PRESLIDING_DISTANCE:.0e} rad".replace("e-0", "e-")
     yield f"load-dependent friction {friction.TERMS['load'].expected(1.0):g} Nm/Nm"

@@ -12,7 +12,7 @@ from ur5lib.lab.recorder.move_program import is_program, planned_motion, read_pr
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
-from ur5lib.robots.statics import geometric_jacobian, link_frames, solutions
+from ur5lib.robots.statics import geometric_jacobian, inverse_kinematics, link_frames
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
@@ -50,7 +50,7 @@ def test_every_posture_is_among_the_solutions_of_its_pose(name: str) -> None:
     robot = load_robot(robot_path(name))
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (100, 6))
     rotation, position = flange(robot, q)
-    found = solutions(robot, rotation, position)
+    found = inverse_kinematics(robot, rotation, position)
     apart = np.abs(np.exp(1j * found) - np.exp(1j * q)[:, None]).max(axis=2)
     assert np.nanmin(apart, axis=1).max() < 1e-6
     row, which = np.nonzero(np.isfinite(found).all(axis=2))
@@ -72,7 +72,7 @@ def test_a_calibrated_arm_reaches_its_pose_with_its_own_frames(ur5: Robot) -> No
     ]
     robot = ur5.model_copy(update={"calibration": tuple(off)})
     rotation, position = flange(robot, HOME)
-    found = solutions(robot, rotation, position)[0]
+    found = inverse_kinematics(robot, rotation, position)[0]
     apart = np.abs(np.exp(1j * found) - np.exp(1j * HOME)).max(axis=1)
     assert np.nanmin(apart) < 1e-9
 

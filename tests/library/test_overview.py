@@ -16,6 +16,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality
 from ur5lib.report.views.recordings import judge_files
+from ur5lib.tidy import columns
 
 MANY = 2 * (MOST_ROWS + 1)
 DAYS = pd.date_range("2026-01-30", periods=MANY, freq="D")
@@ -36,7 +37,7 @@ def made(count: int = MANY) -> Results:
         "current_rmse": {"model": "fitted", "joint": 1, "rmse_2hz": 0.1, "r2": 0.0},
         "detection": {"estimate": "Fmap", "alarms_per_min": 2.0},
     }
-    tables = {name: empty(name).astype(object) for name in declarations()} | {
+    tables = {name: empty(name).astype(object) for name in columns()} | {
         name: used.assign(**row).reindex(columns=empty(name).columns)
         for name, row in filled.items()
     }

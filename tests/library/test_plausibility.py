@@ -14,7 +14,7 @@ from ur5lib.recordings.plausibility import (
     first_time,
     stray_times,
 )
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 
 POSSIBLE = {  # what a channel may hold, and what it may not [SI]
     "actual_q_0": (12.5, 13.0),

@@ -20,8 +20,8 @@ from ur5lib.identification.current_samples import Smoother, prior_of
 from ur5lib.identification.currents import Parameter, parameters
 from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.postures import read_postures
-from ur5lib.recordings.quality import Finding
 from ur5lib.records.friction import Friction
+from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.steps.fit_friction import ContradictionError, fitted_friction

@@ -9,11 +9,22 @@ import pytest
 from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.recordings.quality import StartOffset
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.quality import StartOffset
+from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.report.figures.recording_figures import euler_figure
 from ur5lib.report.page.compose import shown_table
+from ur5lib.report.results import Results
+from ur5lib.report.views.comparison import rebuilt as rebuilt_numbers
+from ur5lib.report.views.comparison import sources, unexplained
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.thesis.closed_loop import published_gains, simulated, tracking_of
 from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
-from ur5lib.thesis.printed_numbers import PRINTED_COLUMNS, ExplainedRow, compared
+from ur5lib.thesis.printed_numbers import (
+    PRINTED_COLUMNS,
+    ExplainedRow,
+    compared,
+)
 from ur5lib.thesis.reference import (
     AccelerationError,
     Erratum,

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from tests.conftest import said
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.realtime_stream import read_stream
+from ur5lib.records.quality import Finding
 
 SIZE = 756
 SIZES = [756, 764, 812, 1044, 1060, 1108, 1116, 1140, 1220]
@@ -183,7 +183,7 @@ def test_channels_lie_where_the_maker_says(capture: Path, size: int) -> None:
 
 def test_every_frame_split_in_other_blocks(capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of CSV smaller than a stretch of messages end anywhere within them."""
-    monkeypatch.setattr("ur5lib.recordings.realtime_stream.BLOCK", 4096)
+    monkeypatch.setattr("ur5lib.recordings.realtime_stream.BLOCK_BYTES", 4096)
     sent = messages(400)
     chance = random.Random(1)
     cuts = [chance.randrange(400 * SIZE) for _ in range(900)]

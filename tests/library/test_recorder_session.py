@@ -32,9 +32,9 @@ from ur5lib.lab.recorder.device_settings import (
     XsensSettings,
 )
 from ur5lib.lab.recorder.session import MANIFEST, Session, write_manifest
-from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.records.quality import Finding
 from ur5lib.study.model import RtdeRecording
 from ur5lib.tables import read_json
 

@@ -20,11 +20,11 @@ from ur5lib.lab.stand.faults import FIRST_PART_BYTES
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.formats import READERS, excerpt
 from ur5lib.recordings.intake import Intake
-from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
+from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.realtime_message import fields
 from ur5lib.study.model import Recording

@@ -14,7 +14,7 @@ from tests.made_records import same
 from ur5lib.force.force_input import force_input
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.closed_loop import ClosedLoop
-from ur5lib.records.currents import Currents, LoadRegressor
+from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.motion import FusedMotion, Motion
@@ -24,7 +24,7 @@ from ur5lib.records.truth import Truth
 from ur5lib.tables import column_unit, read_table
 
 RECORDS: list[type[Table]] = [
-    *(Signals, Kinematics, Motion, FusedMotion, Torques, ClosedLoop, Currents, LoadRegressor),
+    *(Signals, Kinematics, Motion, FusedMotion, Torques, ClosedLoop, Currents),
     *(Forces, PublishedForces, SensorWrenches, Accelerations, Truth),
 ]
 KEYS = ("C", "C+rotors", "identified")  # of families that may have any; one begins as another does
@@ -133,6 +133,31 @@ def test_a_channel_is_read_when_it_is_used(tmp_path: Path) -> None:
         _ = signals.nothing  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize("record", RECORDS)
+@pytest.mark.parametrize("rows", [None, np.array([0, 2])])
+def test_a_table_is_opened_anew_with_all_rows_or_some(
+    record: type[Table], rows: np.ndarray | None, tmp_path: Path
+) -> None:
+    """From its file or from memory: both hold the same."""
+    made = whole(record)
+    made.write(tmp_path / "table.parquet")
+    read = record.read(tmp_path / "table.parquet")
+    same(read.anew(rows), made.anew(rows))
+    assert len(made.anew(rows).time) == (4 if rows is None else 2)
+    again = read.anew(rows).anew()
+    same(again, made)  # all rows, from its file
+
+
+def test_what_a_table_holds_is_not_held_by_the_one_opened_anew(tmp_path: Path) -> None:
+    """So that a long recording can be freed; one in memory is itself."""
+    made = whole(Motion)
+    made.write(tmp_path / "motion.parquet")
+    read = Motion.read(tmp_path / "motion.parquet")
+    assert read.q is read.q
+    assert read.anew().q is not read.q
+    assert made.anew() is made
+
+
 def test_a_record_s_arrays_are_its_own() -> None:
     """Nobody who changes them changes the table."""
     table = pd.DataFrame({"time": np.arange(3.0), "segment": 0, "Fmap_Fx": 1.0})
@@ -152,8 +177,6 @@ def test_what_was_not_recorded_is_no_array_of_nothing() -> None:
     joints = {"interpolated": np.zeros(1, bool), "actual_q": np.zeros((1, 6))}
     with pytest.raises(ValueError, match="no IMU"):
         _ = Signals(**empty, **joints).imu
-    with pytest.raises(ValueError, match="no currents"):
-        LoadRegressor(**empty).torque(np.zeros(4))
 
 
 def test_truth_is_a_line_between_its_samples_and_unknown_outside() -> None:

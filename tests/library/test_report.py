@@ -53,7 +53,8 @@ from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
 from ur5lib.tables import write_bytes, write_text
-from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, read_reference
+from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, Published, read_reference
+from ur5lib.tidy import forces, friction, models
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
 
@@ -175,9 +176,8 @@ def torque_tables() -> tuple[Signals, Torques, ClosedLoop]:
 
 
 def torque_errors(recording: str, printed: Printed | None) -> pd.DataFrame:
-    known = {"signals": 0, "torques": 1, "closed_loop": 2}
-    found = {kind: {recording: torque_tables()[index]} for kind, index in known.items()}
-    return table("torque_mae", printed, **found)
+    published = Published(printed or {}, recording)
+    return table(models.torque_mae, {recording: (*torque_tables(), published)})
 
 
 def test_torque_errors_leave_out_invented_frames() -> None:
@@ -232,7 +232,7 @@ def searched(name: str, contacts: pd.DataFrame) -> Results:
 
 
 def contact_rows(name: str, alarms: list) -> pd.DataFrame:
-    return table("contacts", detection={name: {"Fmap": {"raised": alarms}}})
+    return table(forces.contacts, {name: {"Fmap": {"raised": alarms}}})
 
 
 def test_a_recording_without_contacts_is_told_too() -> None:
@@ -310,7 +310,8 @@ def force_results() -> Results:
     rebuilt = Lookup(table="force_mae", value="mae")
     values = {"Fu": (1.0,) * 6}
     printed = PrintedTable(source="6.1", recording="run", rebuilt=rebuilt, values=values)
-    rows = table("force_mae", {"force_mae": printed}, forces={"run": force_summary()})
+    published = Published({"force_mae": printed}, "run")
+    rows = table(forces.force_mae, {"run": (force_summary(), published)})
     return Results({}, {"force_mae": rows}, Path())
 
 
@@ -359,7 +360,7 @@ def test_contacts_are_counted_by_their_force() -> None:
     found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
     late = {"alarms_per_min": 4.0, "false_per_min": 2.0}
     late |= {"classes": [{"force": 3.0, **part, "found": 1}, {"force": 15.0, **part, "found": 0}]}
-    rows = table("detection", detection={"run": {"Fmap": found | {"causal": late}, "Fu": found}})
+    rows = table(forces.detection, {"run": {"Fmap": found | {"causal": late}, "Fu": found}})
     assert rows["causal_found"].tolist()[:2] == [1, 0]
     assert rows["causal_false_alarms_per_min"].tolist()[:2] == [2, 2]
     assert rows["causal_delay_s"].isna().tolist() == [False, False, True, True]
@@ -376,7 +377,7 @@ def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
     axes = {"z": {"force": 10.0, "time_above": 0.25, "pushes": 4, "found": 3}}
     free = {"z": {"force": 10.0, "time_above": 0.0}}
     found = {"run": {"F*": {"axes": axes}, "Fmap": {"axes": axes}}, "free": {"F*": {"axes": free}}}
-    rows = table("fixed_threshold", detection=found)
+    rows = table(forces.fixed_threshold, found)
     study = {"recordings": [{"name": "run", "role": "contact"}, {"name": "free", "role": "fit"}]}
     results = Results(study, {"fixed_threshold": rows}, Path())
     most = "25 %; 3 of 4"
@@ -391,12 +392,12 @@ def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
 def test_pushes_never_found_are_told_as_such() -> None:
     """A push that is never found is infinite, and null in the file."""
     found = {"raised": [], "alarms_per_min": 0.0, "threshold": 0.0}
-    forces = zip("xyz", (9.0, None, 20.0), strict=True)
+    sizes = zip("xyz", (9.0, None, 20.0), strict=True)
     found["smallest_force_95"] = [
-        *({"axis": axis, "speed_low": 0.01, "force": force, "std": 2.0} for axis, force in forces),
+        *({"axis": axis, "speed_low": 0.01, "force": force, "std": 2.0} for axis, force in sizes),
         {"axis": "y", "speed_low": 0.0, "force": 70.0, "std": 20.0},
     ]
-    rows = table("detection", detection={"free": {"Fmap": found}})
+    rows = table(forces.detection, {"free": {"Fmap": found}})
     results = Results({}, {"detection": rows, "payload": payloads()}, Path())
     (line,) = shown("forces.smallest_pushes", results)
     pushes = {
@@ -409,7 +410,7 @@ def test_pushes_never_found_are_told_as_such() -> None:
 
 def payloads() -> pd.DataFrame:
     loads = [load_of("free", 0.02, taken=False), load_of("heavy", 2.75, taken=True)]
-    return table("payload", currents=dict(loads))
+    return table(friction.payload, dict(loads))
 
 
 def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
@@ -436,7 +437,7 @@ def test_what_a_run_carries_stands_in_a_table() -> None:
     heavy = payloads().set_index("recording").loc["heavy"]
     assert heavy["low"] < heavy["mass"] < heavy["high"]
     assert heavy["center_of_mass_z"] == 0.05
-    assert table("payload", currents={"at rest": {"load": None}, "no currents": {}}).empty
+    assert table(friction.payload, {"at rest": {"load": None}, "no currents": {}}).empty
 
 
 def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
@@ -486,10 +487,8 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
 
 def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:
     odd, little = (asdict(remark("other reason", reason=why)) for why in ("odd", "too little"))
-    friction = {"fit": {"joints": [{"remarks": [odd]}, {"remarks": []}, {"remarks": [odd]}]}}
-    steps = {"friction": friction, "identification": {"refused": little}}
-    fits = {kind: {"ur5": summary} for kind, summary in steps.items()}
-    rows = table("remarks", arm={"ur5": {}}, residuals={}, **fits)
+    fitted = {"fit": {"joints": [{"remarks": [odd]}, {"remarks": []}, {"remarks": [odd]}]}}
+    rows = table(models.remarks, {"ur5": ({"refused": little}, fitted, None)})
     results = Results({}, {"remarks": rows}, Path())
     assert [*remarks(results)] == ["ur5, joints 1, 3: odd."]
     assert left_out_fits(results) == ["Identification of ur5: too little."]

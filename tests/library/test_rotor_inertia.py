@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.real_arms import RealStudy
 from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
-from ur5lib.steps.compute_torques import rotor_samples
+from ur5lib.steps.identify_model import rotor_samples
 from ur5lib.timeseries.arrays import Array
 
 Sample = tuple[Array, Array, Array]  # residual, qd, qdd

@@ -1,17 +1,23 @@
-"""What a script reads is what its rule declares: then a result follows from what it depends on."""
+"""What a step is given is what its rule declares: a result follows from what it depends on."""
 
 import json
 import re
 import subprocess
 import sys
+from collections.abc import Callable
+from inspect import Parameter, signature
 from pathlib import Path
+from typing import Any, get_args, get_origin, get_type_hints
 
 import pytest
 
 from tests.conftest import PROJECT
 from tests.synthetic import write_recording
+from ur5lib.jobs.code import imported_modules
+from ur5lib.jobs.job import load_step
+from ur5lib.report.figures.house_style import Drawing
+from ur5lib.tidy import columns
 
-SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 EVERYTHING = """\
 study: everything
 title: A study whose rules declare all that they can
@@ -25,11 +31,6 @@ recordings:
     simulate: {trajectory: {kind: movej, way_points: FOLDER/way_points.txt}, imu: {}}
   - {name: real, robot: ur5, format: thesis-csv, folder: FOLDER/real, role: contact}
 """
-NOT_BY_NAME = {
-    ("align_signals", "input"): ["force", "imu"],  # by the names that a table of clocks has
-    ("simulate_recording", "input"): ["way_points"],  # its plan names the file
-    ("simulate_recording", "output"): ["summary"],  # lies beside the truth
-}
 LIST_RULES = """\
 import json, sys
 from pathlib import Path
@@ -46,72 +47,99 @@ with SnakemakeApi() as api:
 KINDS = ("input", "output", "params")
 Names = dict[str, set[str]]
 """The names of each kind: input, output, params."""
+STEPS = {
+    path.stem
+    for path in (PROJECT / "ur5lib" / "steps").glob("*.py")
+    if f"def {path.stem}(" in path.read_text() and path.stem != "sensor_reading"  # no step's name
+}
+TEXT = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
+DECLARED = re.findall(r"^ *rule (\w+):", TEXT, re.MULTILINE)
+RULES = [rule for rule in DECLARED if f'code=code("{rule}' in TEXT]
+RULES += ["calibrate_imu_without_each", "describe_arm", "simulate_recording_simulated"]
+RULES += [f"{rule}_for_paper" for rule in RULES if rule.startswith("draw_")]
 
 
-def declared_names(study: Path) -> dict[str, Names]:
-    """What the rules of a study declare, all names but `code`, by the script."""
-    listing = LIST_RULES.replace("KINDS", str(KINDS))
-    program = [sys.executable, "-c", listing, str(study)]
-    done = subprocess.run(program, cwd=PROJECT, text=True, capture_output=True, check=False)
-    assert done.returncode == 0, done.stderr
-    found: dict[str, Names] = {}
-    for rule, kinds in map(json.loads, done.stdout.splitlines()):
-        step = max((name for name in SCRIPTS if rule.startswith(name)), key=len)
-        names = found.setdefault(step, {kind: set() for kind in KINDS})
-        for kind in KINDS:
-            names[kind] |= {*kinds[kind]} - {"code"}
-    return found
-
-
-def read_names(text: str, kind: str) -> set[str]:
-    """The names of a kind that a script reads as such, as `input.arm` or `params.get("order")`."""
-    written = rf'\b{kind}(?:\.get\("|\["|\.(?!get\(|items\())(\w+)|attr\({kind}, "(\w+)"'
-    return {one or other for one, other in re.findall(written, text)}
-
-
-def unread(text: str, kind: str, declared: set[str]) -> list[str]:
-    """Declared names that a script does not spell, nor, where it computes the names that it reads,
-    a module of the library that it imports.
-    """
-    spelt = {*re.findall(r"\w+", text)}
-    if re.search(rf'\b{kind}(?:\[|\.get\()(?!")|attr\({kind}, (?!")', text):
-        modules = (PROJECT / name.replace(".", "/") for name in re.findall(r"from (ur5\S+)", text))
-        files = filter(Path.is_file, (path.with_suffix(".py") for path in modules))
-        spelt |= {word for file in files for word in re.findall(r'"(\w+)"', file.read_text())}
-    of_figures = "_data" if kind == "output" else ""  # their numbers beside them
-    return sorted(name for name in declared if name.removesuffix(of_figures) not in spelt)
+def step_of(rule: str) -> str:
+    """The step that a rule runs: on other recordings, or for other outputs, it has a name more."""
+    return max((name for name in STEPS if rule.startswith(name)), key=len)
 
 
 @pytest.fixture(scope="module")
 def declared(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Names]:
+    """What each rule of a study with everything declares, all names but `code`."""
     folder = tmp_path_factory.mktemp("everything")
     write_recording(folder / "real", seconds=2, seed=0)
     study = folder / "study.yaml"
     study.write_text(EVERYTHING.replace("FOLDER", str(folder)))
     (folder / "way_points.txt").write_text("movej([0, -1, 1, 0, 0, 0])\n" * 2)
-    return declared_names(study)
+    program = [sys.executable, "-c", LIST_RULES.replace("KINDS", str(KINDS)), str(study)]
+    done = subprocess.run(program, cwd=PROJECT, text=True, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return {
+        rule: {kind: {*names} - {"code"} for kind, names in kinds.items()}
+        for rule, kinds in map(json.loads, done.stdout.splitlines())
+    }
 
 
-def test_every_script_has_a_rule(declared: dict[str, Names]) -> None:
-    assert set(declared) == set(SCRIPTS)
+def parameters(step: str) -> dict[str, bool]:
+    """What a step takes, alone or as the fields of one tuple, and whether it must be given.
+
+    What could not be read is no file: whoever runs the step knows it.
+    """
+    function = load_step(step)
+    (first, *_), kinds = signature(function).parameters, get_type_hints(function)
+    whole = kinds[first]
+    taken = signature(whole if hasattr(whole, "_fields") else function).parameters
+    needed = {name: own.default is Parameter.empty for name, own in taken.items()}
+    return {name: need for name, need in needed.items() if name != "unreadable"}
 
 
-@pytest.mark.parametrize("step", sorted(SCRIPTS.keys() - {"make_tables", "tabulate_recording"}))
-def test_a_script_reads_what_its_rule_declares(step: str, declared: dict[str, Names]) -> None:
-    text = SCRIPTS[step].read_text()
-    for kind, names in declared[step].items():
-        assert read_names(text, kind) - names == set(), "not declared"
-        assert unread(text, kind, names) == NOT_BY_NAME.get((step, kind), []), "not read"
+def test_every_rule_is_looked_at_and_every_step_has_one(declared: dict[str, Names]) -> None:
+    assert declared.keys() == {*RULES}
+    assert {*map(step_of, declared)} == STEPS
 
 
-def test_the_tables_read_what_their_rules_declare(declared: dict[str, Names]) -> None:
-    """Both pass their inputs on, by kind, to the function of each table."""
-    tables = declarations()
-    kinds = {kind for table in tables.values() for kind in table.needs} - {"published", "every"}
-    names = declared["make_tables"]
-    parts = names["output"] - tables.keys()  # which a step writes as they are shown
-    assert {"health", "observability"} <= parts
-    of_each = declared["tabulate_recording"]["input"]
-    assert of_each | names["input"] == {"reference", "rows"} | kinds | parts
-    assert of_each & names["input"] == {"reference"}
-    assert tables.keys() <= names["output"]
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_gives_what_its_step_takes(rule: str, declared: dict[str, Names]) -> None:
+    """By its name: no more, and at least what has no default."""
+    files, settings = declared[rule]["input"], declared[rule]["params"]
+    taken = parameters(step_of(rule))
+    assert files & settings == set()
+    assert (files | settings) - taken.keys() == set(), "not taken"
+    assert {name for name, need in taken.items() if need} - files - settings == set(), "not given"
+
+
+@pytest.mark.parametrize("step", sorted(STEPS))
+def test_what_a_step_may_be_given_some_rule_gives(step: str, declared: dict[str, Names]) -> None:
+    given = [names["input"] | names["params"] for rule, names in declared.items()
+             if step_of(rule) == step]  # fmt: skip
+    assert set().union(*given) == parameters(step).keys()
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_names_what_its_step_returns(rule: str, declared: dict[str, Names]) -> None:
+    """The fields of a tuple, or the keys of a dictionary; else it has one output."""
+    function, names = load_step(step_of(rule)), declared[rule]["output"]
+    kind = get_type_hints(function)["return"]
+    if kind is type(None):  # it writes its files itself
+        assert rule == "simulate_recording_simulated"
+    elif hasattr(kind, "_fields"):
+        assert names == {*kind._fields}
+    elif get_origin(kind) is dict and get_args(kind)[1] is not float and len(names) > 1:
+        assert names - keys_of(function, kind, rule) == set()
+    else:
+        assert len(names) == 1
+
+
+def keys_of(function: Callable[..., Any], kind: Any, rule: str) -> set[str]:
+    """The keys that a step may return, by the words in its module and in those that it uses.
+
+    With the numbers of a figure, and the tables of arms, whose steps write their rows.
+    """
+    if rule == "make_tables":
+        return {*columns(), "health", "health_changes", "observability", "next_recordings"}
+    path = Path(function.__code__.co_filename)
+    used = [path, *imported_modules(path)]
+    words = {word for file in used for word in re.findall(r'"(\w+)"', file.read_text())}
+    numbers = {f"{word}_data" for word in words}
+    return words | numbers if get_args(kind)[1] is Drawing else words

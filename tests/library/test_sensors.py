@@ -11,10 +11,10 @@ from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.intake import with_wrist_sensor
-from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.recording import Stamp
 from ur5lib.recordings.sensors import FORCE_CHANNELS, first_number, read_device
 from ur5lib.recordings.starts import robot_coverage, sensor_coverage
+from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import link_frames
 from ur5lib.tables import named

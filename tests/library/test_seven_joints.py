@@ -5,10 +5,13 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pinocchio
 import pytest
 
 from tests.library.current_study import noisy, prior, smooth
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.force.contact_prior import ContactPrior
@@ -29,11 +32,12 @@ from ur5lib.identification.currents import predict
 from ur5lib.identification.payload import estimate_payload
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
-from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders
+from ur5lib.steps.draw_models import draw_models
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 
@@ -224,3 +228,27 @@ def test_a_joint_that_is_not_described_is_refused(field: str) -> None:
     described[field] = described[field][:-1]
     with pytest.raises(ValueError, match=rf"`{field}` has 6 entries, `joints` has 7"):
         Robot.model_validate(described)
+
+
+def test_its_link_models_are_drawn() -> None:
+    assert {*draw_models(arm())} == {"models", "frames"}
+
+
+def test_it_is_no_cause_of_what_six_joints_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ur5: Robot
+) -> None:
+    """Described beside the arms of six joints, it explains none of their torques."""
+    monkeypatch.chdir(tmp_path)
+    Path("robots").mkdir()
+    Path("robots/seven.yaml").write_text(robot_yaml(arm()))
+    time = np.arange(0, 60, PERIOD)
+    q = np.sin(0.5 * time[:, None] + np.arange(6))
+    model = LinkModel(ur5, ur5.fullest_model())
+    qd, qdd = (np.gradient(q, PERIOD, axis=0), -0.25 * q)
+    torque = model.inverse_dynamics(q, qd, qdd)
+    channels = {"actual_q": q, "actual_qd": qd, "target_moment": torque}
+    table = pd.DataFrame({"time": time, "segment": 0, "interpolated": False})
+    for name, values in channels.items():
+        table[[f"{name}_{k}" for k in range(6)]] = values
+    assert "seven" in robot_names()
+    assert stop_signs(Checked(table, ur5, None, None, False)) == []

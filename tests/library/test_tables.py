@@ -18,7 +18,6 @@ from ur5lib import tables
 from ur5lib.errors import InputError
 from ur5lib.tables import (
     channel,
-    csv_text,
     named,
     read_columns,
     read_csv,
@@ -158,13 +157,6 @@ def test_names_come_back_as_they_are(names: list[str]) -> None:
         found = read_csv(Path(folder, "mae.csv"))
     assert [*found["recording"]] == names
     assert found["mae"].isna().all()
-
-
-def test_tables_of_recordings_join_to_that_of_all() -> None:
-    """Also if cells contain commas and quotation marks, and one has no row."""
-    whole = pd.DataFrame({"recording": ["a", "a", "b"], "detail": ['x, "y"', "", "z"]})
-    parts = whole[:2], whole[2:], whole[:0]
-    assert joined_texts([str(csv_text(part)) for part in parts]) == csv_text(whole)
 
 
 def test_missing_numbers_are_null_and_empty(tmp_path: Path) -> None:

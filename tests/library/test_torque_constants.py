@@ -9,14 +9,19 @@ from tests.conftest import PROJECT
 from tests.made_records import motion_of, signals_of, torques_of
 from tests.made_tables import table
 from ur5lib.identification.current_samples import controllers_ratio
-from ur5lib.recordings.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.records.dynamics import Torques
+from ur5lib.records.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.friction_figures import printed_friction
 from ur5lib.robots.description import Robot
 from ur5lib.thesis.current_based import current_on_torque, friction_torque, torque_on_current
-from ur5lib.thesis.published_constants import current_torque, published_constants
-from ur5lib.thesis.reference import read_reference
+from ur5lib.thesis.published_constants import (
+    PublishedConstants,
+    current_torque,
+    published_constants,
+)
+from ur5lib.thesis.reference import Published, read_reference
+from ur5lib.tidy import friction
 
 COUNT, PERIOD = 4000, 0.008
 BLOCK = np.arange(COUNT) // 250
@@ -97,7 +102,8 @@ def test_an_arm_without_printed_friction_has_no_such_constants(
 ) -> None:
     other = ur5.model_copy(update={"friction": None})
     assert published_constants(current_torque(other, *recorded)).lines == {}
-    assert table("published_constants", constants={"a": {}}).empty
+    nothing = Published({}, "a")
+    assert [*friction.published_constants(PublishedConstants(), nothing)] == []
     assert all(drawn.data.empty for drawn in printed_friction(None, ur5.current_to_torque))
 
 
@@ -128,8 +134,7 @@ def test_fitted_constants_have_a_table_of_their_own(ur5: Robot) -> None:
     given = {"std_error": 0.1, "interval": [10.5, 10.9]}
     fitted = {"parameters": [given | {"joint": 2, "name": name, "value": v} for name, v in rows]}
     own, all_rows = (
-        table(name, friction={"ur5": fitted}, arm={"ur5": ur5})
-        for name in ("torque_constants", "friction")
+        table(of, {"ur5": (fitted, ur5)}) for of in (friction.torque_constants, friction.friction)
     )
     assert own[["robot", "joint", "torque_constant"]].to_numpy().tolist() == [["ur5", 2, 10.7]]
     among = all_rows[all_rows["parameter"] == "torque_constant"]

@@ -22,6 +22,17 @@ from ur5lib.report.views.first_screen import beside_truth
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.smoothing.fused_motion import no_fused_motion
+from ur5lib.steps.compare_with_truth import (
+    Row,
+    clock_rows,
+    errors,
+    friction_rows,
+    imu_rows,
+    joint_acceleration_rows,
+    rotor_rows,
+    values,
+    wrench_rows,
+)
 from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 

@@ -34,9 +34,10 @@ from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
 from ur5lib.study.model import Settings
+from ur5lib.tidy import columns
 
 EVERY_JOINT = "1 2 3 4 5 6"
-COLUMNS = {name: own.columns for name, own in declarations().items()} | {  # and of steps
+COLUMNS = columns() | {  # and of steps
     "next_recordings": ["robot", "after", "force", "current", "mass"],
     "health": ["robot", "date", "joint", "quantity", "value", "std_error", "group"],
     "health_changes": [

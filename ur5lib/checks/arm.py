@@ -29,7 +29,7 @@ from ur5lib.checks.currents import (
 )
 from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.errors import remark
-from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 
 # difference of log-likelihoods; in right recordings of four arms, at most 31

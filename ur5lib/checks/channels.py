@@ -8,7 +8,7 @@ import pandas as pd
 
 from ur5lib.channels import joint_count
 from ur5lib.errors import remark
-from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Labels
 from ur5lib.timeseries.segments import extrapolated_samples, unbroken

@@ -10,7 +10,7 @@ from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.contacts import felt_contact
 from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
 from ur5lib.checks.targets import odd_targets
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.timeseries.segments import period
 

@@ -1,4 +1,4 @@
-"""Contacts in a recording that should be free of them, by currents that nothing else explains.
+"""Contacts in a recording that should be free of them, by its force sensor and its currents.
 
 While a joint moves, gravity, friction and inertia explain its current but for a small share of its
 motor's largest torque. While the arm rests, friction may hold any part of gravity, but its part
@@ -10,9 +10,10 @@ import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import STANDARD_GRAVITY
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
@@ -22,11 +23,10 @@ SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
 # of the motor's largest torque; right ones leave 0.071, without the worst arm 0.061
 CONTACT_TORQUE_SHARE = 0.1
-REGRESSION_ROUNDS = 10  # of the regression
+REGRESSION_ROUNDS = 10  # of reweighted least squares
 OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less
 CONTACT_FORCE = 15.0  # N; a sensor's drift and the weight of its own half stay below
-CONTACT_TIME = 0.5  # s
-STANDARD_GRAVITY = 9.81  # m/s²
+CONTACT_TIME = 0.5  # s, of all samples beyond that force
 
 
 def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:

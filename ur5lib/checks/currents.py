@@ -17,7 +17,7 @@ from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import DECORRELATION_TIME, BlockMeans, combination, fitted_load, size
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.innovations import innovation_likelihoods
-from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, load_torque
 from ur5lib.tables import channel

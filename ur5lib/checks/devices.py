@@ -9,7 +9,7 @@ import pandas as pd
 
 from ur5lib.checks.channels import check_robot
 from ur5lib.recordings.intake import Intake
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.records.quality import Device, Finding
 from ur5lib.robots.description import FullScale, Robot
 
 CLIPPING_SHARE = 0.999  # share of the full scale at which a sample counts as clipped

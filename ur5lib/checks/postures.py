@@ -20,7 +20,7 @@ from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
 from ur5lib.checks.currents import foreign_currents
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.errors import Remark, remark
-from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array

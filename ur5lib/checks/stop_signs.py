@@ -27,7 +27,7 @@ from ur5lib.checks.exchanged_channels import (
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
-from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.records.quality import Finding, contradiction
 
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),

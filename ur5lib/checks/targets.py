@@ -11,7 +11,7 @@ from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
 from ur5lib.checks.arm import torque_constants
 from ur5lib.checks.block_means import BlockMeans, combination
 from ur5lib.checks.currents import moving_joints
-from ur5lib.recordings.quality import ODD_TARGET, Finding, contradiction
+from ur5lib.records.quality import ODD_TARGET, Finding, contradiction
 from ur5lib.robots.description import Robot
 
 # current per target; 0.87 to 1.5 in right recordings, loads included

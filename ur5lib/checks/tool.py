@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import columns, joint_count
-from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.tables import channel

@@ -7,10 +7,10 @@ import numpy as np
 
 from ur5lib.checks.arm import MIN_LEAD_OF_ARM, MOUNTINGS
 from ur5lib.checks.block_means import BlockMeans, fitted_load, size
-from ur5lib.checks.checked import MIN_BLOCKS, Checked, described
+from ur5lib.checks.checked import MIN_BLOCKS, Checked, arms_alike
 from ur5lib.errors import Remark, remark
-from ur5lib.recordings.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
-from ur5lib.robots.description import Payload, Robot, robot_names
+from ur5lib.records.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.statics import load_torque
 from ur5lib.timeseries.arrays import Array
 
@@ -90,15 +90,14 @@ def _likelier_arms(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
 ) -> Iterator[Remark]:
     """Yield the described arm that explains the torque best, if it is likelier by far."""
-    names = [arm.name, *(name for name in robot_names() if name != arm.name)]
-    arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
+    others = [other for other in arms_alike(arm, None) if other.name != arm.name]
     likelihoods = [
-        max(_likelihood(means, torque, one.carrying(payload)) for payload in payloads)
-        for one in arms
+        max(_likelihood(means, torque, candidate.carrying(payload)) for payload in payloads)
+        for candidate in [arm, *others]
     ]
     best = int(np.argmax(likelihoods))
     if likelihoods[best] - likelihoods[0] > MIN_LEAD_OF_ARM:
-        yield remark("robot as cause", value=names[best])
+        yield remark("robot as cause", value=others[best - 1].name)
 
 
 def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
@@ -109,10 +108,9 @@ def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
 
 def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Remark]:
     """Yield the described arms whose torque it is."""
-    for name in robot_names():
-        other = described(name).mounted(arm.gravity)
-        if len(other.joints) == len(arm.joints) and _fits(means, torque, other):
-            yield remark("robot as cause", value=name)
+    for other in arms_alike(arm, None):
+        if _fits(means, torque, other):
+            yield remark("robot as cause", value=other.name)
 
 
 def _other_causes(

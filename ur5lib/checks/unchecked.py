@@ -25,7 +25,7 @@ from ur5lib.checks.currents import (
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import is_foreign
-from ur5lib.recordings.quality import Finding, Severity
+from ur5lib.records.quality import Finding, Severity
 from ur5lib.tables import channel, named
 
 POSE, TORQUE = "actual_TCP_pose", "target_moment"

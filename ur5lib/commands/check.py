@@ -22,8 +22,8 @@ from ur5lib.checks.torques import given_load
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.records.carried import carried, disagreements
+from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import by_finding, group_findings, worded
 from ur5lib.robots.description import Robot

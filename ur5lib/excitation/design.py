@@ -182,7 +182,7 @@ def _improved_point(
     """
     lowest = np.inf, start
 
-    def seen(x: Array) -> tuple[float, Array]:
+    def recorded_value(x: Array) -> tuple[float, Array]:
         nonlocal lowest
         value, gradient = objective(x, weight)
         lowest = min(lowest, (value, x.copy()), key=itemgetter(0))
@@ -193,7 +193,7 @@ def _improved_point(
         lowest_before, remaining = lowest[0], iterations - done
         options = {"maxiter": remaining, "maxfun": 2 * remaining, "ftol": 0.0, "gtol": 0.0}
         run = minimize(
-            seen,
+            recorded_value,
             lowest[1],
             method="L-BFGS-B",
             jac=True,

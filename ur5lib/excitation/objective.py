@@ -93,7 +93,7 @@ def conditioning(scale: Array) -> Criterion:
     return value_and_gradient
 
 
-def _model(problem: DesignProblem, _: WorkCell) -> Criterion:
+def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
     """Return D-optimality plus two condition numbers, to which it is hardly sensitive.
 
     That of the base parameters is in SI units, as in the literature; that of all parameters is in
@@ -114,7 +114,7 @@ def _model(problem: DesignProblem, _: WorkCell) -> Criterion:
     return value_and_gradient
 
 
-def _undetermined(problem: DesignProblem, _: WorkCell) -> Criterion:
+def _undetermined_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
     """Return I-optimality of standard errors relative to the prior's.
 
     The largest ratios dominate their mean square.
@@ -140,8 +140,8 @@ def _force_bands(problem: DesignProblem, cell: WorkCell) -> Criterion:
 
 
 QUESTIONS: dict[str, Callable[[DesignProblem, WorkCell], Criterion]] = {
-    "model": _model,
-    "undetermined": _undetermined,
+    "model": _model_criterion,
+    "undetermined": _undetermined_criterion,
     "friction": lambda problem, _: _d_optimality_of(problem, problem.of_currents),
     "payload": lambda problem, _: _d_optimality_of(problem, problem.of_payload),
     "force-bands": _force_bands,

@@ -34,13 +34,13 @@ def causal_log_odds(
     """
     rows = used_rows(run.segment, run.period)
     observations = Observations.of(run.thinned(thinning(run.period), rows), jacobian, model, prior)
-    probability = _filtered(observations, starts(run.segment[rows]))
+    probability = _filtered_probability(observations, starts(run.segment[rows]))
     # between two samples that are used, the odds stay
     latest = np.searchsorted(rows, np.arange(len(run.segment)), side="right") - 1
     return log_odds(probability)[latest]
 
 
-def _filtered(observations: Observations, starts_stretch: Mask) -> Array:
+def _filtered_probability(observations: Observations, starts_stretch: Mask) -> Array:
     """Return the probability (n,) of contact; starts_stretch: (n,), where a stretch starts."""
     torque = observations.torque
     jacobian = observations.jacobian

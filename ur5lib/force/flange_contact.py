@@ -43,7 +43,7 @@ def _part_middles(first: Array, last: Array) -> list[Array]:
     return [first + (k + 0.5) / count * (last - first) for k in range(count)]
 
 
-def lever(rotation: Array, origin: Array, link: int, point: Array) -> Array:
+def place_jacobian(rotation: Array, origin: Array, link: int, point: Array) -> Array:
     """Return J_g (n, 6, k) of a point (n, 3) [m] of a link: [z × (p - o); z] of joints up to it.
 
     rotation, origin: as for `places`; columns of joints beyond the link are zero.

@@ -13,10 +13,10 @@ from ur5lib.force.wrench_estimate import (
     estimate_wrench,
     used_rows,
 )
-from ur5lib.recordings.quality import Contradictions
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
+from ur5lib.records.quality import Contradictions
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 

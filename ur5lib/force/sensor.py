@@ -215,7 +215,7 @@ def wrench_of_environment(reading: Array, rotation: Array) -> Array:
     return np.concatenate(halves, axis=1)[..., 0]
 
 
-def bias(reading: Array, time: Array, window: float) -> Array:
+def initial_bias(reading: Array, time: Array, window: float) -> Array:
     """Return the mean reading over the first `window` seconds, which must be free of contact.
 
     reading: (N, 6), sensor frame; time: (N,) [s]. Returns (6,) [N, Nm]: the sensor's bias and, at

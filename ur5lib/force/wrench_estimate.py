@@ -31,7 +31,7 @@ from ur5lib.force.missed_contacts import (
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import THINNED_STEP, interpolated
-from ur5lib.timeseries.segments import marked, unbroken
+from ur5lib.timeseries.segments import inside_spans, unbroken
 
 OPENING_PROBABILITY = 0.5  # that a contact reaches
 CLOSING_PROBABILITY = 0.1  # above which it lasts
@@ -133,7 +133,7 @@ def _estimate(observations: Observations) -> StretchEstimate:
     # p(contact), the background b, and the spans of contacts
     probability, background = find_contacts(observations)
     contacts = contact_spans(probability, period)
-    inside = marked(contacts, len(torque))
+    inside = inside_spans(contacts, len(torque))
     likely = np.where(inside, np.maximum(probability, MIN_PROBABILITY_INSIDE), probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
     carried, share = observations.gears.contact_torque(torque - background.mean)
@@ -175,7 +175,7 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
 
     period: [s].
     """
-    in_contact = marked(
+    in_contact = inside_spans(
         spans(probability, OPENING_PROBABILITY, CLOSING_PROBABILITY), len(probability)
     )
     reach = np.ones(2 * round(CONTACT_MARGIN / period) + 1, bool)

@@ -21,7 +21,7 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.estimation import (
     CoefficientEstimate,
     estimate_together,
-    physical,
+    physical_values,
     with_fuller_errors,
 )
 from ur5lib.identification.joint_regression import (
@@ -121,7 +121,7 @@ def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate]
             joint_prior.mean[columns],
             shares,
             replicates[:, columns],
-            spread(physical(replicates[:, columns])),
+            spread(physical_values(replicates[:, columns])),
         )
         for columns in parts
     ]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.errors import Remark
-from ur5lib.identification.estimation import CoefficientEstimate, physical
+from ur5lib.identification.estimation import CoefficientEstimate, physical_values
 from ur5lib.identification.regression import half_width
 from ur5lib.identification.samples import (
     MIN_UNITS,
@@ -122,7 +122,7 @@ def breakaway_torque(fit: CurrentFit) -> Array:
     Without its load-dependent part; at least MIN_BREAKAWAY_TORQUE.
     """
     coulomb = [
-        physical(joint.estimate.coefficients)[joint.names().index("coulomb")]
+        physical_values(joint.estimate.coefficients)[joint.names().index("coulomb")]
         for joint in fit.joints
     ]
     return np.maximum(np.array(coulomb), MIN_BREAKAWAY_TORQUE)
@@ -199,7 +199,7 @@ def unseen_difference(
         variance = DAY_TO_DAY_STD**2 / days + RUN_TO_RUN_STD**2 / recordings
     else:
         variance = DAY_TO_DAY_STD**2 * max(0.0, 1 / days - 1 / paths)
-    friction = np.abs(physical(estimate.coefficients))
+    friction = np.abs(physical_values(estimate.coefficients))
     friction[:2] = 0.0  # torque constant and offset
     unseen: Array = friction * np.sqrt(variance) * (1 - estimate.prior_share)
     return unseen
@@ -210,7 +210,7 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
     rows = []
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate
-        values = physical(estimate.coefficients)
+        values = physical_values(estimate.coefficients)
         half = half_width(estimate.std_error, fit.units, estimate.prior_share)
         half = np.hypot(half, NORMAL95 * model.unseen)
         columns = (values, model.std_error(), values - half, values + half, *estimate.shares)

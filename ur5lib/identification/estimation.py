@@ -34,7 +34,7 @@ class CoefficientEstimate:
 
     coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
     what is known of them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
-    recordings; std_error: (P,), of `physical` values.
+    recordings; std_error: (P,), of `physical_values` values.
     """
 
     coefficients: Array
@@ -81,7 +81,7 @@ def estimate_together(
     # each joint's part, with standard errors in physical units
     estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
     for columns, equations in zip(map(slice, [0, *ends[:-1]], ends), sums, strict=True):
-        replicates = physical(by_unit[:, columns]), physical(by_block[:, columns])
+        replicates = physical_values(by_unit[:, columns]), physical_values(by_block[:, columns])
         error = standard_error(*replicates, units)
         evidence = prior_share[columns], covariance[columns, columns], equations, record, day
         shares = shares_of_knowledge(*evidence)
@@ -123,13 +123,16 @@ def with_fuller_errors(
     fuller: the estimate with these terms after the others. The result's standard errors are those
     of the fuller estimate and the difference of both, added in quadrature.
     """
-    value, fuller_value = physical(estimate.coefficients), physical(fuller.coefficients)
+    value, fuller_value = (
+        physical_values(estimate.coefficients),
+        physical_values(fuller.coefficients),
+    )
     size = len(value)
     error = np.hypot(fuller.std_error[:size], fuller_value[:size] - value)
     return replace(estimate, std_error=error)
 
 
-def physical(coefficients: Array) -> Array:
+def physical_values(coefficients: Array) -> Array:
     """Convert coefficients (..., P) of the current to k [Nm/A], b [Nm] and friction [Nm, ...]."""
     constant = 1 / coefficients[..., :1]
     return np.concatenate(

@@ -181,8 +181,7 @@ def estimate_payload(
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
     no_load = np.zeros(regressor.shape[2])
     fitted = [joint.estimate.coefficients for joint in fit.joints]
-    # alternate payload and friction
-    solution = no_load
+    solution = no_load  # payload and friction in turn
     for _ in range(FRICTION_ROUNDS):
         loaded = _motions_under(unloaded, record.torque + regressor @ solution)
         unexplained = smooth(record.current - predicted_currents(fit, loaded), record)[::stride]
@@ -200,10 +199,18 @@ def estimate_payload(
         unexplained = _unexplained_current(fit, drawn_maps, sources)
         draws.append(solve(drawn_maps, unexplained, solution, count, drawn_mean))
     unexplained = _unexplained_current(fit, fitted, sources)
-    block_parts = np.array_split(np.unique(block), RUN_PARTS)
-    counts = [np.isin(np.arange(len(once)), part).astype(np.int64) for part in block_parts]
+    counts = _counts_by_part(block)
     parts = [solve(fitted, unexplained, solution, count, no_load)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
+
+
+def _counts_by_part(block: Labels) -> list[Labels]:
+    """Return how often each block counts in each of RUN_PARTS parts of a run: once, or never."""
+    every_block, parts = (
+        np.arange(1 + block.max(initial=0)),
+        np.array_split(np.unique(block), RUN_PARTS),
+    )
+    return [np.isin(every_block, part).astype(np.int64) for part in parts]
 
 
 def _motions_under(joints: Sequence[JointMotion], torque: Array) -> Iterator[JointMotion]:

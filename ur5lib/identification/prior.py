@@ -103,7 +103,7 @@ class Prior:
         inverse = self.inverse_constant.mean
         names = ["", OFFSET_NAME, *coefficient_names(terms)]  # "" of 1/k
         # (n, P)
-        widths = np.array([_expected(terms, torque_max) for torque_max in self.torque_max])
+        widths = np.array([_expected_sizes(terms, torque_max) for torque_max in self.torque_max])
         starts = len(names) * np.arange(len(inverse))
         mean, std = np.zeros(widths.size), (inverse[:, None] * widths).ravel()
         vague = np.tile([name not in ("", *self.typical) for name in names], len(inverse))
@@ -136,7 +136,7 @@ class Prior:
         return precision
 
 
-def _expected(terms: Sequence[str], torque_max: float) -> list[float]:
+def _expected_sizes(terms: Sequence[str], torque_max: float) -> list[float]:
     """Return how large 1/k, the offset and friction's coefficients are, times k [Nm, ...]."""
     by_term = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
     return [1.0, torque_max, *chain.from_iterable(by_term)]

@@ -205,14 +205,14 @@ def _record_samples(
     joints = []
     for joint in range(record.q.shape[1]):
         key = smooth, terms, joint
-        smoothed = record.once(key, partial(_smoothed, record, *key, stride))
+        smoothed = record.once(key, partial(_smoothed_columns, record, *key, stride))
         finite = np.isfinite(smoothed).all(axis=1)
         columns, (held, current) = smoothed[finite, :-2], smoothed[finite, -2:].T
         joints.append((columns, held, current, moving[finite, joint], block[::stride][finite]))
     return joints
 
 
-def _smoothed(
+def _smoothed_columns(
     record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, stride: int
 ) -> Array:
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""

@@ -23,7 +23,7 @@ from ur5lib.importing.spellings import NAME_COLUMN
 from ur5lib.recordings.array_files import ENDINGS, LOADERS
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
-from ur5lib.recordings.quality import Finding, Log
+from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from ur5lib.workspace.extensions import source_files
 from ur5lib.workspace.places import PACKAGE
 
-TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?: .*\n)+", re.MULTILINE)  # types change no result
+TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?:(?: .*)?\n)+", re.MULTILINE)  # types change no result
 IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
 
 

@@ -15,13 +15,13 @@ import pyarrow.parquet as pq
 from ur5lib.errors import InputError
 from ur5lib.recordings.hdf5_links import expect_inside, expect_own_numbers
 from ur5lib.recordings.limits import expect_room
-from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.unpacked import (
     expect_mat_room,
     feather_numbers,
     npz_numbers,
     parquet_numbers,
 )
+from ur5lib.records.quality import Finding
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 

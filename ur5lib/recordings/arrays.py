@@ -17,9 +17,9 @@ from ur5lib.recordings.array_files import LOADERS, Arrays
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
 from ur5lib.recordings.plausibility import drop_zeroed, first_time
-from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import counted_from_first, on_robot_clock, repair_samples
+from ur5lib.records.quality import Finding, Log
 
 
 def read_arrays(recording: ArrayFiles) -> RawRecording:

@@ -11,8 +11,8 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import Arrays, array_format
 from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.limits import expect_room, most_columns
-from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
+from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array
 
 BLANK_LINE = re.compile(rb"\n[ \t\r]*\n")

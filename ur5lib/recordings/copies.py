@@ -32,8 +32,8 @@ def fingerprint(frames: pd.DataFrame) -> list[int]:
     steps = {column: step for name, step in RESOLUTION.items() for column in columns(name, joints)}
     if not {*steps} <= {*frames}:
         return []
-    known = np.all([frames[name].notna() for name in steps], axis=0)
-    rounded = {name: _rounded(frames[name].to_numpy()[known], steps[name]) for name in steps}
+    complete = np.all([frames[name].notna() for name in steps], axis=0)
+    rounded = {name: _rounded(frames[name].to_numpy()[complete], steps[name]) for name in steps}
     hashes = pd.util.hash_pandas_object(pd.DataFrame(rounded), index=False).to_numpy()
     return [
         int(one) for one in np.unique(hashes >> np.uint64(64 - EXACT_INTEGER_BITS))[:MAX_ROWS_KEPT]
@@ -62,6 +62,6 @@ def _are_alike(one: Sequence[int], other: Sequence[int]) -> bool:
         (rows[-1] for rows in (one, other) if len(rows) == MAX_ROWS_KEPT),
         default=1 << EXACT_INTEGER_BITS,
     )
-    known = [{row for row in rows if row <= last} for rows in (one, other)]
-    fewest = min(map(len, known))
-    return fewest >= MIN_ROWS_COMPARED and len(known[0] & known[1]) > MIN_COMMON_SHARE * fewest
+    comparable = [{row for row in rows if row <= last} for rows in (one, other)]
+    fewest, common = min(map(len, comparable)), len(comparable[0] & comparable[1])
+    return fewest >= MIN_ROWS_COMPARED and common > MIN_COMMON_SHARE * fewest

@@ -17,8 +17,8 @@ import pyarrow.csv as pacsv
 from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import expect_room, most_columns, too_large
-from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
+from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Labels
 
 ISO_DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 from ur5lib.channels import SIX_SUFFIXES, joint_count, meant
 from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import SENSORS, Device
+from ur5lib.records.quality import SENSORS, Device
 from ur5lib.robots.description import Vector3
 from ur5lib.strict import PathText, Strict
 

@@ -12,7 +12,7 @@ from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
-from ur5lib.recordings.quality import Finding, add_finding
+from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated
 
@@ -36,7 +36,7 @@ class Timing:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class GridStretch:
     """A run of frames without a split, on the grid.
 
     rows: the frames (n,) that are used, one per slot; place: where these are on the grid (n,), in
@@ -152,7 +152,7 @@ def _holes(frames: pd.DataFrame) -> int:
     return int(missing.sum())
 
 
-def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Stretch]:
+def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[GridStretch]:
     """Split the frames at clock resets and at gaps that are too long, and put them on the grid."""
     longest = max_gap + 1.5 * timing.period
     breaks = (frames["time"].diff() > longest) | (frames["epoch"].diff() > 0)
@@ -161,17 +161,17 @@ def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Str
     return [_stretch(np.arange(*ends), time, timing) for ends in pairwise(bounds)]
 
 
-def _stretch(rows: Labels, time: Array, timing: Timing) -> Stretch:
+def _stretch(rows: Labels, time: Array, timing: Timing) -> GridStretch:
     """Return the stretch of some frames. rows: their indices; time: of all frames [s]."""
     place = _places(time[rows], timing)
     first = np.unique(place, return_index=True)[1]
     slots = np.arange(int(np.floor(place[first[-1]] + 1e-6)) + 1)
     crowded = len(place) - len(first)
-    return Stretch(rows[first], place[first], slots, float(time[rows[0]]), crowded)
+    return GridStretch(rows[first], place[first], slots, float(time[rows[0]]), crowded)
 
 
 def _on_grid(
-    frames: pd.DataFrame, stretches: list[Stretch], timing: Timing, max_gap: float
+    frames: pd.DataFrame, stretches: list[GridStretch], timing: Timing, max_gap: float
 ) -> tuple[pd.DataFrame, int]:
     """Return the table on the grid, and how many of its slots were lost.
 
@@ -201,7 +201,7 @@ def _on_grid(
 
 
 def _fill_stretches(
-    values: Array, stretches: list[Stretch], timing: Timing, max_gap: float, name: str
+    values: Array, stretches: list[GridStretch], timing: Timing, max_gap: float, name: str
 ) -> tuple[Array, Mask, Mask]:
     """Return a channel at all slots (m, k), which slots were filled, and which are lost.
 
@@ -210,9 +210,9 @@ def _fill_stretches(
     parts = []
     for stretch in stretches:
         received = values[stretch.rows]
-        known = np.isfinite(received).all(axis=1)
-        if known.any():
-            at = stretch.place[known], received[known]
+        complete = np.isfinite(received).all(axis=1)
+        if complete.any():
+            at = stretch.place[complete], received[complete]
             parts.append(_fill(*at, stretch.slots, timing, max_gap, name))
         else:
             nothing = np.full((len(stretch.slots), values.shape[1]), np.nan)
@@ -222,7 +222,7 @@ def _fill_stretches(
     return filled, flag, lost
 
 
-def _segments(stretches: list[Stretch], lost: Mask) -> Labels:
+def _segments(stretches: list[GridStretch], lost: Mask) -> Labels:
     """Return the number of the gapless part, from 0, of each slot that is not lost."""
     begins = np.concatenate([stretch.slots == 0 for stretch in stretches])
     parts = np.cumsum(begins | np.append(False, lost[:-1]))

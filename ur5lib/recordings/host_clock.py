@@ -34,29 +34,29 @@ class Line:
     slope: float
     slope_std: float
 
-    def host(self, own: Array) -> Array:
+    def host(self, device: Array) -> Array:
         """Return the host's time (N,) [s] at times or counts of the device (N,)."""
-        return self.offset + self.slope * own
+        return self.offset + self.slope * device
 
     def own(self, host: Array) -> Array:
         """Return the device's time (N,) at times of the host (N,) [s]."""
         return (host - self.offset) / self.slope
 
 
-def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line:
+def least_delayed(device: Array, host: Array, nominal: float | None = None) -> Line:
     """Return the line below the stamps that leaves the least mean delay.
 
-    own: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
+    device: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
     nominal: slope of a record that is too short to determine one, None for that of its samples.
     No delay is negative, so the best line is a linear program; its solution is the edge of the
     lower convex hull of the stamps under their mean (S. B. Moon, P. Skelly, D. Towsley: Estimation
     and removal of clock skew from network delay measurements, INFOCOM 1999). Samples that were
     hardly delayed determine it, however late and however many the others are.
     """
-    elapsed, since = own - own[0], host - host[0]
+    elapsed, since = device - device[0], host - host[0]
     if nominal is not None and since[-1] <= MIN_DRIFT_TIME:
         offset = float((since - nominal * elapsed).min())
-        return Line(float(host[0] + offset - nominal * own[0]), nominal, UNDETERMINED_RATE_STD)
+        return Line(float(host[0] + offset - nominal * device[0]), nominal, UNDETERMINED_RATE_STD)
     trend = float(np.polyfit(elapsed, since, 1)[0])
     delay = since - trend * elapsed  # up to a constant, and small, so that the hull is exact
     first, last = _edge_below(elapsed, delay)
@@ -64,7 +64,7 @@ def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line
     offset = float(delay[first] - steeper * elapsed[first])
     std = _slope_std(elapsed, delay - offset - steeper * elapsed)
     slope = trend + steeper
-    return Line(float(host[0] + offset - slope * own[0]), slope, std)
+    return Line(float(host[0] + offset - slope * device[0]), slope, std)
 
 
 def _edge_below(elapsed: Array, delay: Array) -> tuple[int, int]:

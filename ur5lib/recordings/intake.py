@@ -15,11 +15,11 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.held_samples import fresh_samples
-from ur5lib.recordings.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, repair_samples
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.zeroings import on_one_zero
+from ur5lib.records.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.tables import channel, checksum, has_unit, named
@@ -110,12 +110,12 @@ def _on_one_zero(
     Returns the robot's table.
     """
     if "force" not in placed:
-        robot, found = on_one_zero(robot, robot, arm)
+        robot, zeroed = on_one_zero(robot, robot, arm)
     else:
         record, start = placed["force"]
-        table, found = on_one_zero(record.table, robot, arm, start)
+        table, zeroed = on_one_zero(record.table, robot, arm, start)
         placed["force"] = replace(record, table=table), start
-    findings += found
+    findings += zeroed
     return robot
 
 
@@ -179,10 +179,10 @@ def with_slow_sensor(
     if fresh_samples(samples[columns].to_numpy(float)) is None:
         return raw, frames
     log = Log(Path(raw.robot.source), "force", findings)
-    found = log.unless_unusable(lambda: repair_samples(samples, log))
+    record = log.unless_unusable(lambda: repair_samples(samples, log))
     sensors = dict(raw.sensors)
-    if found is not None:
-        sensors["force"] = on_robot_clock(replace(raw.robot, table=found.table))
+    if record is not None:
+        sensors["force"] = on_robot_clock(replace(raw.robot, table=record.table))
     return replace(raw, sensors=sensors), frames.drop(columns=columns)
 
 
@@ -194,10 +194,10 @@ def with_wrist_sensor(
     [N, Nm], environment on the arm, axes of frame 6, at the flange. robot: a repaired table; other:
     whether the study names a force sensor, whose readings are used instead.
     """
-    found = _reading(robot, arm) if arm.wrist_sensor else None
-    if found is None:
+    named_reading = _reading(robot, arm) if arm.wrist_sensor else None
+    if named_reading is None:
         return robot
-    name, reading = found
+    name, reading = named_reading
     code = "other force sensor" if other else ""
     add_finding(findings, "force", "wrist sensor", "note", 1, code, name=name)
     return robot if other else robot.assign(**dict(zip(FORCE_CHANNELS, reading.T, strict=True)))
@@ -246,6 +246,6 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
         add_finding(findings, "robot", "no currents", "warning", len(table), arm=arm.name)
         return table
     if name == MOTOR_TORQUE:
-        known = {"constants": constants.tolist(), "arm": arm.name}
-        add_finding(findings, "robot", "currents from torques", "note", len(table), **known)
+        values = {"constants": constants.tolist(), "arm": arm.name}
+        add_finding(findings, "robot", "currents from torques", "note", len(table), **values)
     return table.assign(**named(channel(table, name) / constants, MEASURED_CURRENT))

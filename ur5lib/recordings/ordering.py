@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import joint_count
-from ur5lib.recordings.quality import Device, Finding, add_finding
+from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 # frames; a jump back in time followed by fewer is disorder, not a clock reset
@@ -77,10 +77,10 @@ def drop_repeats(
     """
     if frames["time"].is_unique:  # the usual case, and quick to test
         return frames
-    time, own = frames["time"].to_numpy(), frames[[*sent] or [*frames]]
-    repeated = own.duplicated()
+    time, data = frames["time"].to_numpy(), frames[[*sent] or [*frames]]
+    repeated = data.duplicated()
     if epochs(time[~repeated]).max() > 0:  # after a reset, timestamps may legitimately recur
-        repeated = own.assign(epoch=epochs(time)).duplicated()
+        repeated = data.assign(epoch=epochs(time)).duplicated()
     add_finding(findings, device, "repeated frames", "note", repeated.sum())
     return frames[~repeated].reset_index(drop=True)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import ENDINGS, LOADERS, Arrays
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 from ur5lib.strict import expect_file
 from ur5lib.workspace.extensions import additions
 

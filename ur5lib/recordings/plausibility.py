@@ -10,7 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ur5lib.channels import CHANNELS, MOST_JOINTS, columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs
-from ur5lib.recordings.quality import Device, Finding, add_finding
+from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.tables import unit
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
@@ -151,8 +151,8 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
 def _fallen(column: Array, least: float) -> Mask:
     """Return which cells (N,) of a column lie in runs of zeros that begin or end in a leap."""
     zero = column == 0.0
-    known = column[~zero & (np.abs(column) < np.sqrt(np.finfo(float).max))]
-    steps = np.abs(np.diff(known))
+    received = column[~zero & (np.abs(column) < np.sqrt(np.finfo(float).max))]
+    steps = np.abs(np.diff(received))
     wrong = np.zeros(len(column), dtype=bool)
     if not zero.any() or not len(steps):
         return wrong

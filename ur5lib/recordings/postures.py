@@ -10,7 +10,7 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.intake import known_frames, unbounded
 from ur5lib.recordings.plausibility import drop_implausible
-from ur5lib.recordings.quality import Finding, Quality, add_finding
+from ur5lib.records.quality import Finding, Quality, add_finding
 from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels

@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import Finding, add_finding
+from ur5lib.records.quality import Finding, add_finding
 from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE, fields
 from ur5lib.strict import expect_file
 from ur5lib.tables import columns

@@ -5,7 +5,7 @@ from typing import Literal
 
 import pandas as pd
 
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.records.quality import Device, Finding
 
 DAY = 86400.0  # s
 

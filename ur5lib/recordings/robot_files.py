@@ -12,10 +12,10 @@ from ur5lib.recordings.entries import (
     expand,
 )
 from ur5lib.recordings.plausibility import first_time
-from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import counted_from_first, read_sensors
+from ur5lib.records.quality import Finding, Log
 
 RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving a message
 
@@ -71,6 +71,6 @@ def read_realtime_stream(recording: RecordedFiles) -> RawRecording:
     """
     table, findings = read_stream(recording.path)
     start = Stamp(float(table["received"].iloc[0]), RECEIVED_STD, "epoch_s")
-    own = table["time"] - table["time"].iloc[0]
-    robot = DeviceRecord(table.assign(time=own), start, str(recording.path))
+    since_first = table["time"] - table["time"].iloc[0]
+    robot = DeviceRecord(table.assign(time=since_first), start, str(recording.path))
     return RawRecording(robot, None, read_sensors(recording, findings), findings)

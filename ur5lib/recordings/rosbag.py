@@ -13,7 +13,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import Arrays, array_format, rows_of
 from ur5lib.recordings.bag_chunks import with_bounded_chunks
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
-from ur5lib.recordings.quality import Finding, Log
+from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Mask
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]

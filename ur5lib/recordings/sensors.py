@@ -15,8 +15,8 @@ from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
-from ur5lib.recordings.quality import Device, Finding, Log, add_finding
 from ur5lib.recordings.recording import DeviceRecord, Stamp
+from ur5lib.records.quality import Device, Finding, Log, add_finding
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 

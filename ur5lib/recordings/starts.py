@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import before_reset
-from ur5lib.recordings.quality import Device, Finding, StartOffset, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
+from ur5lib.records.quality import Device, Finding, StartOffset, add_finding
 
 MAX_MISSING_TIME = 2.0  # s that a device may lack at the start and the end together
 MAX_CLOCK_DRIFT = 0.005  # share of a recording that a clock may drift

@@ -9,7 +9,7 @@ from typing import BinaryIO
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import expect_short_text, longest_line, too_large
-from ur5lib.recordings.quality import Log
+from ur5lib.records.quality import Log
 from ur5lib.strict import expect_file
 
 BLOCK_BYTES = 1 << 25  # bytes of a block

@@ -11,9 +11,9 @@ from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
 from ur5lib.recordings.entries import Sensor, ThesisFiles
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import check_pace, stray_times
-from ur5lib.recordings.quality import Device, Finding, Log, add_finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import first_number, read_sensor
+from ur5lib.records.quality import Device, Finding, Log, add_finding
 
 CYCLE = 0.008  # s, the CB2 controller's
 ROBOT_CHANNELS = {f"log_{file}.csv": name for file, name in THESIS_FILES.items()}

@@ -12,8 +12,8 @@ import pandas as pd
 
 from ur5lib.channels import MEASURED_CURRENT, columns
 from ur5lib.errors import remark
-from ur5lib.recordings.quality import Finding, StartOffset
 from ur5lib.recordings.starts import MAX_CLOCK_DRIFT
+from ur5lib.records.quality import Finding, StartOffset
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frames
 from ur5lib.tables import channel
@@ -35,7 +35,7 @@ MIN_STANDARD_ERRORS = 4.0  # standard errors by which a current changes
 
 
 @dataclass(frozen=True)
-class Step:
+class ReadingStep:
     """A step between two parallel lines, at the row between them.
 
     size, std_error: (k,), of each column; after: (k,), the second line there; residual: (2 n, k),
@@ -78,17 +78,17 @@ def on_one_zero(
     if not names:
         return sensor, []
     reading, start = sensor[names].to_numpy(float, copy=True), start or ON_ROBOT_CLOCK
-    found = [
+    zeroings = [
         one
         for one in _sudden_zeros(reading, sensor["time"].to_numpy(float), start.seconds)
         if not _contact_ends(robot, arm, one, start)
     ]
-    if not found:
+    if not zeroings:
         return sensor, []
-    for one in found:
+    for one in zeroings:
         reading[: one.row] += one.change
         reading[one.row] = (reading[one.row - 1] + reading[one.row + 1]) / 2
-    each = [remark("zeroing", time_s=one.time, force_n=one.size()) for one in found]
+    each = [remark("zeroing", time_s=one.time, force_n=one.size()) for one in zeroings]
     zeroed = Finding("force", "zeroed", "warning", len(each), {"each": each})
     return sensor.assign(**dict(zip(names, reading.T, strict=True))), [zeroed]
 
@@ -128,16 +128,16 @@ def _fall(reading: Array, time: Array, row: int) -> Zeroing:
     return Zeroing(row, float(time[row]), step.size, away / size if fits else np.inf)
 
 
-def _step(before: Array, after: Array) -> Step:
+def _step(before: Array, after: Array) -> ReadingStep:
     """Return the step between values (n, k) before and after a row."""
     place = np.arange(1, len(before) + 1)
     slope = np.concatenate([-place[::-1], place])
     terms = np.column_stack([np.ones(len(slope)), slope, slope > 0])
     inverse, values = np.linalg.pinv(terms), np.concatenate([before, after])
-    level, _, size = found = inverse @ values
-    residual = values - terms @ found
-    noise = np.sqrt((residual**2).sum(axis=0) / (len(values) - len(found)))
-    return Step(size, noise * np.linalg.norm(inverse[2]), level + size, residual)
+    level, _, size = solution = inverse @ values
+    residual = values - terms @ solution
+    noise = np.sqrt((residual**2).sum(axis=0) / (len(values) - len(solution)))
+    return ReadingStep(size, noise * np.linalg.norm(inverse[2]), level + size, residual)
 
 
 def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: StartOffset) -> bool:

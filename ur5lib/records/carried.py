@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ur5lib.errors import Remark, remark
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Six
 from ur5lib.timeseries.arrays import Array

@@ -30,21 +30,3 @@ class Currents(SegmentedTable):
     friction_torque: Array | None = channel("tau_friction", "Nm", JOINTS, optional=True)
     load_loss: Array | None = channel("load_loss", "Nm/Nm", JOINTS, optional=True)
     tared: Mask | None = channel("tared", "1", dtype=np.bool_, optional=True)
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoadRegressor(SegmentedTable):
-    """Torque per mass [Nm/kg] and first moments [Nm/(kg m)] of a load, frame 6: (N, 6, 4).
-
-    None where no currents were recorded.
-    """
-
-    load_regressor: Array | None = channel(
-        "load_regressor", "Nm/kg, Nm/(kg m)", JOINTS, shape=(-1, 4), optional=True
-    )
-
-    def torque(self, parameters: Array) -> Array:
-        """Return the torque (N, 6) [Nm] of a load's mass and first moments (4,) [kg, kg m]."""
-        if self.load_regressor is None:
-            raise ValueError("the recording has no currents, so no load was estimated")
-        return self.load_regressor @ parameters

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ur5lib.recordings.quality import Contradictions
+from ur5lib.records.quality import Contradictions
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array

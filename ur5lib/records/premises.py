@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from ur5lib.recordings.quality import Contradictions
 from ur5lib.records.carried import Carried
+from ur5lib.records.quality import Contradictions
 
 
 @dataclass(frozen=True)

@@ -152,20 +152,22 @@ def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.
             # to the frame's origin, or 1 mm off where both coincide
             fromto=[*near_end, 0, 0, 0 if np.linalg.norm(near_end) > 1e-3 else 1e-3],
         )
-    _add_surroundings(spec, surroundings, _upright(robot))
-    for first, second in _overlapping(robot, radii, surroundings.table):
+    _add_surroundings(spec, surroundings, _vertical(robot))
+    for first, second in _overlapping_pairs(robot, radii, surroundings.table):
         spec.add_exclude(bodyname1=first, bodyname2=second)
     for geom in spec.geoms:
         geom.margin = reach / 2  # MuJoCo adds those of both parts
     return spec.compile()
 
 
-def _upright(robot: Robot) -> Array:
+def _vertical(robot: Robot) -> Array:
     """Return the upward vertical (3,), base frame."""
     return -np.array(robot.gravity) / np.linalg.norm(robot.gravity)
 
 
-def _overlapping(robot: Robot, radii: Array, table: float | None) -> Iterator[tuple[str, str]]:
+def _overlapping_pairs(
+    robot: Robot, radii: Array, table: float | None
+) -> Iterator[tuple[str, str]]:
     """Yield the pairs of bodies that overlap by construction.
 
     Of a UR: each link and the next one, in the wrist up to three apart, and link 1 and the table.
@@ -181,7 +183,7 @@ def _overlapping(robot: Robot, radii: Array, table: float | None) -> Iterator[tu
         if second - first <= (3 if first >= 2 else 1) if robot.is_ur() else alike:
             yield f"link_{first + 1}", f"link_{second + 1}"
     if table is not None:
-        height = origins @ _upright(robot) - table
+        height = origins @ _vertical(robot) - table
         for k, radius in enumerate(radii):
             low = (
                 height[:, k].min() > -MIN_FREE_SPACE

@@ -45,7 +45,7 @@ def robot_from_urdf(
     tip = _known_link(tree, tip or _tip(tree, base, path), path)
     joints = _chain(tree, base, tip, path)
     names = {joint.name for joint in joints}
-    bodies = [dict(_hanging(tree, joint.child, np.eye(4), names)) for joint in joints]
+    bodies = [dict(_hanging_links(tree, joint.child, np.eye(4), names)) for joint in joints]
     _expect_complete(tree, joints, bodies, path)
     start, *frames = _joint_frames(tree, base, tip, joints, bodies)
     tails = [_z_to(joint.axis).T @ frame for joint, frame in zip(joints, frames, strict=True)]
@@ -164,13 +164,15 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
     return moving
 
 
-def _hanging(tree: Any, link: str, place: Array, ends: set[str]) -> Iterator[tuple[str, Array]]:
+def _hanging_links(
+    tree: Any, link: str, place: Array, ends: set[str]
+) -> Iterator[tuple[str, Array]]:
     """Yield a link and what hangs on it, with poses (4, 4), up to the joints `ends`."""
     yield link, place
     for name, child in tree.child_map.get(link, []):
         if name not in ends:
             origin = _pose_matrix(tree.joint_map[name].origin)
-            yield from _hanging(tree, child, place @ origin, ends)
+            yield from _hanging_links(tree, child, place @ origin, ends)
 
 
 def _joint_frames(
@@ -181,7 +183,7 @@ def _joint_frames(
     The z axis of frame k - 1 is the axis of joint k; frame n is the tip's.
     """
     names = {joint.name for joint in joints}
-    standing = dict(_hanging(tree, base, np.eye(4), names))
+    standing = dict(_hanging_links(tree, base, np.eye(4), names))
     frames = []
     for joint, poses in zip(joints, [standing, *bodies], strict=False):
         frames.append(poses[joint.parent] @ _pose_matrix(joint.origin) @ _z_to(joint.axis))
@@ -195,7 +197,7 @@ def _z_to(axis: Any) -> Array:
     around = np.array([-y, x, 0]) / across if across else np.array([1.0, 0, 0])
     matrix = np.eye(4)
     turn = Rotation.from_rotvec(np.arctan2(across, z) * around)
-    matrix[:3, :3] = _clean(turn.as_matrix())
+    matrix[:3, :3] = _exact_rotation(turn.as_matrix())
     return matrix
 
 
@@ -205,11 +207,11 @@ def _pose_matrix(origin: Any) -> Array:
         return np.eye(4)
     pose = Pose(position=tuple(origin.xyz or (0, 0, 0)), rpy=tuple(origin.rpy or (0, 0, 0)))
     matrix = link_matrix(pose)
-    matrix[:3, :3] = _clean(matrix[:3, :3])
+    matrix[:3, :3] = _exact_rotation(matrix[:3, :3])
     return matrix
 
 
-def _clean(rotation: Array) -> Array:
+def _exact_rotation(rotation: Array) -> Array:
     """Return a rotation with exact right angles, which files give with few digits."""
     rounded = np.round(rotation)
     return np.where(np.abs(rotation - rounded) < RIGHT_ANGLE_TOLERANCE, rounded, rotation) + 0.0

@@ -31,7 +31,7 @@ MAX_FRAME_TURN = 0.05  # rad
 FIRST_AXIS_TOLERANCE = 1e-6  # m, rad, to the axis of the base
 
 
-def calibrated(robot: Robot, path: str | Path) -> Robot:
+def calibrated_robot(robot: Robot, path: str | Path) -> Robot:
     """Return an arm with its individual calibration.
 
     path: calibration.conf of the controller, or the YAML file that `ur_calibration` of the ROS
@@ -81,7 +81,7 @@ def _from_controller(
     entries = {parts[0].strip(): parts[1].strip().strip("[]") for parts in lines}
     if not set(DELTA_ENTRIES) & set(entries):
         return []
-    deltas = [_six(entries.get(name, ""), name, path) for name in DELTA_ENTRIES]
+    deltas = [_six_numbers(entries.get(name, ""), name, path) for name in DELTA_ENTRIES]
     steps = []
     for link, theta, d, a, alpha in zip(links, *deltas, strict=True):
         turn = link_matrix(Pose(position=(0, 0, 0), rpy=(0, 0, theta)))
@@ -90,7 +90,7 @@ def _from_controller(
     return chain(steps)
 
 
-def _six(text: str, name: str, path: str | Path) -> list[float]:
+def _six_numbers(text: str, name: str, path: str | Path) -> list[float]:
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -162,25 +162,29 @@ def individual_robot(
     """Return the arm described in a file, with a name and overridden numbers.
 
     override: the differences, with the file's keys; an entry of a list is named by its number,
-    counted from 1. calibration: see `calibrated`. Raises InputError where one of them is invalid.
+    counted from 1. calibration: see `calibrated_robot`. Raises InputError where one of them is
+    invalid.
     """
     try:
-        robot = robot_of(overridden(read_description(path), {**override, "name": name}))
+        robot = robot_of(overridden_data(read_description(path), {**override, "name": name}))
     except ValidationError as error:
         raise InputError(
             f"`override` of {name} does not give a valid description of an arm "
             f"(docs/robots.md): {error}"
         ) from error
-    return robot if calibration is None else calibrated(robot, calibration)
+    return robot if calibration is None else calibrated_robot(robot, calibration)
 
 
-def overridden(base: Any, changes: Any) -> Any:
+def overridden_data(base: Any, changes: Any) -> Any:
     """Return plain data with changes: mappings key by key, lists entry by entry or as a whole."""
     if not isinstance(changes, Mapping):
         return changes
     if isinstance(base, list) and all(str(key).isdecimal() for key in changes):
         place = {int(key): change for key, change in changes.items()}
-        changed_entries = [overridden(e, place.pop(k, e)) for k, e in enumerate(base, start=1)]
+        changed_entries = [overridden_data(e, place.pop(k, e)) for k, e in enumerate(base, start=1)]
         return changed_entries + list(place.values())
     entries = base if isinstance(base, Mapping) else {}
-    return {**entries, **{key: overridden(entries.get(key), part) for key, part in changes.items()}}
+    return {
+        **entries,
+        **{key: overridden_data(entries.get(key), part) for key, part in changes.items()},
+    }

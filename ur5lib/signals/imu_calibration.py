@@ -168,7 +168,7 @@ def _left_out_squares(sums: "Sequence[_Sums]") -> float:
     scale = _scale(sums)
     reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
     others = np.sum(reduced, axis=0) - reduced
-    parts = zip(sums, _solved(others), strict=True)
+    parts = zip(sums, _normal_solution(others), strict=True)
     return float(sum(part.unexplained_squares(scale, shared)[0] for part, shared in parts))
 
 
@@ -281,7 +281,7 @@ def _scale(sums: Sequence[_Sums]) -> Array:
     scale, count = np.ones(2), 3 * sum(part.count for part in sums)
     for _ in range(2):
         reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
-        shared = _solved(np.sum(reduced, axis=0))
+        shared = _normal_solution(np.sum(reduced, axis=0))
         squares = np.sum([part.unexplained_squares(scale, shared) for part in sums], axis=0)
         scale = np.sqrt(squares / count) + 1e-12  # root mean squares, never zero
     return scale
@@ -297,12 +297,12 @@ def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
         total - recording + _without_own(recording_blocks.sum(axis=0) - recording_blocks)
         for recording, recording_blocks in zip(reduced, blocks, strict=True)
     ]
-    estimate = _solved(total)
-    change = _solved(np.concatenate(without)) - estimate
+    estimate = _normal_solution(total)
+    change = _normal_solution(np.concatenate(without)) - estimate
     return estimate, np.sqrt((len(change) - 1) / len(change) * np.sum(change**2, axis=0))
 
 
-def _solved(products: Array) -> Array:
+def _normal_solution(products: Array) -> Array:
     """Solve normal equations (..., S + 1, S + 1), the last column the right side, for (..., S);
     zero for undetermined parameters.
     """

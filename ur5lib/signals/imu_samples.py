@@ -1,6 +1,7 @@
 """Samples of a recording's IMU and joints for the calibration."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import HOST_METHOD, MOTION_METHOD, SHARED_METHOD, ClockRelation
 from ur5lib.signals.end_effector import point_velocity
 from ur5lib.signals.imu_calibration import ImuRecord
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
 from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment
@@ -59,3 +61,13 @@ def imu_samples(
         place=point,
         gravity=gravity,
     )
+
+
+def derivative(signals: Signals, values: Array) -> Array:
+    """Return the time derivative of values (N, M) within the segments."""
+    return by_segment(differentiate, values, signals.segment, signals.period)
+
+
+def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Array) -> Array:
+    """Return values (N, M), low-passed within the segments."""
+    return by_segment(function, values, signals.segment, 1 / signals.period, *design)

@@ -5,7 +5,9 @@ import pandas as pd
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
-from ur5lib.signals.clock import ClockRelation
+from ur5lib.records.quality import StartOffset
+from ur5lib.records.signals import SENSOR_COLUMNS
+from ur5lib.signals.clock import ClockRelation, clock_from_stamps
 from ur5lib.signals.device_clock import even_samples, interpolate
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
@@ -56,3 +58,12 @@ def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
         return signal.oaconvolve(padded, window, mode="valid", axes=0)
 
     return by_segment(smooth, even, np.zeros(len(grid), dtype=np.int64))
+
+
+def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
+    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], NaN where it has no column.
+
+    device: on its own clock; start: of its stamp; sensor: "force" or "imu".
+    """
+    clock = clock_from_stamps(start.seconds, start.std)
+    return resample(device, clock, time).reindex(columns=SENSOR_COLUMNS[sensor]).to_numpy()

@@ -149,7 +149,7 @@ def encoder_system(
         Q = driven @ driven.mT
         # a new segment starts the filter again
         first = np.flatnonzero(fresh[rows])
-        F[first], Q[first] = 0, _unknown(noise, first + rows.indices(count)[0])
+        F[first], Q[first] = 0, _initial_covariance(noise, first + rows.indices(count)[0])
         # z = [θ + δ, θ̇ − lag θ̈] + v, cov v = diag(R)
         z = np.stack([q[rows], qd[rows]], axis=2)  # (N, n, 2)
         R = np.stack([noise.position[rows], noise.velocity[rows]], axis=2) ** 2
@@ -158,7 +158,7 @@ def encoder_system(
     return part
 
 
-def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
+def _initial_covariance(noise: EncoderNoise, fresh: Labels) -> Array:
     """Return the covariances (N, n, 6, 6) of the joints' states at the starts of segments.
 
     A vibration has the covariance that its jerk sustains, P = F P Fᵀ + Q. It is solved for ω = 1

@@ -107,7 +107,7 @@ def _most_likely(parts: list["_JointRecord"], period: float) -> Iterator["_Ratio
     def most_likely(part: _JointRecord) -> _Ratios:
         def cost(parameters: Array) -> float:
             # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
-            white, logdet = _whitened(_Ratios.from_parameters(parameters))
+            white, logdet = _whitened_filters(_Ratios.from_parameters(parameters))
             return float(logdet + 2 * np.log(part.variance(white) + MIN_INNOVATION_VARIANCE))
 
         best = minimize(
@@ -136,7 +136,7 @@ def _joint_noise(
     period = record.period
     # no noise is below what rounding to the encoder's grid makes
     finest = max(step / np.sqrt(12), RECORDED_RESOLUTION)
-    position = max(float(np.sqrt(part.variance(_whitened(ratios)[0]))), finest)
+    position = max(float(np.sqrt(part.variance(_whitened_filters(ratios)[0]))), finest)
     jerk, vibration, scale = record.local(ratios, position)
     return (
         jerk,
@@ -205,7 +205,7 @@ class _JointRecord:
         self.valid = observed & after_observed
 
     def squares(self, white: SteadyFilter) -> Array:
-        """Return eᵀ S⁻¹ e (N,) of the innovations e of a steady filter that is `_whitened`."""
+        """Return eᵀ S⁻¹ e (N,) of the innovations e of one of `_whitened_filters`."""
         square = np.empty(len(self.values))
         for rows in self.parts:
             square[rows] = sum(
@@ -231,7 +231,7 @@ class _JointRecord:
         driven = np.log([bank.jerk * unit, bank.vibration * unit]).T
         weight, total = np.zeros(len(window_count)), np.zeros((3, len(window_count)))
         best = np.full(len(window_count), -np.inf)
-        filters, logdets = _whitened(bank)
+        filters, logdets = _whitened_filters(bank)
         for white, logdet, logs in zip(filters.each(), logdets, driven, strict=True):
             square = np.where(self.valid, _limited_squares(self.squares(white) / position**2), 0)
             square = np.log(
@@ -261,7 +261,7 @@ def _limited_squares(square: Array) -> Array:
     return np.minimum(square, OUTLIER_SQUARE) + OUTLIER_SQUARE * beyond
 
 
-def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
+def _whitened_filters(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
     """Return steady filters, from q and q̇ T to innovations scaled to covariance one, and log |S|.
 
     S is the covariance of the innovations before they are scaled. One filter is returned, or a

@@ -37,9 +37,11 @@ def filter_encoders(segment: Labels, q: Array, qd: Array, period: float) -> Filt
     busiest = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
 
     def likelihood(jerk: float) -> float:
-        return _filtered(z[busiest], starts(segment[busiest]), period, noise, jerk)[1]
+        return _filtered_states(z[busiest], starts(segment[busiest]), period, noise, jerk)[1]
 
-    state, _ = _filtered(z, starts(segment), period, noise, max(CANDIDATE_JERKS, key=likelihood))
+    state, _ = _filtered_states(
+        z, starts(segment), period, noise, max(CANDIDATE_JERKS, key=likelihood)
+    )
     return FilteredMotion(state[:, 6:12], state[:, 12:])
 
 
@@ -54,7 +56,7 @@ def white_noise(z: Array, segment: Labels) -> Array:
     return np.maximum(np.sqrt(square), RECORDED_RESOLUTION)
 
 
-def _filtered(
+def _filtered_states(
     z: Array, fresh: Mask, period: float, noise: Array, jerk: float
 ) -> tuple[Array, float]:
     """Return the states q, q̇, q̈ (N, 18) and the log-likelihood of their innovations."""

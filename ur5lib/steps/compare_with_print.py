@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from ur5lib.recordings.quality import Quality
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv

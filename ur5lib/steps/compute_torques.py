@@ -10,11 +10,11 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import CHECKED_COLUMNS, stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.recordings.quality import Contradictions, Finding
 from ur5lib.records.carried import Carried, carried, disagreements
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Contradictions, Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, Six
 from ur5lib.tables import read_footer, read_table

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from ur5lib.recordings.quality import Quality
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.report.figures.recording_figures import euler_figure

@@ -10,7 +10,9 @@ from ur5lib.robots.description import Robot
 
 def draw_models(arm: Robot) -> dict[str, Drawing]:
     """Return the figures of an arm's link models and frames."""
-    posture = UPRIGHT_POSTURE if arm.denavit_hartenberg else [0.0] * len(arm.joints)
+    # upright by the frames of the thesis, which other arms than those of six joints do not have
+    is_ur_like = arm.denavit_hartenberg and len(arm.joints) == len(UPRIGHT_POSTURE)
+    posture = UPRIGHT_POSTURE if is_ur_like else [0.0] * len(arm.joints)
     rotation, origin = (part[0] for part in link_frames(arm, np.array([posture])))
     models = {", ".join(names): placed(arm, names[0], rotation, origin) for names in alike(arm)}
     return {

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import pandas as pd
 
 from ur5lib.force.residual_model import Residuals
-from ur5lib.recordings.quality import Quality
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
@@ -16,6 +15,7 @@ from ur5lib.records.gains import GainSummary
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, Vector3
 from ur5lib.signals.imu_calibration import ImuCalibration

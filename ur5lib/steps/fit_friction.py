@@ -28,12 +28,12 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
 )
 from ur5lib.recordings.copies import same_runs
-from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion
 from ur5lib.records.postures import Postures
 from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,33 +19,29 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import FusedMotion, Motion, MotionAccount
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
+from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
 from ur5lib.signals.imu_calibration import (
-    NOMINAL_CALIBRATION,
     ImuCalibration,
     accelerometer_bias,
     calibration_for,
 )
-from ur5lib.signals.imu_samples import has_valid_imu, imu_samples
+from ur5lib.signals.imu_samples import derivative, has_valid_imu, imu_samples, lowpassed
+from ur5lib.signals.resampling import by_stamps
 from ur5lib.smoothing.fused_motion import fused_record, imu_model, no_fused_motion
 from ur5lib.smoothing.imu_fusion import smooth_with_imu
 from ur5lib.smoothing.plain_filter import FilteredMotion, filter_encoders
 from ur5lib.smoothing.smoothed_motion import known_joints, measured, motion_account
 from ur5lib.steps.evidence import Evidence
-from ur5lib.steps.read_recording import by_stamps
+from ur5lib.thesis.accelerations import as_published
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import (
-    THESIS_ACCELERATION,
     Butterworth,
-    causal_lowpass,
     inner_lowpass,
 )
 from ur5lib.timeseries.metrics import mean_absolute_error
-from ur5lib.timeseries.sampling import differentiate
-from ur5lib.timeseries.segments import DEAD_ZONE, by_segment
+from ur5lib.timeseries.segments import DEAD_ZONE
 
 RANGE_ORDER = 4  # of the filters that separate ranges of frequency
-EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
 CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
 LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
 
@@ -136,43 +132,14 @@ def as_calibrated(known: BesideImu, design: Butterworth) -> tuple[Array, dict[st
     return smooth(felt), {name: smooth(values) for name, values in modelled.items()}, bias
 
 
-def as_published(known: BesideImu, by_stamps: Array) -> tuple[Array, dict[str, Array]]:
-    """Return accelerations of IMU and Euler angles, (N, 6), as in Section 5.5: an IMU
-    without calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as
-    printed and put right.
-
-    by_stamps: the IMU's reading (N, 6), placed by its start stamp.
-    """
-    robot, signals, kinematics, *_ = known
-    up = NOMINAL_CALIBRATION.up(np.array(robot.gravity))
-    turning = derivative(signals, by_stamps[:, 3:])
-    felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
-    smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
-    angles = {
-        name: smooth(through_angles(signals, kinematics, printed))
-        for name, printed in EULER.items()
-    }
-    return smooth(felt), angles
-
-
-def through_angles(signals: Signals, kinematics: Kinematics, printed: bool) -> Array:
-    """Return the acceleration through Euler angles (N, 6), without a filter.
-
-    printed: whether by Equation 2.33 as printed.
-    """
-    qd = signals.actual_qd
-    if qd is None:
-        qd = derivative(signals, signals.actual_q)
-    frames, qdd = (kinematics.rotation, kinematics.jacobian), derivative(signals, qd)
-    return euler_acceleration(*frames, qd, qdd, signals.segment, signals.period, printed)
-
-
 def compared(
     known: BesideImu, design: Butterworth, by_stamps: Array
 ) -> tuple[Accelerations, Array]:
     """Return the accelerations by both routes, and the accelerometer's bias (3,) [m/s²]."""
     felt, ours, bias = as_calibrated(known, design)
-    published_felt, published = as_published(known, by_stamps)
+    published_felt, published = as_published(
+        known.robot, known.signals, known.kinematics, by_stamps
+    )
     accelerations = Accelerations(
         time=known.signals.time,
         segment=known.signals.segment,
@@ -188,16 +155,6 @@ def differences(known: BesideImu, cutoff: float) -> dict[str, Array]:
     """Return the IMU's acceleration less the modelled ones (N, 6), low-passed at a cut-off [Hz]."""
     felt, estimates, _ = as_calibrated(known, Butterworth(RANGE_ORDER, cutoff))
     return {name: felt - values for name, values in estimates.items()}
-
-
-def derivative(signals: Signals, values: Array) -> Array:
-    """Return the time derivative of values (N, M) within the segments."""
-    return by_segment(differentiate, values, signals.segment, signals.period)
-
-
-def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Array) -> Array:
-    """Return values (N, M), low-passed within the segments."""
-    return by_segment(function, values, signals.segment, 1 / signals.period, *design)
 
 
 def acceleration_errors(accelerations: Accelerations) -> dict[str, AccelerationErrors]:

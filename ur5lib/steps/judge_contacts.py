@@ -25,7 +25,7 @@ from ur5lib.force.flange_contact import (
     MAX_CONTACT_SAMPLES,
     MIN_PROBABILITY_ELSEWHERE,
     flange_probability,
-    lever,
+    place_jacobian,
     places,
 )
 from ur5lib.force.force_input import ForceInput, gears
@@ -38,7 +38,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.steps.evidence import Evidence
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import marked
+from ur5lib.timeseries.segments import inside_spans
 
 CLASSES = [TOUCH_FORCE, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
@@ -99,7 +99,7 @@ def detected(
             **vars(matched(own.raised, sensor)),
             threshold=thresholds[name],
             raised=[named(span, strongest(span, sensor.time, own)) for span in own.raised],
-            time_in_alarm=float(marked(own.raised, len(sensor.time)).mean()),
+            time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
             free_time_in_alarm=free_time_in_alarm(own, sensor),
             roc_area=roc_area(own, sensor),
@@ -166,7 +166,7 @@ def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
     if (force := sensed_force(sensor)) is None:
         return None
     free = is_free(force, sensor.period)
-    return float(marked(own.raised, len(force))[free].mean()) if free.any() else None
+    return float(inside_spans(own.raised, len(force))[free].mean()) if free.any() else None
 
 
 def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
@@ -234,7 +234,7 @@ def is_off_flange(
     spread = diagonal(noise.spread + noise.hidden)
     frames = link_frames(robot, run.q[rows])
     levers = {
-        link: [lever(*frames, link, place) for place in along]
+        link: [place_jacobian(*frames, link, place) for place in along]
         for link, along in places(*frames).items()
     }
     return (

@@ -7,9 +7,9 @@ import numpy as np
 from ur5lib.identification.condition import joint_conditions
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import CurrentSamples, Smooth
-from ur5lib.recordings.quality import Quality
 from ur5lib.records.arm_state import Checkup
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.quality import Quality
 
 
 def checkup(

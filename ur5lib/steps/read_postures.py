@@ -17,10 +17,10 @@ from ur5lib.checks.postures import (
 from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings import postures as posture_files
 from ur5lib.recordings.entries import Entry, Files
-from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.postures import Postures
+from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, Six
 from ur5lib.tables import checksum

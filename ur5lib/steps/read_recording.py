@@ -12,13 +12,12 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings.entries import Entry
 from ur5lib.recordings.intake import read_and_repair
-from ur5lib.recordings.quality import Device, Quality, StartOffset
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.quality import Device, Quality, StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
-from ur5lib.signals.resampling import resample
 from ur5lib.tables import checksum
 from ur5lib.timeseries.arrays import Array
 
@@ -87,12 +86,3 @@ def own_clocks(
         )
         clocks[name] = OwnClock(**asdict(clock), warning=warning, stamps=start.seconds)
     return clocks
-
-
-def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
-    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], NaN where it has no column.
-
-    device: on its own clock; start: of its stamp; sensor: "force" or "imu".
-    """
-    clock = clock_from_stamps(start.seconds, start.std)
-    return resample(device, clock, time).reindex(columns=SENSOR_COLUMNS[sensor]).to_numpy()

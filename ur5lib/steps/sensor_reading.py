@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.sensor import SensorOffset, bias, fit_offset
-from ur5lib.recordings.quality import StartOffset
+from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
+from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.end_effector import ToolMotion, expected_values, tool_motion
-from ur5lib.steps.read_recording import by_stamps
+from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array
 
 FURTHEST = 0.3  # m, of a tool's centre of mass
@@ -70,7 +70,7 @@ def sensor_reading(
         offset.reading(pull) + moment,
         offset,
         placed,
-        start_bias=bias(placed, signals.time, bias_window),
+        start_bias=initial_bias(placed, signals.time, bias_window),
         own_clock=by_stamps is not None,
     )
 

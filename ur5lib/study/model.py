@@ -23,7 +23,7 @@ from ur5lib.recordings.entries import (
     TableFiles,
     ThesisFiles,
 )
-from ur5lib.recordings.quality import SENSORS
+from ur5lib.records.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.strict import PathText, Strict, existing_file
 from ur5lib.study.arms import ArmSettings, MountingSetting, Name, NamedArm, Tool

@@ -4,14 +4,15 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.recordings.quality import StartOffset
 from ur5lib.records.carried import configured_payload
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Model, Robot
 from ur5lib.signals.end_effector import felt_acceleration
-from ur5lib.steps.judge_accelerations import derivative, lowpassed, through_angles
-from ur5lib.steps.read_recording import by_stamps
+from ur5lib.signals.imu_samples import derivative, lowpassed
+from ur5lib.signals.resampling import by_stamps
+from ur5lib.thesis.accelerations import through_angles
 from ur5lib.thesis.closed_loop import published_gains, simulated_states, tracking_of
 from ur5lib.thesis.reference import AccelerationError, LoopError
 from ur5lib.timeseries.arrays import Array

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.copies import same_runs
-from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.records.force_errors import Compared
+from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import sentence, worded
 from ur5lib.signals.clock import SettledClock

@@ -107,7 +107,7 @@ class _ChangeRegression:
     def from_series(cls, series: DatedSeries) -> "_ChangeRegression":
         # Standard errors are uncertain: a date with a very small one would weigh too much.
         error = np.maximum(series.std_error, np.median(series.std_error))
-        variance = error**2 + variation(series.value, error)
+        variance = error**2 + variance_between_dates(series.value, error)
         root = (
             1
             / np.sqrt(np.maximum(variance, MIN_RELATIVE_DIVISOR * np.mean(series.value**2)))[
@@ -176,7 +176,7 @@ def find_changes(series: DatedSeries, level: float, seed: int = 0) -> list[Chang
         chance = _chance(problem, chosen, _any_change(odds)[0], noise, level)
         if chance > level:
             break
-        chosen.append(_likeliest(odds[0]))
+        chosen.append(_likeliest_change(odds[0]))
         chances.append(chance)
     return [_change(series, problem, chosen, *pair) for pair in enumerate(chances)]
 
@@ -271,7 +271,7 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
 
 
 def _any_change(log_odds: Array) -> Array:
-    """Return log odds (B,) of any change; see `_likeliest`."""
+    """Return log odds (B,) of any change; see `_likeliest_change`."""
     jumps = _log_sum(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
     return np.asarray(np.logaddexp(log_odds[:, 0], jumps))
 
@@ -306,7 +306,7 @@ def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
     return shares
 
 
-def variation(value: Array, std_error: Array) -> float:
+def variance_between_dates(value: Array, std_error: Array) -> float:
     """Return the variance from date to date that exceeds the standard errors.
 
     value, std_error: (n,).
@@ -319,7 +319,7 @@ def variation(value: Array, std_error: Array) -> float:
     return float(max(0.0, difference / 2 - np.median(std_error**2)))
 
 
-def _likeliest(log_odds: Array) -> int:
+def _likeliest_change(log_odds: Array) -> int:
     """Return the place of the likeliest change: a drift, or else the best jump; log_odds: (K,).
 
     A priori, a drift is as likely as a jump, and each date of a jump as likely as another.

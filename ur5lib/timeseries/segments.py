@@ -46,7 +46,7 @@ def runs(flags: Mask) -> Labels:
     return edges.reshape(-1, 2)
 
 
-def marked(spans: Iterable[tuple[int, int]], count: int) -> Mask:
+def inside_spans(spans: Iterable[tuple[int, int]], count: int) -> Mask:
     """Return which of `count` samples lie inside any of the spans, (first, end) each."""
     inside = np.zeros(count, bool)
     for span in spans:

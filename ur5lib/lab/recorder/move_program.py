@@ -18,8 +18,8 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import (
     MIN_SINGULAR_VALUE,
     geometric_jacobian,
+    inverse_kinematics,
     link_frames,
-    solutions,
 )
 from ur5lib.robots.urscript import (
     MOVE_ARGUMENTS,
@@ -133,7 +133,7 @@ def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
     if not isinstance(move.goal, ToolPose):
         return move.goal
     rotation, position = _pose(move.goal)
-    candidates = solutions(robot, rotation[None], position[None])[0]
+    candidates = inverse_kinematics(robot, rotation[None], position[None])[0]
     candidates = candidates[np.isfinite(candidates).all(axis=1)]
     # turned towards `near` as far as the joints' limits allow
     candidates = near + (candidates - near + np.pi) % (2 * np.pi) - np.pi
@@ -191,7 +191,7 @@ def _along(move: Move, robot: Robot, origin: Array, rotations: Array, positions:
 
     Raises InputError where the arm cannot follow.
     """
-    candidates = solutions(robot, rotations, positions)
+    candidates = inverse_kinematics(robot, rotations, positions)
     _expect_regular(move, robot, origin[None])
     distance = np.abs(np.exp(1j * candidates[0]) - np.exp(1j * origin)).max(axis=1)
     q = np.unwrap(candidates[:, np.nanargmin(distance)], axis=0)

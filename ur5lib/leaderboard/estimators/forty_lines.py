@@ -24,7 +24,7 @@ from ur5lib.leaderboard.estimators.ours import OURS
 from ur5lib.leaderboard.force import breakaway_of, learned_noise
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import by_segment, marked
+from ur5lib.timeseries.segments import by_segment, inside_spans
 
 MEDIAN_SPAN = 10.0  # s, of the median
 CONTACT_START, CONTACT_END = 8.0, 2.0  # deviations
@@ -44,14 +44,15 @@ def estimate(run: Run, noise: ResidualModel) -> Estimate:
     rest = run.smoothed - by_segment(median, run.smoothed, run.segment)
     still, deviation = run.states == JointState.STILL, noise.change[run.states, np.arange(6)]
     size = np.nan_to_num(np.linalg.norm(rest / deviation, axis=1))
-    touched = marked(spans(size, CONTACT_START, CONTACT_END), len(size))
+    touched = inside_spans(spans(size, CONTACT_START, CONTACT_END), len(size))
     # gears and stiction
     carried, _ = run.gears.where_moving(run.states).contact_torque(rest)
     carried += still * mean_stiction_torque(carried, noise.breakaway, PRIOR.stiction)
-    share = np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
+    absorbed = np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
+    taken = absorbed * noise.breakaway
     lost = PRIOR.load_friction * carried
     # ridge
-    covariance = diagonal(deviation**2 + (share * noise.breakaway) ** 2 + lost**2)
+    covariance = diagonal(deviation**2 + taken**2 + lost**2)
     wrench, std = np.full_like(rest, np.nan), np.full_like(rest, np.nan)
     finite = np.isfinite(rest).all(axis=1) & np.isfinite(run.jacobian).all(axis=(1, 2))
     prior = wrench_covariance(PRIOR_FORCE, PRIOR.lever)

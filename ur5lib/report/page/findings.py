@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.errors import Remark, printable
-from ur5lib.recordings.quality import Finding
+from ur5lib.records.quality import Finding
 from ur5lib.strict import read_yaml
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md

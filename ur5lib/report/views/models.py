@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED
+from ur5lib.records.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED
 from ur5lib.report.page.document import Verdict
 from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
 from ur5lib.report.page.sentences import say

@@ -1,0 +1,104 @@
+"""The study's tables from the rows of its recordings and arms."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tests.made_tables import record
+from ur5lib.force.residual_model import Residuals
+from ur5lib.records.accelerations import Difference, ImuComparison
+from ur5lib.records.friction import Friction
+from ur5lib.records.judgement import Judgement, Rows
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.robots.description import Robot
+from ur5lib.steps.make_tables import joined, make_tables
+from ur5lib.tables import read_csv, write_csv
+from ur5lib.tidy import columns, rows_of, table
+
+DETAIL = 'x, "y"'
+PARAMETER = {"joint": 2, "name": "coulomb", "value": 6.0, "std_error": 0.1, "interval": [5, 7]}
+
+
+def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str, pd.DataFrame]:
+    """The tables of a study of one arm."""
+    friction = record(Friction, {"parameters": [PARAMETER]})
+    fits = {"rotors": Rotors(), "identification": Identification(), "calibration": {}}
+    fits |= {"fitted": friction, "residuals": Residuals()}
+    each = {name: {"ur5": own} for name, own in {"arm": arm, **fits}.items()}
+    return make_tables(judgements, **{"parts": [], "unreadable": {}} | each | more)
+
+
+def judged(*findings: str) -> Judgement:
+    about = {"device": "robot", "severity": "note", "count": 1}
+    rows: Rows = [about | {"finding": finding, "detail": DETAIL} for finding in findings]
+    return Judgement({"quality": rows})
+
+
+def test_rows_of_recordings_and_of_arms_make_one_table_each(ur5: Robot) -> None:
+    """All tables are there, with all their columns, whether a recording has a row or none."""
+    found = made(ur5, {"a": judged("one", "two"), "b": Judgement(), "c": judged("one")})
+    assert {name: [*own] for name, own in found.items()} == columns()
+    rows = found["quality"]
+    assert [*zip(rows["recording"], rows["finding"], strict=True)] == [
+        ("a", "one"),
+        ("a", "two"),
+        ("c", "one"),
+    ]
+    assert rows["detail"].eq(DETAIL).all()
+    assert found["friction"][["robot", "parameter"]].to_numpy().tolist() == [["ur5", "coulomb"]]
+    assert found["torque_constants"].empty
+    assert found["force_mae"].empty
+
+
+def test_a_recording_that_cannot_be_read_is_a_stop_sign_and_changes_no_other(ur5: Robot) -> None:
+    known = {"a": judged("one"), "c": judged("two")}
+    rest, found = made(ur5, known), made(ur5, known, unreadable={"b": "line 3 is none"})
+    for name in rest.keys() - {"quality"}:
+        pd.testing.assert_frame_equal(found[name], rest[name])
+    quality = found["quality"].set_index("recording")
+    stop = quality.loc["b"]
+    assert (stop["severity"], stop["finding"]) == ("stop", "unreadable")
+    assert stop["detail"] == "line 3 is none"
+    others = quality.drop(index="b")
+    pd.testing.assert_frame_equal(others, rest["quality"].set_index("recording"))
+
+
+def test_bands_of_acceleration_are_of_the_other_recordings(ur5: Robot) -> None:
+    """Of those that are there."""
+    difference = {"below 2 Hz": {"at rest": Difference(np.ones(6), np.ones((101, 6)))}}
+    imu = ImuComparison(
+        calibrated_on=["a", "b", "gone"], ranges=difference, plain_ranges=difference
+    )
+    bands = made(ur5, {name: Judgement(imu=replace(imu)) for name in "ab"})["acceleration_bands"]
+    assert {*bands["recording"]} == {"a", "b"}
+    assert made(ur5, {"a": Judgement(imu=imu)})["acceleration_bands"].empty
+
+
+def test_what_steps_have_written_for_each_arm_is_joined_as_it_is(tmp_path: Path) -> None:
+    """Numbers as text; cells may contain commas and quotation marks, an arm may have no row."""
+    parts = []
+    whole = pd.DataFrame({"value": [0.1, 1e-20, 3.0], "detail": [DETAIL, "", "z"]})
+    for arm, rows in (("a", whole[:2]), ("b", whole[:0]), ("c", whole[2:])):
+        for name in ("health", "other"):
+            parts.append(tmp_path / arm / f"{name}.csv")
+            write_csv(rows, parts[-1])
+    found = joined(parts)
+    assert found.keys() == {"health", "other"}
+    write_csv(found["health"], tmp_path / "health.csv")
+    write_csv(whole.assign(robot=["a", "a", "c"])[["robot", *whole]], tmp_path / "expected.csv")
+    assert (tmp_path / "health.csv").read_text() == (tmp_path / "expected.csv").read_text()
+
+
+def test_rows_are_written_plainly(tmp_path: Path) -> None:
+    """As yes and no, Python's own numbers, and nothing that is no column."""
+    row = {"joint": np.int64(2), "value": np.float32(0.5), "determined": np.bool_(True), "grid": []}
+    (plain,) = rows_of("gains", [row])
+    assert plain == {"joint": 2, "value": 0.5, "determined": "yes"}
+    assert [type(value) for value in plain.values()] == [int, float, str]
+    write_csv(table("gains", {"a": [row], "b": []}), tmp_path / "gains.csv")
+    back = read_csv(tmp_path / "gains.csv")
+    assert [*back] == columns()["gains"]
+    assert back["recording"].tolist() == ["a"]

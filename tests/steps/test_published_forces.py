@@ -1,0 +1,153 @@
+"""The thesis's force estimates, and the sensor, against a wrench that is known."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.made_records import motion_of, signals_of, torques_of
+from tests.steps.made_evidence import aligned, evidence, premises
+from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import remark
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import Compared
+from ur5lib.records.forces import PublishedForces, SensorWrenches
+from ur5lib.records.friction import Friction
+from ur5lib.records.quality import Quality, StartOffset, contradiction
+from ur5lib.records.signals import SENSOR_COLUMNS
+from ur5lib.robots.description import Robot
+from ur5lib.signals.clock import STAMPS_METHOD, SettledClock
+from ur5lib.steps.evidence import Evidence
+from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
+from ur5lib.steps.rebuild_thesis import rebuild_thesis
+from ur5lib.thesis.current_based import friction_torque
+from ur5lib.timeseries.lowpass import Butterworth
+
+PERIOD, COUNT = 0.008, 2500
+TIME = np.arange(COUNT) * PERIOD
+START = 0.5  # s, by which the sensor starts later by its stamps
+BIAS = np.array([-5.0, 2.0, -1.0, 0.1, 0.4, -0.1])
+FORCE = np.array([10.0, -5.0, 8.0])
+LOWPASS = Butterworth(5, 1.454)
+
+
+def truth() -> tuple[np.ndarray, ...]:
+    """A slow, singularity-free motion; between 3 and 9 s, a force pushes at the
+    origin of frame 6."""
+    angle = 0.4 * TIME[:, None] + np.arange(6)
+    home = np.array([0.3, -1.2, 1.1, -0.9, 1.4, 0.2])
+    q, qd, qdd = home + 0.2 * np.sin(angle), 0.08 * np.cos(angle), -0.032 * np.sin(angle)
+    pushed = (TIME > 3.0) & (TIME < 9.0)
+    wrench = np.where(pushed[:, None], np.append(FORCE, [0, 0, 0]), 0.0)
+    return q, qd, qdd, wrench
+
+
+@dataclass(frozen=True)
+class Results:
+    """What the steps make of it."""
+
+    known: Evidence
+    published: PublishedForces
+    sensor: SensorWrenches
+    compared: Compared
+
+
+def rebuilt(known: Evidence) -> PublishedForces:
+    tables = known.signals, known.motion, known.torques, known.kinematics
+    premises = known.premises, known.friction
+    return rebuild_thesis(*tables, *premises, known.arm, LOWPASS, 0.01).published
+
+
+@pytest.fixture(scope="module")
+def results(ur5: Robot) -> Results:
+    q, qd, qdd, wrench = truth()
+    torque = LinkModel(ur5, "C").inverse_dynamics(q, qd, qdd)
+    rotation, origin, J = flange_kinematics(ur5, q)
+
+    constants = ur5.current_to_torque
+    total = torque + friction_torque(qd, ur5.friction) - np.einsum("nij,ni->nj", J, wrench)
+    current = (total - constants.offset) / constants.torque_constant
+    # The sensor sits 28.6 mm out and reads the hand on the arm.
+    lever = rotation @ np.array(ur5.mounting.force_sensor)
+    moment = wrench[:, 3:] - np.cross(lever, wrench[:, :3])
+    reading = np.concatenate(
+        [np.einsum("nji,nj->ni", rotation, half) for half in (wrench[:, :3], moment)], axis=1
+    )
+    read = {"actual_current": current, "force_sensor": reading + BIAS}
+    sent = {"target_qd": qd, "actual_TCP_force": -wrench + 1.0}
+    columns = dict(zip(SENSOR_COLUMNS["force"], (reading + BIAS).T, strict=True))
+    clock = SettledClock(START, 0.001, None, None, STAMPS_METHOD, warning=None, end_std=0.001)
+    known = evidence(
+        ur5,
+        signals_of(TIME, q, **read, **sent),
+        motion_of(TIME, q, qd, qdd),
+        Kinematics.of(TIME, rotation, origin, J),
+        torques=torques_of(TIME, {"C": torque}, {"C": torque}),
+        force=pd.DataFrame({"time": TIME - START} | columns),
+        quality=Quality(starts={"force": StartOffset(START, 0.001)}),
+        alignment=aligned({"force": clock}),
+    )
+    published = rebuilt(known)
+    return Results(known, published, *compare_with_sensor(known._replace(published=published)))
+
+
+def test_the_corrected_estimate_finds_the_force(results: Results) -> None:
+    """Away from the push's edge, which the filter rounds."""
+    settled = (TIME > 5) & (TIME < 7)
+    estimate = results.published.corrected["F*"][settled]
+    np.testing.assert_allclose(estimate, truth()[3][settled], atol=0.1)
+
+
+@pytest.mark.parametrize(
+    "contradicting",
+    [
+        {"friction": Friction(stopped=remark("contradicting constants"))},
+        {"premises": premises(contradiction("unusable"))},
+    ],
+)
+def test_no_force_is_stated_where_fit_or_recording_contradicts_the_arm(
+    results: Results, contradicting: dict
+) -> None:
+    """Nor that of the controller, in a study without published values."""
+    known = results.known._replace(**contradicting)
+    withheld = rebuilt(known), published_forces(known)
+    assert all(own.corrected == own.printed == {} for own in withheld)
+
+
+def test_without_published_values_the_controller_s_estimate_stands_alone(results: Results) -> None:
+    stated = published_forces(results.known).corrected
+    assert stated.keys() == {"Fu"}
+    np.testing.assert_array_equal(stated["Fu"], results.published.corrected["Fu"])
+
+
+def test_without_friction_the_estimate_is_off(results: Results) -> None:
+    assert results.compared.errors["corrected"]["F"]["all"]["mae"]["Fx"] > 5
+
+
+def test_the_sensor_is_put_right(results: Results) -> None:
+    offset = results.compared.offset
+    assert offset is not None
+    np.testing.assert_allclose(offset.start_bias, BIAS, atol=1e-6)
+    np.testing.assert_allclose(offset.bias, BIAS, atol=1e-3)
+    away = np.abs(np.abs(TIME - 6) - 3) > 0.3  # from the push's edges, at which resampling rings
+    corrected = results.sensor.wrench["corrected"]
+    np.testing.assert_allclose(corrected[away], truth()[3][away], atol=1e-2)
+    np.testing.assert_allclose(results.sensor.wrench["compensated"], truth()[3], atol=1e-2)
+    assert results.compared.mounting_doubt is None
+
+
+def test_the_printed_kind_keeps_the_bias_and_the_delay(results: Results) -> None:
+    published = results.published
+    assert results.compared.errors["printed"]["Fu"]["all"]["zero_mae"]["Fx"] > 1
+    rising = np.argmax(published.corrected["F*"][:, 2] > 4) * PERIOD
+    late = np.argmax(published.printed["F*"][125:, 2] > 4) * PERIOD + 1
+    assert late - rising == pytest.approx(0.35, abs=0.1)
+
+
+def test_an_estimate_of_zero_stands_beside(results: Results) -> None:
+    expected = np.abs(truth()[3]).mean(0)[:3]
+    figures = results.compared.errors["corrected"]["F*"]["all"]["zero_mae"]
+    np.testing.assert_allclose([figures[c] for c in ("Fx", "Fy", "Fz")], expected, rtol=2e-3)
+    assert results.compared.errors["corrected"]["Fu"]["all"]["mae"]["Fx"] == pytest.approx(1.0)

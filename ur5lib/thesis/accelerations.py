@@ -1,0 +1,54 @@
+"""The end effector's acceleration as the thesis computed it, Section 5.5."""
+
+from functools import partial
+
+import numpy as np
+
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration
+from ur5lib.signals.imu_calibration import (
+    NOMINAL_CALIBRATION,
+)
+from ur5lib.signals.imu_samples import derivative, lowpassed
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import (
+    THESIS_ACCELERATION,
+    causal_lowpass,
+)
+
+EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
+
+
+def as_published(
+    robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
+) -> tuple[Array, dict[str, Array]]:
+    """Return accelerations of IMU and Euler angles, (N, 6), as in Section 5.5: an IMU
+    without calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as
+    printed and put right.
+
+    robot: under the recording's gravity; by_stamps: the IMU's reading (N, 6), placed by its start
+    stamp.
+    """
+    up = NOMINAL_CALIBRATION.up(np.array(robot.gravity))
+    turning = derivative(signals, by_stamps[:, 3:])
+    felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
+    smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
+    angles = {
+        name: smooth(through_angles(signals, kinematics, printed))
+        for name, printed in EULER.items()
+    }
+    return smooth(felt), angles
+
+
+def through_angles(signals: Signals, kinematics: Kinematics, printed: bool) -> Array:
+    """Return the acceleration through Euler angles (N, 6), without a filter.
+
+    printed: whether by Equation 2.33 as printed.
+    """
+    qd = signals.actual_qd
+    if qd is None:
+        qd = derivative(signals, signals.actual_q)
+    frames, qdd = (kinematics.rotation, kinematics.jacobian), derivative(signals, qd)
+    return euler_acceleration(*frames, qd, qdd, signals.segment, signals.period, printed)
