@@ -73,7 +73,7 @@ def test_damaged_files_change_no_result_of_the_others(tmp_path: Path) -> None:
     assert all(f"  {name}: logs/" in end and file in end for name, file in absent.items())
     rows = read_csv(tables / "quality.csv").query("recording in @absent")
     assert [*rows["recording"]] == [*absent]
-    assert {*rows["severity"]} == {"stop sign"}
+    assert {*rows["severity"]} == {"stop"}
     after = results(workflow)
     kept = [name for name in before if name.startswith(("recordings", "parameters"))]
     assert [name for name in kept if after[name] != before[name]] == []

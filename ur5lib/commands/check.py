@@ -33,6 +33,7 @@ from ur5lib.steps.read_recording import own_clocks
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tidy import files, table
+from ur5lib.workspace.extensions import take_up_all
 
 ERROR_SEVERITIES = ("stop", "error")
 SEVERITY_ORDER = [*ERROR_SEVERITIES, "warning", "note", "nothing"]
@@ -44,9 +45,10 @@ SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow",
 def print_findings(path: Path, named: Sequence[str] = ()) -> int:
     """Print the findings of a study's recordings, or those of some recordings in detail.
 
-    Returns how many are stop signs or errors. Raises InputError when the study itself is wrong, or
-    lacks a recording that is named.
+    Returns how many are stop signs or errors. Raises InputError when the study itself is wrong or
+    lacks a recording that is named, or where an extension cannot be used.
     """
+    take_up_all()
     study = read_study(path)
     names = [recording.name for recording in study.recordings]
     for name in named:

@@ -1,4 +1,4 @@
-# The report's figures for a paper, made by `snakemake paper` alone: drawn by the same scripts as PDF
+# The report's figures for a paper, made by `snakemake paper` alone: drawn by the same steps as PDF
 # of the width of a column.
 def as_wide_as_a_column(figure):
     """Return the path of a figure for a paper, as wide as its columns, by that of the report's."""
