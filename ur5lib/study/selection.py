@@ -111,6 +111,20 @@ class Selection:
         loops = self.printed(*LOOPS)
         return frozenset([*drawn, *self.illustrated, *self.of_older_model(), *loops, *fitted])
 
+    def of_step(self, step: str) -> list[str]:
+        """Return the recordings that a step of each recording runs for by itself."""
+        some: dict[str, list[str]] = {
+            "read_postures": self.at_rest,
+            "draw_figures": self.illustrated,
+            "draw_tracking": self.printed(*LOOPS) or self.illustrated,
+            "draw_filtered_first": self.filtered_first(),
+            "draw_older_model": self.of_older_model(),
+            "draw_current_torque": self.printed("current_torque"),
+            "draw_published_forces": self.printed(),
+            "write_run": [],  # on demand alone
+        }
+        return some.get(step, [*self.recordings])
+
     def printed(self, *tables: Any) -> list[str]:
         """Return the recordings with published values, in some tables or in any."""
         return sorted(self.published.recordings(*tables) & self.recordings.keys())

@@ -14,7 +14,7 @@ from ur5lib.report.page.document import Picture, contents
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import parse_study, study_text
-from ur5lib.study.selection import LOOPS, Selection
+from ur5lib.study.selection import Selection
 from ur5lib.study.turn import share_turn, take_turn
 from ur5lib.thesis.reference import read_reference
 from ur5lib.workspace.extensions import KINDS, source_files
@@ -235,7 +235,7 @@ def outputs_in(folder, kind="output"):
 
     What is for a paper is made on demand alone.
     """
-    of = {"{robot}": lambda step: ROBOTS, "{recording}": recordings_of}
+    of = {"{robot}": lambda step: ROBOTS, "{recording}": SELECTION.of_step}
     paths = []
     for step in workflow.rules:
         for file in getattr(step, kind) or []:
@@ -245,19 +245,3 @@ def outputs_in(folder, kind="output"):
             if path.startswith(f"{RESULTS}/{folder}") and "/paper/" not in path:
                 paths += [path.replace(wildcard, name) if wildcard else path for name in names]
     return paths
-
-
-@cache
-def recordings_of(step):
-    """Return the recordings that a step of each recording runs for by itself."""
-    only = {
-        "read_postures": SELECTION.at_rest,
-        "draw_figures": SELECTION.illustrated,
-        "draw_tracking": SELECTION.printed(*LOOPS) or SELECTION.illustrated,
-        "draw_filtered_first": SELECTION.filtered_first(),
-        "draw_older_model": SELECTION.of_older_model(),
-        "draw_current_torque": SELECTION.printed("current_torque"),
-        "draw_published_forces": SELECTION.printed(),
-        "write_run": [],  # on demand alone
-    }
-    return only.get(step, RECORDINGS)
