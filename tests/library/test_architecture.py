@@ -24,17 +24,17 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "tables": {"channels", "errors", "timeseries"},
     "robots": {"errors", "strict", "timeseries", "workspace"},
     # rooms know records, and not each other but for what stands here
-    "recordings": BASE | {"workspace"},
-    "checks": BASE | {"recordings"},
+    "recordings": BASE | {"records", "workspace"},
+    "checks": BASE | {"recordings", "records"},
     "signals": BASE | {"records"},
     "dynamics": BASE,
     "identification": BASE | {"records"},
-    "force": BASE | {"records", "recordings", "workspace"},
+    "force": BASE | {"records", "workspace"},
     "smoothing": BASE | {"records", "signals"},
     "excitation": BASE | {"dynamics", "identification"},
-    "records": BASE | {"recordings", "signals", "identification", "force", "lab.stand", "thesis"},
+    "records": BASE | {"signals", "identification", "force", "lab.stand", "thesis"},
     # branches
-    "thesis": BASE | METHODS - {"identification"} | {"recordings", "records", "steps"},
+    "thesis": BASE | METHODS - {"identification"} | {"records"},
     "lab.recorder": BASE,
     "lab.stand": BASE,
     "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
@@ -48,14 +48,14 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     # readers
     "report": BASE
     | METHODS - {"signals"}
-    | {"excitation", "recordings", "records", "thesis", "tidy", "workspace"},
-    "study": BASE | {"lab.recorder", "lab.stand", "recordings", "thesis"},
-    "finished": BASE | {"recordings", "records", "study"},
+    | {"excitation", "records", "thesis", "tidy", "workspace"},
+    "study": BASE | {"lab.recorder", "lab.stand", "recordings", "records", "thesis"},
+    "finished": BASE | {"records", "study"},
     "commands": BASE
     | METHODS
     | {"checks", "excitation", "finished", "lab.doubles", "lab.recorder", "recordings", "records"}
     | {"report", "steps", "study", "tidy"},
-    "importing": BASE | {"checks", "commands", "recordings", "study"},
+    "importing": BASE | {"checks", "commands", "recordings", "records", "study"},
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}
     | {"workspace"},
