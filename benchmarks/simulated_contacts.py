@@ -52,7 +52,7 @@ LIMIT_SHARES = (0.5, 0.1)  # of the limits of speed, in the excitations to fit o
 PAUSE_S = 1.0  # s at each way-point of the third recording to fit on
 FRICTION = (0.7, 1.3)  # range of each joint's friction, relative to the usual one
 SWAY = 0.4  # rad, by which postures differ
-NEEDED = ("forces.parquet", "published_forces.parquet", "sensor.parquet")
+NEEDED = ("forces.parquet", "sensor.parquet")
 LEFT_OUT = {own.name for own in PUBLISHED}  # the stand only imitates the controller
 NORMAL = 1.96  # standard deviations of a 95 % band
 

@@ -7,7 +7,7 @@ from typing import TypeVar
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.records.carried import Carried
+from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Payload, Robot, load_robot
@@ -68,7 +68,8 @@ class FinishedStudy:
 
     def payload(self, recording: str) -> Payload | None:
         """Return the payload of the arm."""
-        return read_record(Carried, self._existing("recordings", recording, "torques.json")).payload
+        premises = self._existing("recordings", recording, "premises.json")
+        return read_record(Premises, premises).load.payload
 
     def record(self, kind: type[Record], recording: str) -> Record:
         """Return a recording's table as a record, e.g. `Motion` of motion.parquet."""

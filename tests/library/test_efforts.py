@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur5lib.importing.blocks import Block
-from ur5lib.importing.clocks import Clocks
-from ur5lib.importing.contents import Contents, Evidence, Header
+from ur5lib.importing.blocks import ColumnBlock
+from ur5lib.importing.clocks import FileClocks
+from ur5lib.importing.contents import FileContents, ImportEvidence, TableHeader
 from ur5lib.importing.efforts import as_amperes, name_efforts
 from ur5lib.timeseries.arrays import Array
 
@@ -15,10 +15,10 @@ STEP = 1e-3  # A, of a controller's currents
 CONSTANTS = np.array([-12.925, -13.088, 9.358, 4.572, -4.572, 4.548])  # Nm/A, of a driver
 
 
-def block(rows: Array, first: int = 1) -> Block:
+def block(rows: Array, first: int = 1) -> ColumnBlock:
     """Columns without a name but with a unit, as of a table whose header tells no more."""
     names = tuple(f"column {first + k} [A]" for k in range(rows.shape[1]))
-    return Block(names, rows, "rows")
+    return ColumnBlock(names, rows, "rows")
 
 
 # Currents that a driver multiplied by constants of its own
@@ -37,7 +37,7 @@ def test_rounded_currents_come_back_from_any_constants(gaps: tuple[int, ...]) ->
     whole = counts()
     kept = np.isin(np.abs(whole) % (2 * gaps[-1] + 1), gaps) if len(gaps) > 1 else whole > 0
     whole = np.where(kept, whole, 0)
-    evidence = Evidence()
+    evidence = ImportEvidence()
     written = CONSTANTS * STEP * whole + 1e-9 * np.random.default_rng(1).normal(size=whole.shape)
     found = as_amperes(block(written), evidence)
     np.testing.assert_allclose(found.rows, np.sign(CONSTANTS) * STEP * whole, atol=1e-7)
@@ -53,7 +53,7 @@ def test_decimals_are_no_constants(step: float) -> None:
     for near, told in ((1.0, False), (1.00001, False), (1.001, True)):
         constants[3] = near * step / STEP
         rows = constants * STEP * counts()
-        assert (as_amperes(block(rows), Evidence()).rows is not rows) == told
+        assert (as_amperes(block(rows), ImportEvidence()).rows is not rows) == told
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_current_reaches_a_hundred_to_a_hundred_thousand_of_its_steps(
     whole = counts(largest)
     whole[1:100] = np.arange(1, 100)[:, None]  # neighbours, wherever the others are
     rows = CONSTANTS * STEP * whole
-    assert (as_amperes(block(rows), Evidence()).rows is not rows) == told
+    assert (as_amperes(block(rows), ImportEvidence()).rows is not rows) == told
 
 
 @pytest.mark.parametrize(("off", "told"), [(0.008, True), (0.02, False)])
@@ -74,21 +74,21 @@ def test_numbers_off_the_multiples_by_a_hundredth_are_not_rounded(off: float, to
     whole = counts().astype(float)
     whole[np.abs(whole) == 1500] *= 1 + off / 1500  # the largest, which no step is told by
     rows = CONSTANTS * STEP * whole
-    assert (as_amperes(block(rows), Evidence()).rows is not rows) == told
+    assert (as_amperes(block(rows), ImportEvidence()).rows is not rows) == told
 
 
 def test_other_arms_have_no_such_driver() -> None:
     rows = CONSTANTS[:5] * STEP * counts()[:, :5]
-    assert as_amperes(block(rows), Evidence()).rows is rows
+    assert as_amperes(block(rows), ImportEvidence()).rows is rows
 
 
 # Targets without a name
 
 
-def channels(*blocks: Block) -> dict[str, Block]:
+def channels(*blocks: ColumnBlock) -> dict[str, ColumnBlock]:
     """The channels of efforts in a file without a motion."""
-    clocks = Clocks({"rows": np.arange(float(len(blocks[0].rows)))}, {})
-    file = Contents(Path("log.csv"), "table-csv", Header(), [*blocks], [], clocks, [])
+    clocks = FileClocks({"rows": np.arange(float(len(blocks[0].rows)))}, {})
+    file = FileContents(Path("log.csv"), "table-csv", TableHeader(), [*blocks], [], clocks, [])
     return name_efforts({str(k): one for k, one in enumerate(blocks)}, None, None, file)
 
 

@@ -8,8 +8,12 @@ import pytest
 
 import ur5lib
 from ur5lib.errors import InputError
+from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction
-from ur5lib.tables import write_csv, write_table
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Contradictions
+from ur5lib.robots.description import Payload
+from ur5lib.tables import write_csv, write_json, write_table
 
 
 @pytest.fixture
@@ -47,6 +51,12 @@ def test_what_there_is_has_names(results: Path) -> None:
 def test_the_nearest_name_is_offered(results: Path, what: str, name: str, known: str) -> None:
     with pytest.raises(InputError, match=f"'.*', but {known}"):
         getattr(ur5lib.load(results), what)(name)
+
+
+def test_the_payload_is_that_of_the_premises(results: Path) -> None:
+    carried = Carried(Payload(mass=1.5), "study", None)
+    write_json(Premises(carried, Contradictions()), results / "recordings/pushed/premises.json")
+    assert ur5lib.load(results).payload("pushed") == Payload(mass=1.5)
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:

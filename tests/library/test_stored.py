@@ -34,7 +34,7 @@ from tests.stored_files import (
     write_npz,
 )
 from ur5lib.errors import InputError
-from ur5lib.importing.contents import Stated
+from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.recording import RawRecording
@@ -364,7 +364,7 @@ def test_damaged_files_get_an_honest_answer(
 def expect_right_import(path: Path, whole: Whole) -> None:
     """Import refuses a damaged file, or finds in it what the whole one has."""
     with suppress(InputError):
-        (one,) = import_files([path], Stated("ur5"))
+        (one,) = import_files([path], UserStatement("ur5"))
         assert one.entry["channels"].items() <= whole.entry["channels"].items()
         assert "joints" not in one.entry
 

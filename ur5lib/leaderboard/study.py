@@ -10,6 +10,7 @@ import numpy as np
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.force.force_input import Gears, force_input
+from ur5lib.force.published import controller_estimate
 from ur5lib.identification.current_samples import current_record
 from ur5lib.identification.currents import (
     breakaway_torque,
@@ -31,6 +32,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.strict import read_yaml
 from ur5lib.tables import read_record
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.trajectories import group_by_path
 
 JOINT_COUNT = 6  # of the arms that estimators are written for
@@ -146,15 +148,19 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
             record.torque, load_loss(fit, record), constant * friction_current(fit, record)
         ),
         position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
-        ready=ready_estimates(folder),
+        ready=ready_estimates(folder, robot, signals),
         sensor=SensorWrenches.read(folder / "sensor.parquet").wrench.get("compensated"),
     )
 
 
-def ready_estimates(folder: Path) -> dict[str, Estimate]:
-    """Return the estimates that the study holds, the published ones as corrected."""
-    forces = Forces.read(folder / "forces.parquet")
-    published = PublishedForces.read(folder / "published_forces.parquet").corrected
+def ready_estimates(folder: Path, robot: Robot, signals: Signals) -> dict[str, Estimate]:
+    """Return the estimates that the study holds, the published ones as corrected; of a study
+    without published values, the controller's alone stands for these.
+    """
+    forces, file = Forces.read(folder / "forces.parquet"), folder / "published_forces.parquet"
+    published: Mapping[str, Array] = controller_estimate(robot, signals)
+    if file.exists():
+        published = PublishedForces.read(file).corrected
     return {name: Estimate(wrench) for name, wrench in published.items()} | {
         name: Estimate(wrench, forces.std.get(name)) for name, wrench in forces.wrench.items()
     }
