@@ -14,12 +14,10 @@ the study's: the controller's own torque tells it, not the currents.
 `--quick` does a part of all this.
 """
 
-import runpy
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,30 +29,34 @@ from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.residual_model import Residuals
+from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.identification.samples import apart_from, path_of
 from ur5lib.records.currents import Currents
-from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
+from ur5lib.records.signals import Signals
+from ur5lib.records.table import Table
 from ur5lib.report.page.findings import in_words
+from ur5lib.robots.description import load_robot
+from ur5lib.steps.estimate_forces import estimate_forces
+from ur5lib.steps.estimate_load import estimate_load
+from ur5lib.steps.fit_friction import fit_friction
+from ur5lib.steps.fit_residuals import fit_residuals
 from ur5lib.steps.judge_contacts import alarms_by_odds, live_alarms, strongest
+from ur5lib.steps.predict_currents import predict_currents
+from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.study.model import Settings
-from ur5lib.tables import read_record
+from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.timeseries.trajectories import group_by_path
 
-STEPS = [
-    "fit_friction",
-    "estimate_payload",
-    "predict_currents",
-    "fit_residuals",
-    "estimate_forces",
-    "set_threshold",
-]
-TABLES = ("signals", "motion", "torques")
-CHECKED = ("contradictions", "quality")
-PAYLOAD = {"payload": "payload.json", "regressor": "load_regressor.parquet"}
+TABLES: dict[str, type[Table]] = {"signals": Signals, "motion": Motion, "torques": Torques}
 ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations"]
 MOVES = 2.0  # s, for which a joint moves at least where its friction is judged
 
@@ -81,6 +83,10 @@ class Recording:
         """Path of a file that the study made of it."""
         return str(self.folder / name)
 
+    def premises(self) -> Premises:
+        """Return what its torques rest on."""
+        return read_record(Premises, self.file("premises.json"))
+
     def sensed(self) -> Array:
         """Return the sensor's wrench (N, 6), bias and tool removed; empty without a sensor."""
         found = SensorWrenches.read(self.file("sensor.parquet")).wrench
@@ -101,9 +107,10 @@ class Study:
         return [own for own in self.recordings if own.entry["role"] == "fit"]
 
     @property
-    def lowpass(self) -> dict[str, Any]:
-        """Order and cut-off behind currents and torques, as steps are given them."""
-        return self.settings.lowpass.currents.model_dump()
+    def lowpass(self) -> Butterworth:
+        """Order and cut-off behind currents and torques."""
+        settings = self.settings.lowpass.currents
+        return Butterworth(settings.order, settings.cutoff_hz)
 
 
 Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
@@ -175,7 +182,7 @@ class Fold:
 
     def __init__(self, study: Study, fitted: list[Recording], folder: Path) -> None:
         self.study, self.fitted, self.folder = study, fitted, folder
-        self.step = {name: step_of(name) for name in STEPS}
+        self.arm = load_robot(study.arm)
 
     def own(self, recording: Recording, name: str) -> str:
         """A file that this fold makes of a recording."""
@@ -185,107 +192,106 @@ class Fold:
         """A file that this fold makes of all."""
         return str(self.folder / name)
 
+    @property
+    def friction(self) -> Friction:
+        """What the fitted recordings tell of friction."""
+        return read_record(Friction, self.shared("friction.json"))
+
     def predict(self, tested: list[Recording]) -> None:
         """Fit, and predict the currents of all recordings; raises InputError if it is refused."""
-        lowpass = self.study.lowpass
-        self.run(
-            "fit_friction",
-            {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
-            | {"arm": str(self.study.arm)}
-            | {n: [own.file(f"{n}.json") for own in self.fitted] for n in CHECKED}
-            | {"postures": []},
-            {"friction": self.shared("friction.json")},
-            lowpass
-            | {"recordings": [own.name for own in self.fitted]}
-            | {"dates": [own.day for own in self.fitted]},
+        friction = fit_friction(
+            arm=self.arm,
+            **{name: self.of_fitted(kind, f"{name}.parquet") for name, kind in TABLES.items()},
+            premises={own.name: own.premises() for own in self.fitted},
+            quality={
+                own.name: read_record(Quality, own.file("quality.json")) for own in self.fitted
+            },
+            postures={},
+            dates={own.name: own.day for own in self.fitted},
+            lowpass=self.study.lowpass,
         )
+        write_json(friction, self.shared("friction.json"))
         for own in [*self.fitted, *tested]:
             self.payload(own)
         for own in [*self.fitted, *tested]:
             self.currents(own, "fit" if own in self.fitted else "validate")
         self.residuals()
 
+    def of_fitted(self, kind: type[Table], file: str) -> dict[str, Any]:
+        """A table that the study made of each fitted recording."""
+        return {own.name: kind.read(own.file(file)) for own in self.fitted}
+
     def estimate(self, tested: list[Recording]) -> None:
         """Estimate the forces of all recordings, whose currents are predicted."""
         for own in [*self.fitted, *tested]:
             self.forces(own)
-        self.run(
-            "set_threshold",
-            {
-                "forces": [self.own(own, "forces.parquet") for own in self.fitted],
-                "published": [own.file("published_forces.parquet") for own in self.fitted],
-            },
-            {"threshold": self.shared("threshold.json")},
-            {"false_alarms_per_min": self.study.settings.alarms.false_per_min},
+        published = [own.folder / "published_forces.parquet" for own in self.fitted]
+        threshold = set_threshold(
+            forces={own.name: Forces.read(self.own(own, "forces.parquet")) for own in self.fitted},
+            signals=self.of_fitted(Signals, "signals.parquet"),
+            arm=self.arm,
+            false_alarms_per_min=self.study.settings.alarms.false_per_min,
+            published=self.of_fitted(PublishedForces, "published_forces.parquet")
+            if all(path.exists() for path in published)
+            else None,
         )
+        write_json(threshold, self.shared("threshold.json"))
 
     def residuals(self) -> None:
         """What the external torque of the fitted recordings is without contact."""
-        self.run(
-            "fit_residuals",
-            {
-                "friction": self.shared("friction.json"),
-                "currents": [self.own(own, "currents.parquet") for own in self.fitted],
-                "motion": [own.file("motion.parquet") for own in self.fitted],
+        residuals = fit_residuals(
+            friction=self.friction,
+            currents={
+                own.name: Currents.read(self.own(own, "currents.parquet")) for own in self.fitted
             },
-            {"residuals": self.shared("residuals.json")},
-            {"cutoff_hz": self.study.lowpass["cutoff_hz"]},
+            motion=self.of_fitted(Motion, "motion.parquet"),
+            cutoff_hz=self.study.lowpass.cutoff,
         )
+        write_json(residuals, self.shared("residuals.json"))
 
     def payload(self, own: Recording) -> None:
         """What the currents tell of a load."""
-        self.run(
-            "estimate_payload",
-            self.inputs_of(own),
-            {name: self.own(own, file) for name, file in PAYLOAD.items()},
-            self.study.lowpass | {"recording": own.name, "gravity": own.entry.get("gravity")},
-        )
+        write_json(estimate_load(**self.inputs_of(own)), self.own(own, "payload.json"))
+
+    def load_of(self, own: Recording) -> PayloadEstimate:
+        """Return what the currents told of a load."""
+        return read_record(PayloadEstimate, self.own(own, "payload.json"))
 
     def currents(self, own: Recording, role: str) -> None:
         """The external torque of a recording."""
-        self.run(
-            "predict_currents",
-            self.inputs_of(own)
-            | {name: self.own(own, file) for name, file in PAYLOAD.items()}
-            | {
-                "load": own.file("torques.json"),
-                "contradictions": own.file("contradictions.json"),
-                "unloaded": [self.own(other, "payload.json") for other in self.fitted],
-            },
-            {
-                "currents": self.own(own, "currents.parquet"),
-                "summary": self.own(own, "currents.json"),
-            },
-            self.study.lowpass
-            | {"recording": own.name, "role": role, "untouched": own.entry.get("untouched")},
+        untouched = own.entry.get("untouched")
+        predicted = predict_currents(
+            **self.inputs_of(own),
+            role=role,
+            premises=own.premises(),
+            payload=self.load_of(own),
+            unloaded={other.name: self.load_of(other) for other in self.fitted},
+            untouched=None if untouched is None else tuple(untouched),
         )
+        predicted.currents.write(self.own(own, "currents.parquet"))
+        write_json(predicted.summary, self.own(own, "currents.json"))
 
     def forces(self, own: Recording) -> None:
         """All estimates of a recording's forces."""
-        self.run(
-            "estimate_forces",
-            self.inputs_of(own)
-            | {
-                "contradictions": own.file("contradictions.json"),
-                "kinematics": own.file("kinematics.parquet"),
-                "currents": self.own(own, "currents.parquet"),
-                "residuals": self.shared("residuals.json"),
-            },
-            {"forces": self.own(own, "forces.parquet")},
-            {
-                "contact_force_n": self.study.settings.contact.force_n,
-                "cutoff_hz": self.study.lowpass["cutoff_hz"],
-            },
+        forces = estimate_forces(
+            **{name: kind.read(own.file(f"{name}.parquet")) for name, kind in TABLES.items()},
+            kinematics=Kinematics.read(own.file("kinematics.parquet")),
+            currents=Currents.read(self.own(own, "currents.parquet")),
+            premises=own.premises(),
+            friction=self.friction,
+            residuals=read_record(Residuals, self.shared("residuals.json")),
+            arm=self.arm,
+            lowpass=self.study.lowpass,
+            contact_force_n=self.study.settings.contact.force_n,
         )
+        forces.write(self.own(own, "forces.parquet"))
 
     def inputs_of(self, own: Recording) -> dict[str, Any]:
         """What both steps on currents read."""
-        tables = {name: own.file(f"{name}.parquet") for name in TABLES}
-        return tables | {"friction": self.shared("friction.json"), "arm": str(self.study.arm)}
-
-    def run(self, name: str, *files_and_params: dict[str, Any]) -> None:
-        """A step with its input, output and params."""
-        self.step[name](*(SimpleNamespace(**own) for own in files_and_params))
+        tables = {name: kind.read(own.file(f"{name}.parquet")) for name, kind in TABLES.items()}
+        settings = {"recording": own.name, "gravity": own.entry.get("gravity")}
+        known = {"friction": self.friction, "arm": self.arm, "lowpass": self.study.lowpass}
+        return tables | settings | known
 
     def alarms(self, tested: list[Recording]) -> pd.DataFrame:
         """A row for each recording and estimate: alarms, minutes, of them minutes in alarm, and the
@@ -310,12 +316,6 @@ class Fold:
                 lasted = sum(last - first for first, last in raised) * minute
                 rows.append([own.name, "causal", len(raised), len(odds) * minute, lasted, np.nan])
         return pd.DataFrame(rows, columns=ALARMS)
-
-
-def step_of(name: str) -> Any:
-    """A step's function, from the workflow's script."""
-    script = Path(__file__).parents[1] / "workflow" / "scripts" / f"{name}.py"
-    return runpy.run_path(str(script))[name]
 
 
 def report_alarms(label: str, found: pd.DataFrame) -> None:
