@@ -57,5 +57,5 @@ def readable(files: Files) -> tuple[Files, dict[str, str]]:
 
 def unreadable(results: Path) -> dict[str, str]:
     """Return the recordings of a study that cannot be read, each with the reason."""
-    files = sorted(results.glob("*/*/quality.json"))
-    return {path.parent.name: why for path in files if (why := reason(str(path)))}
+    files = *results.glob("recordings/*/quality.json"), *results.glob("postures/*/postures.json")
+    return {path.parent.name: why for path in sorted(files) if (why := reason(str(path)))}

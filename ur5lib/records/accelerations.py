@@ -49,7 +49,7 @@ ByRange = dict[str, dict[str, Difference]]  # by range of frequency, in motion a
 
 @dataclass(frozen=True, kw_only=True)
 class ImuComparison:
-    """accelerations.json: errors by estimate beside the IMU, and differences by range of frequency.
+    """Errors by estimate beside the IMU, and differences by range of frequency.
 
     calibrated_on: the recordings that calibrated the IMU; accelerometer_bias: (3,) [m/s²];
     plain_ranges: differences of a plain filter. Empty where no IMU's clock could be estimated from

@@ -12,7 +12,7 @@ Estimate = tuple[float, float]  # value and standard error
 
 @dataclass(frozen=True)
 class Checkup:
-    """checkup.json: the condition of an arm on a date (ISO 8601), by one recording.
+    """The condition of an arm on a date (ISO 8601), by one recording.
 
     joints: estimates by quantity, of joints 1 to n; temperature: (n,) [°C], mean of each motor, NaN
     where not recorded; lost: share of lost frames. Without a date, the recording cannot be used.

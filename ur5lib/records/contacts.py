@@ -83,7 +83,7 @@ class SmallestPush:
 
 @dataclass(frozen=True, kw_only=True)
 class Detected(Matched):
-    """An estimate in detection.json.
+    """The contacts that an estimate detects.
 
     time_in_alarm, free_time_in_alarm: shares of all samples and of those without contact; axes:
     with the thesis's threshold; roc_area: under the receiver's curve; causal: from past samples

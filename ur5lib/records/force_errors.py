@@ -27,7 +27,7 @@ ByPeriod = dict[str, Figures]  # in contact, free and all
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """forces.json: every estimate of the contact wrench beside the force sensor.
+    """Every estimate of the contact wrench beside the force sensor.
 
     std: median standard deviation by estimate and component; errors: by kind of reference,
     estimate and period; contacts: errors of each contact by estimate; felt: what the sensor felt;
@@ -66,7 +66,7 @@ class AuditRow:
 
 @dataclass(frozen=True)
 class Audit:
-    """audit.json: what is wrong with the force sensor in an arm's wrist.
+    """What is wrong with the force sensor in an arm's wrist.
 
     free_s: contact-free time [s], None where there is nothing to audit.
     """

@@ -57,7 +57,8 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
         **of_forces(evidence, beside_sensor, detect_contacts(evidence, sensor)),
     }
     condition = examine_joints(evidence)
-    return JudgedRecording(sensor, fused, accelerations, Judgement(rows, condition, beside_imu))
+    judgement = Judgement(rows, condition, beside_imu, beside_sensor.offset)
+    return JudgedRecording(sensor, fused, accelerations, judgement)
 
 
 def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
