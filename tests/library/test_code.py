@@ -8,7 +8,7 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.jobs import code
-from ur5lib.jobs.code import checksum_of_step, imported_modules, in_library, of_study
+from ur5lib.jobs.code import checksum_of_step, imported_modules, in_library, of_study, steps_with
 
 MODULES = {
     "__init__": "",
@@ -121,3 +121,9 @@ def test_no_import_of_the_library_is_missed() -> None:
         files[name.removesuffix(".__init__")] = path
     for path in files.values():
         assert {files[name] for name in of_ast(path) & files.keys()} <= imported_modules(path), path
+
+
+def test_the_steps_with_a_file_are_those_whose_checksum_it_changes() -> None:
+    gate = steps_with(PACKAGE / "force" / "gate.py")
+    assert {"estimate_forces", "judge_recording"} <= {*gate}
+    assert "fit_friction" not in gate

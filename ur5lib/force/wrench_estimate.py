@@ -152,14 +152,10 @@ def _estimate(observations: Observations) -> StretchEstimate:
         posterior_wrench = contact_wrench(*samples, observations.worth, period, lossy)
         map_estimate.mean[part], map_estimate.variance[part] = posterior_wrench
         least_squares.mean[part], least_squares.variance[part] = least_squares_wrench(*samples)
-    # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
     shut = _std_while_shut(observations, probability, inside)
-    wrench = likely[:, None] * map_estimate.mean
-    second = model.doubt**2 * map_estimate.variance + map_estimate.mean**2
-    second = likely[:, None] * second + (1 - likely[:, None]) * shut**2
-    std = np.sqrt(np.maximum(second - wrench**2, 0.0))
+    std = std_in_contact(likely, map_estimate, model.doubt, shut)
     return StretchEstimate(
-        wrench=wrench,
+        wrench=likely[:, None] * map_estimate.mean,
         std=np.hypot(
             np.where(inside[:, None], std, shut), _slow_press(observations, background.mean)
         ),
@@ -168,6 +164,18 @@ def _estimate(observations: Observations) -> StretchEstimate:
         least_squares=least_squares.mean,
         least_squares_std=np.sqrt(least_squares.variance),
     )
+
+
+def std_in_contact(likely: Array, contact: ContactWrench, doubt: float, shut: Array) -> Array:
+    """Return the standard deviation (n, 6) [N, Nm] in contact, whose 95 % band is 1.96 times it.
+
+    likely: (n,), probability p of contact; contact: the wrench F̂ in contact; doubt: factor on its
+    deviation, of few paths; shut: (n, 6), deviation of a free arm.
+    """
+    # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
+    p = likely[:, None]
+    second = p * (doubt**2 * contact.variance + contact.mean**2) + (1 - p) * shut**2
+    return np.asarray(np.sqrt(np.maximum(second - (p * contact.mean) ** 2, 0.0)))
 
 
 def contact_spans(probability: Array, period: float) -> list[Span]:

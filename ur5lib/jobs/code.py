@@ -1,6 +1,10 @@
-"""The code of a step, as a checksum: Snakemake knows nothing of the modules that a step imports."""
+"""The code of a step, as a checksum: Snakemake knows nothing of the modules that a step imports.
+
+`python -m ur5lib.jobs.code ur5lib/force/gate.py` prints the steps that use a file.
+"""
 
 import re
+import sys
 from collections.abc import Collection, Iterable
 from functools import cache
 from hashlib import sha256
@@ -19,14 +23,18 @@ def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
     files: of the library, too. It is the same wherever the library is installed. Extensions of a
     user count as code of the steps whose modules take them up.
     """
-    first = PACKAGE / "steps" / f"{step}.py"
-    modules, unseen = set[Path](), {first}
+    modules = modules_of_step(step)
+    every = [*modules, *sorted({*files}), *source_files({*modules})]
+    return sha256(b"".join(map(_content, every))).hexdigest()[:16]
+
+
+def modules_of_step(step: str) -> list[Path]:
+    """Return the files of a step's module and of all modules that it uses, directly or not."""
+    modules, unseen = set[Path](), {PACKAGE / "steps" / f"{step}.py"}
     while unseen:
         modules |= unseen
         unseen = {used for module in unseen for used in imported_modules(module)} - modules
-    library = sorted(modules - {first} | {*files})
-    every = [first, *library, *source_files(modules)]
-    return sha256(b"".join(map(_content, every))).hexdigest()[:16]
+    return sorted(modules)
 
 
 @cache
@@ -53,3 +61,14 @@ def in_library(paths: Iterable[str | Path]) -> list[Path]:
 def of_study(paths: Iterable[str | Path]) -> list[str]:
     """Return those files that belong to the study: inputs of a step."""
     return [str(path) for path in paths if not Path(path).is_relative_to(PACKAGE)]
+
+
+def steps_with(file: Path) -> list[str]:
+    """Return the steps that use a file of the library."""
+    modules = sorted((PACKAGE / "steps").glob("*.py"))
+    steps = [path.stem for path in modules if f"\ndef {path.stem}(" in path.read_text()]
+    return [step for step in steps if file.resolve() in modules_of_step(step)]
+
+
+if __name__ == "__main__":
+    print(*steps_with(Path(sys.argv[1])), sep="\n")
