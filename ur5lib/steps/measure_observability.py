@@ -56,8 +56,9 @@ def measure_observability(
             continue
         errors.append(judged(moved, predicted, friction.fit_for(name)))
         problem = fmap_problem(moved, predicted, residuals)
-        if LEADING in threshold and problem is not None:
-            jacobian, odds = kinematics[name].jacobian, forces[name].log_odds[LEADING]
+        odds = forces[name].log_odds.get(LEADING)
+        if LEADING in threshold and problem is not None and odds is not None:
+            jacobian = kinematics[name].jacobian
             trials.append(pushed(problem, jacobian, prior, threshold[LEADING], odds))
     return [*observability(trials, errors)]
 
