@@ -48,6 +48,7 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.imu_samples import imu_samples
+from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
@@ -64,7 +65,6 @@ from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.steps.fit_residuals import residual_models
 from ur5lib.steps.identify_model import rotor_samples
 from ur5lib.steps.predict_currents import predicted_currents
-from ur5lib.steps.read_recording import own_clocks
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Mask

@@ -51,7 +51,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 TABLE = -0.05  # m
 SHORT = Effort(1, 0, ((1e2, 30), (1e4, 20)))
-RANDOM, CELLS, SEEDS = 10, 6, 300
+RANDOM, CELLS, SEEDS = 10, 6, 1000
 
 
 @functools.cache

@@ -29,7 +29,7 @@ from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.records.carried import configured_payload
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.steps.read_recording import own_clocks
+from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table
 from ur5lib.timeseries.arrays import Array

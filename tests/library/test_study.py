@@ -287,7 +287,7 @@ def test_every_setting_is_documented_and_used() -> None:
                 check(field.annotation, f"{place}.{name}")
             else:
                 assert field.description
-                used = rf"[=(]{place}\.{name}\b|\*\*{place}\.model_dump\(\)"
+                used = rf"[=(]{place}\.{name}\b|design\({place}\)"
                 assert re.search(used, rules), f"{place}.{name}"
 
     check(Settings, "SETTINGS")

@@ -28,8 +28,8 @@ from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import by_finding, group_findings, worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
+from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
-from ur5lib.steps.read_recording import own_clocks
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tidy import files, table

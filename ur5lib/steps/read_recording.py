@@ -1,7 +1,6 @@
 """Read the devices' files: the robot's frames on a uniform grid, its poses, the devices' clocks."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,16 +12,14 @@ from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings.entries import Entry
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.quality import Device, Quality, StartOffset
-from ur5lib.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.records.quality import Device, Quality
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clock import OwnClock, clock_from_stamps
-from ur5lib.signals.device_clock import device_clock
+from ur5lib.signals.clock import OwnClock
+from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.tables import checksum
-from ur5lib.timeseries.arrays import Array
 
 SENSORS: tuple[Device, ...] = ("force", "imu")
-GYROSCOPE = SENSOR_COLUMNS["imu"][3:]
 NO_SAMPLES = pd.DataFrame({"time": pd.Series(dtype=float)})
 
 
@@ -59,30 +56,3 @@ def read_recording(
     clocks = own_clocks(intake.quality.starts, {"force": force, "imu": imu}, robot, *frames)
     quality = replace(intake.quality, read={str(path): checksum(path) for path in raw})
     return ReadRecording(intake.robot, force, imu, kinematics, quality, clocks)
-
-
-def own_clocks(
-    starts: Mapping[Device, StartOffset],
-    devices: Mapping[Device, pd.DataFrame],
-    robot: Signals,
-    rotation: Array,
-    jacobian: Array,
-) -> dict[str, OwnClock]:
-    """Return each device's clock.
-
-    starts: of its stamps; devices: as read, each on its own clock; rotation, jacobian: R_6
-    (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
-    """
-    clocks = dict[str, OwnClock]()
-    for name, start in starts.items():
-        device = devices[name]
-        turns = set(GYROSCOPE) <= set(device)
-        clock, warning = device_clock(
-            device["time"].to_numpy(),
-            device[GYROSCOPE].to_numpy() if turns else None,
-            clock_from_stamps(start.seconds, start.std, start.drift_std),
-            (robot.time, robot.segment, robot.actual_q),
-            (rotation, jacobian),
-        )
-        clocks[name] = OwnClock(**asdict(clock), warning=warning, stamps=start.seconds)
-    return clocks
