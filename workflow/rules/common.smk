@@ -62,12 +62,17 @@ except InputError as error:
     raise WorkflowError(str(error))
 
 
+# Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
+# jobs anew every second, to the end of the run (`_schedule_reevalutation` in its scheduler): a tenth of
+# the time of a study of minutes. No option ends it.
 onstart:
     if workflow.is_main_process and not turn:
         try:
             turn.append(take_turn(Path(RESULTS)))
         except InputError as error:
             raise WorkflowError(str(error))
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
 
 
 wildcard_constraints:
