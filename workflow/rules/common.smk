@@ -44,11 +44,10 @@ TRUTHS = SELECTION.truths(RESULTS)
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
-REPORT = PACKAGE / "report" / "page"
-CONTENTS = REPORT / "contents.yaml", REPORT / "sentences.yaml"
-TEMPLATES = REPORT / "templates"
+CONTENTS = [PACKAGE / "report" / "page" / name for name in ("contents.yaml", "sentences.yaml")]
+TEMPLATES = PACKAGE / "report" / "page" / "templates"
 COLUMNS = PACKAGE / "tidy" / "columns.yaml"
-WORDS_OF_FINDINGS = [TEMPLATES / "findings.yaml"]
+WORDS_OF_FINDINGS = TEMPLATES / "findings.yaml"
 
 
 # A second run of a study would delete what the first has made. Who waits plans afterwards.
@@ -62,9 +61,8 @@ except InputError as error:
     raise WorkflowError(str(error))
 
 
-# Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
-# jobs anew every second, to the end of the run (`_schedule_reevalutation` in its scheduler): a tenth of
-# the time of a study of minutes. No option ends it.
+# Each job's end starts a timer that weighs all jobs anew every second: a tenth of a study's minutes.
+# No option ends it: https://github.com/snakemake/snakemake/pull/3744
 onstart:
     if workflow.is_main_process and not turn:
         try:

@@ -121,7 +121,7 @@ rule make_tables:
     log:
         **traces("make_tables"),
     params:
-        code=code("make_tables", COLUMNS, *WORDS_OF_FINDINGS),
+        code=code("make_tables", COLUMNS, WORDS_OF_FINDINGS),
     run:
         run_step(rule, input, output, params, log)
 
