@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pinocchio
 import pytest
+import yaml
 
 from tests.library.current_study import noisy, prior, smooth
 from ur5lib.checks.checked import Checked
@@ -32,14 +33,17 @@ from ur5lib.identification.currents import predict
 from ur5lib.identification.payload import estimate_payload
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders
+from ur5lib.smoothing.smoothed_motion import motion_record
 from ur5lib.steps.draw_models import draw_models
+from ur5lib.steps.identify_model import identify_model
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 
 JOINTS, PERIOD = 7, 0.008
 ALPHA = (-90, 90, 90, -90, -90, 90, 0)  # degrees; the geometry is a KUKA LBR iiwa 7's
@@ -154,6 +158,30 @@ def test_links_are_identified() -> None:
     identified = robot.with_model("identified", identified_model(robot, parameters, ""))
     off = LinkModel(identified, "identified").inverse_dynamics(*motion) - rows @ truth
     assert np.abs(off).max() < 0.05
+
+
+def test_what_its_controller_tells_is_fitted() -> None:
+    """Torques at the targets show the rotors, and a model that repeats them."""
+    robot, states = arm(), sines(40)
+    time, segment = PERIOD * np.arange(len(states[0])), np.zeros(len(states[0]), np.int64)
+    torque = LinkModel(robot, "made up").inverse_dynamics(*states)
+    torque += np.random.default_rng(6).normal(0, 1e-3, torque.shape)
+    names = ("target_q", "target_qd", "target_qdd")
+    signals = Signals(
+        time=time,
+        segment=segment,
+        interpolated=segment > 0,
+        actual_q=states[0],
+        target_moment=torque,
+        **dict(zip(names, states, strict=True)),
+    )
+    motion = motion_record(signals, smooth_encoders(time, segment, *states[:2]))
+    known = {"sines": signals}, {"sines": motion}, {"sines": None}
+    found = identify_model(robot, *known, Butterworth(4, 10.0))
+    assert found.summary.refused is None
+    fitted = Robot.model_validate(yaml.safe_load(found.arm))
+    off = LinkModel(fitted, "identified").inverse_dynamics(*states) - torque
+    assert np.abs(off).mean() < 0.02
 
 
 def test_a_wrench_is_estimated() -> None:

@@ -211,8 +211,8 @@ def rotor_samples(
 
 def torque_blocks(
     robot: Robot, signals: Signals, motion: Motion, design: Butterworth
-) -> Iterator[tuple[Array, Array]]:
-    """Yield regressors (n, 6, 66) and the controller's torques (n, 6), a block each two seconds.
+) -> Iterator[Block]:
+    """Yield regressors and the controller's torques [Nm], a block each two seconds.
 
     The torques are those of the bare arm: a payload that the controller was given is taken off.
     Nothing where `target_moment` was not recorded.
@@ -223,10 +223,11 @@ def torque_blocks(
     bare = LinkModel(robot, robot.chosen_model)
     loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
     load = loaded.inverse_dynamics(*states) - bare.inverse_dynamics(*states)
-    columns = bare.regressor(*states).reshape(len(signals.time), -1)
-    rows = np.hstack([columns, signals.target_moment - load])
+    regressor = bare.regressor(*states)
+    joints, parameters = regressor.shape[1:]
+    rows = np.hstack([regressor.reshape(len(regressor), -1), signals.target_moment - load])
     rows = comparable(rows, signals, exact, design)
     every = max(1, round(THINNED_STEP / signals.period))
     for part in unbroken(signals.segment, (signals.time // BLOCK_DURATION).astype(np.int64)):
         chosen = rows[part][::every]
-        yield chosen[:, :-6].reshape(-1, 6, 66), chosen[:, -6:]
+        yield chosen[:, :-joints].reshape(-1, joints, parameters), chosen[:, -joints:]
