@@ -13,6 +13,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import pandas as pd
 
+from ur5lib.jobs.unreadable import Files
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import (
@@ -28,7 +29,6 @@ from ur5lib.tables import (
     write_text,
 )
 
-Files = Mapping[str, str | list[str]]
 PLAIN = (str, int, float, bool)  # settings that need no conversion
 
 

@@ -8,7 +8,7 @@ import resource
 import sys
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -90,7 +90,7 @@ class Job:
         write(step, step(**arguments(step, files, settings)), self.output)
 
 
-def paths(files: Mapping[str, str | list[str]]) -> list[str]:
+def paths(files: Files) -> list[str]:
     """Return files that are declared one by one or in lists."""
     return [path for one in files.values() for path in ([one] if isinstance(one, str) else one)]
 

@@ -6,12 +6,12 @@ without it.
 """
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ur5lib.errors import InputError, UnreadableError
 
-Files = dict[str, str | list[str]]
+Files = Mapping[str, str | list[str]]  # of a job, by name
 MARK = '{"unreadable": '
 MAX_BYTES = 10_000  # of a file that holds a reason
 
@@ -39,7 +39,7 @@ def readable(files: Files) -> tuple[Files, dict[str, str]]:
     Raises UnreadableError where the recording that the job is of cannot be read, InputError where
     none of several can.
     """
-    kept, absent = Files(), dict[str, str]()
+    kept, absent = dict[str, str | list[str]](), dict[str, str]()
     for name, paths in files.items():
         if isinstance(paths, str):
             if why := reason(paths):

@@ -1,6 +1,5 @@
 """Judge a recording: beside its sensors, by its contacts, as rows of the study's tables."""
 
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -31,7 +30,7 @@ from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
 from ur5lib.steps.measure_observability import by_axis, pushed
 from ur5lib.thesis.published_constants import PublishedConstants
 from ur5lib.thesis.reference import Published, read_reference
-from ur5lib.tidy import Row, files, forces, friction, models, motion, rows_of
+from ur5lib.tidy import files, forces, friction, models, motion, written
 
 TRIAL_PUSHES = 120  # by which the smallest force that is detected is found
 
@@ -50,11 +49,13 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
     fused, account = fuse_imu(evidence)
     accelerations, beside_imu = compare_accelerations(evidence, fused)
     sensor, beside_sensor = compare_with_sensor(evidence)
+    published = Published(read_reference(evidence.reference).printed, evidence.recording)
+    contacts = detect_contacts(evidence, sensor)
     rows = {
         **of_files(evidence, beside_sensor),
-        **of_motion(evidence, beside_imu, account),
-        **of_currents(evidence),
-        **of_forces(evidence, beside_sensor, detect_contacts(evidence, sensor)),
+        **of_motion(evidence, published, beside_imu, account),
+        **of_currents(evidence, published),
+        **of_forces(evidence, published, beside_sensor, contacts),
     }
     condition = examine_joints(evidence)
     judgement = Judgement(rows, condition, beside_imu, beside_sensor.offset)
@@ -122,10 +123,13 @@ def of_files(evidence: Evidence, beside_sensor: Compared) -> dict[str, Rows]:
 
 
 def of_motion(
-    evidence: Evidence, beside_imu: ImuComparison, fused: dict[str, MotionAccount]
+    evidence: Evidence,
+    published: Published,
+    beside_imu: ImuComparison,
+    fused: dict[str, MotionAccount],
 ) -> dict[str, Rows]:
     """Return the rows about motion and link models."""
-    signals, loop, published = evidence.signals, evidence.closed_loop, printed(evidence)
+    signals, loop = evidence.signals, evidence.closed_loop
     encoders = {"encoders": evidence.alignment.encoders}
     gains = evidence.gains or GainSummary()
     return written(
@@ -138,22 +142,25 @@ def of_motion(
     )
 
 
-def of_currents(evidence: Evidence) -> dict[str, Rows]:
+def of_currents(evidence: Evidence, published: Published) -> dict[str, Rows]:
     """Return the rows about currents and the load that they show."""
     constants = evidence.constants or PublishedConstants()
     return written(
         current_rmse=friction.current_rmse(evidence.prediction),
         payload=friction.payload(evidence.prediction),
-        published_constants=friction.published_constants(constants, printed(evidence)),
+        published_constants=friction.published_constants(constants, published),
     )
 
 
 def of_forces(
-    evidence: Evidence, beside_sensor: Compared, contacts: dict[str, Detected]
+    evidence: Evidence,
+    published: Published,
+    beside_sensor: Compared,
+    contacts: dict[str, Detected],
 ) -> dict[str, Rows]:
     """Return the rows about forces and contacts."""
     return written(
-        force_mae=forces.force_mae(beside_sensor, printed(evidence)),
+        force_mae=forces.force_mae(beside_sensor, published),
         contact_errors=forces.contact_errors(beside_sensor),
         sensed=forces.sensed(beside_sensor),
         detection=forces.detection(contacts),
@@ -161,13 +168,3 @@ def of_forces(
         contacts=forces.contacts(contacts),
         audit=forces.audit(audited(evidence)),
     )
-
-
-def printed(evidence: Evidence) -> Published:
-    """Return the published values of the recording."""
-    return Published(read_reference(evidence.reference).printed, evidence.recording)
-
-
-def written(**tables: Iterable[Row]) -> dict[str, Rows]:
-    """Return the rows of tables as they are written."""
-    return {table: rows_of(table, rows) for table, rows in tables.items()}

@@ -24,7 +24,7 @@ from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, Six
 from ur5lib.tables import checksum
-from ur5lib.tidy import files, rows_of
+from ur5lib.tidy import files, written
 
 
 class ReadPostures(NamedTuple):
@@ -50,13 +50,12 @@ def read_postures(
     except InputError as error:
         raise UnreadableError(str(error)) from None
     quality = replace(quality, read={str(path): checksum(path) for path in raw})
-    rows = {
-        "recordings": files.recordings(quality, None),
-        "files": files.files(quality),
-        "quality": files.quality(quality, postures.contradictions),
-    }
-    judgement = Judgement({table: rows_of(table, own) for table, own in rows.items()})
-    return ReadPostures(postures, judgement)
+    rows = written(
+        recordings=files.recordings(quality, None),
+        files=files.files(quality),
+        quality=files.quality(quality, postures.contradictions),
+    )
+    return ReadPostures(postures, Judgement(rows))
 
 
 def checked_postures(

@@ -36,6 +36,11 @@ def rows_of(table: str, rows: Iterable[Row]) -> list[Row]:
     return [{name: _plain(row[name]) for name in names if name in row} for row in rows]
 
 
+def written(**tables: Iterable[Row]) -> dict[str, list[Row]]:
+    """Return the rows of several tables, by name, as they are written."""
+    return {name: rows_of(name, rows) for name, rows in tables.items()}
+
+
 def table(name: str, rows: Mapping[str, Iterable[Row]], owner: str = "recording") -> pd.DataFrame:
     """Return a table from its rows by the recordings or arms (`robot`) that they are of."""
     each = [{owner: of, **row} for of, own in rows.items() for row in rows_of(name, own)]
