@@ -152,8 +152,8 @@ class Taken:
     @cached_property
     def record(self) -> CurrentSamples:
         """Smoothed motion, its torque under the true model, the measured current."""
-        name, model = f"seed {self.summary.plan.seed}", self.summary.model
-        record = current_record(name, self.signals, self.motion, self.torques, model)
+        name = f"seed {self.summary.plan.seed}"
+        record = current_record(name, self.signals, self.motion, self.torques, self.robot)
         assert record is not None
         return record
 

@@ -124,8 +124,7 @@ class RealRecording:
     @cached_property
     def record(self) -> CurrentSamples:
         """What its currents are fitted on."""
-        model = self.robot.fullest_model()
-        record = current_record(self.name, self.signals, self.motion, self.torques, model)
+        record = current_record(self.name, self.signals, self.motion, self.torques, self.robot)
         assert record is not None
         return record
 

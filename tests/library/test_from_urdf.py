@@ -205,8 +205,6 @@ def damaged(part: str) -> Element:
     ("root", "named"),
     [
         (damaged("limit"), "axis_1.*axis_2"),
-        (damaged("inertia"), "link_1.*link_2"),
-        (damaged("inertial"), "link_1.*link_2"),
         (damaged("joint"), "--base"),
         (made_up(1), "1 joints"),
         (made_up(9), "9 joints"),
@@ -216,6 +214,30 @@ def damaged(part: str) -> Element:
 def test_what_is_missing_is_named(root: Element, named: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=named):
         robot_from_urdf(saved(root, tmp_path))
+
+
+@pytest.mark.parametrize("part", ["inertia", "inertial"])
+def test_links_without_inertia_are_found_from_recordings(part: str, tmp_path: Path) -> None:
+    robot, remarks = robot_from_urdf(saved(damaged(part), tmp_path))
+    assert robot.links == "unknown"
+    assert any("link_1, link_2" in remark for remark in remarks)
+
+
+def test_equal_masses_are_placeholders(tmp_path: Path) -> None:
+    root = made_up(3)
+    assert robot_from_urdf(saved(root, tmp_path))[0].links == "known"
+    for mass in root.iter("mass"):
+        mass.set("value", "2.0")
+    robot, _ = robot_from_urdf(saved(root, tmp_path), tip="link_3")
+    assert (robot.links, robot.weight) == ("unknown", None)
+
+
+def test_limits_of_effort_and_velocity_that_lack_are_said(tmp_path: Path) -> None:
+    root = made_up(2)
+    for limit in root.iter("limit"):
+        limit.attrib |= {"effort": "0", "velocity": "0"}
+    _, remarks = robot_from_urdf(saved(root, tmp_path))
+    assert [remark.split(" in ")[0] for remark in remarks[-2:]] == ["no effort", "no velocity"]
 
 
 def test_two_arms_ask_for_one(tmp_path: Path) -> None:

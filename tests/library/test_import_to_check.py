@@ -16,6 +16,8 @@ from ur5lib.lab.stand.controller_channels import frames
 from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.lab.stand.rig import perform
 from ur5lib.recordings import formats
+from ur5lib.recordings.counting import counted_as
+from ur5lib.recordings.intake import known_frames
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.study.reading import read_study
 from ur5lib.tables import channel
@@ -150,7 +152,8 @@ def test_positions_from_a_home_posture(seven: pd.DataFrame, run_ur5: Command) ->
     checked = run_ur5("check", "mine.yaml")
     assert checked.status == 0, written + checked.line
     (recording,) = read_study(Path("mine.yaml")).recordings
-    table = formats.read_recording(recording).robot.table
+    arm = counted_as(recording, load_robot("robots/mine.yaml"))
+    table, _ = known_frames(formats.read_recording(recording), arm)
     assert channel(table, "actual_q", 7) == pytest.approx(channel(seven, "actual_q", 7), abs=1e-5)
 
 

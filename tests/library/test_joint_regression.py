@@ -92,7 +92,7 @@ def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
         for name, mean in (("coulomb", 6.0), ("viscous", 4.0), ("load", 0.05))
     }
     prior = replace(known(1), typical=typical)
-    normal = prior.over()
+    normal = prior.over(prior.terms)
     moved = regress_samples(bent, prior).coefficients - normal.mean
     std = np.sqrt(np.diag(np.linalg.inv(normal.precision)))
     assert (np.abs(moved[2:]) < 0.5 * std[2:]).all()

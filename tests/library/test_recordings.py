@@ -18,8 +18,10 @@ from ur5lib.errors import InputError
 from ur5lib.lab.stand.device_files import MESSAGE_BYTES, messages
 from ur5lib.lab.stand.faults import FIRST_PART_BYTES
 from ur5lib.recordings import text_blocks
+from ur5lib.recordings.counting import counted_as
+from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.formats import READERS, excerpt
-from ur5lib.recordings.intake import Intake
+from ur5lib.recordings.intake import Intake, known_frames
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
@@ -247,7 +249,9 @@ def test_a_log_without_a_clock_has_the_rate_that_the_study_states(
     np.testing.assert_allclose(channel(taken.robot, "actual_q"), q, atol=1e-5)
 
 
-def test_joints_are_counted_as_the_arm_s_description_counts_them(tmp_path: Path) -> None:
+def test_joints_are_counted_as_the_arm_s_description_counts_them(
+    tmp_path: Path, ur5: Robot
+) -> None:
     """q = home + s recorded; what has no direction stays."""
     home, signs = np.array([0.0, -90, 90, 0, 45, 180]), np.array([1, -1, -1, 1, -1, 1])
     rows = np.random.default_rng(0).normal(size=(50, 30))
@@ -256,7 +260,12 @@ def test_joints_are_counted_as_the_arm_s_description_counts_them(tmp_path: Path)
     np.savetxt(tmp_path / "log.csv", np.column_stack([time, rows]), delimiter=",")
     entry = TABLE | {"folder": str(tmp_path), "file": "log.csv", "columns": ["time", *names]}
     stated = {"home_deg": home.tolist(), "directions": signs.tolist()}
-    table = read_recording(entry | stated).robot.table
+
+    def counted(keys: dict[str, list[float]]) -> pd.DataFrame:
+        recording = ENTRY.validate_python(entry | keys)
+        return known_frames(read_recording(entry), counted_as(recording, ur5))[0]
+
+    table = counted(stated)
     q, target_q, qd, current, temperature = np.split(rows, 5, axis=1)
     for name, expected in {
         "actual_q": np.radians(home) + signs * q,
@@ -268,7 +277,7 @@ def test_joints_are_counted_as_the_arm_s_description_counts_them(tmp_path: Path)
         np.testing.assert_allclose(channel(table, name), expected)
     for key, values in stated.items():
         with pytest.raises(InputError, match=f"`{key}` .* 5 entries, but .* 6 joints; give one"):
-            read_recording(entry | {key: values[1:]})
+            counted({key: values[1:]})
 
 
 def test_sensors_of_a_table_have_their_own_clock(tmp_path: Path) -> None:

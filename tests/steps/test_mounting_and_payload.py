@@ -58,7 +58,7 @@ def test_targets_are_compared_as_told_and_currents_as_carried(ur5: Robot, tmp_pa
     made, physical = Made(ur5, tmp_path, WALL, **payloads), TOLD.joined(HIDDEN)
     torques, premises = made.torques(ur5, physical)
     np.testing.assert_allclose(torques.target[MODEL], made.signals.target_moment, atol=1e-4)
-    record = current_record("", made.signals, made.motion, torques, MODEL)
+    record = current_record("", made.signals, made.motion, torques, ur5)
     assert record is not None
     np.testing.assert_allclose(record.torque, made.true_torque, atol=1e-6)
     assert np.abs(torques.payload_torque).max() > 3
@@ -92,6 +92,7 @@ def test_one_model_is_fitted_to_recordings_under_several_gravities(
         {name: own.motion for name, own in made.items()},
         {name: own.gravity for name, own in made.items()},
         Butterworth(4, 10.0),
+        Butterworth(4, 2.0),
     )
     assert found.rotors.value is not None
     np.testing.assert_allclose(

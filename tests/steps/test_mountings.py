@@ -106,9 +106,7 @@ class Mounted:
     def by_currents(self) -> Array:
         """Contact force (N, 3) [N] by what currents, link model and known payload leave."""
         own = self.known
-        record = current_record(
-            "made", own.signals, own.motion, own.torques, own.arm.fullest_model()
-        )
+        record = current_record("made", own.signals, own.motion, own.torques, own.arm)
         assert record is not None
         external = record.torque - self.parameters.drive.torque_constant * record.current
         least = own.min_singular_value

@@ -57,6 +57,8 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     if checked.answers is not None:  # whatever arm and units are
         yield from delayed_currents(checked.answers, checked.driven)
         yield from exchanged_currents(checked.answers)
+    if not arm.tells_gravity():
+        return
     if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints
         shown = means, loaded, checked.others, checked.fitted, checked.driven
         yield from contradictions_by_gravity(*shown)

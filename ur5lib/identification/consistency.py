@@ -1,6 +1,8 @@
 """Physically consistent inertial parameters: positive definite pseudo-inertias."""
 
+import warnings
 from functools import cache
+from typing import NamedTuple
 
 import cvxpy as cp
 import numpy as np
@@ -10,6 +12,7 @@ from ur5lib.identification.base_parameters import PARAMETERS_PER_JOINT, Inertial
 from ur5lib.timeseries.arrays import Array
 
 LINK_LENGTH = 0.1  # m, which scales masses, moments and inertias alike
+SOLVED = cp.OPTIMAL, cp.OPTIMAL_INACCURATE  # the latter to 5e-5 of a standard error's square
 DEFINITENESS_MARGIN = 1e-6  # kg, kg m²: far below any link's, far above the solver's tolerance
 
 
@@ -41,28 +44,68 @@ def smallest_eigenvalues(parameters: Array) -> Array:
     return np.linalg.eigvalsh(pseudo_inertias(parameters))[:, 0].astype(np.float64)
 
 
+class LinkBounds(NamedTuple):
+    """What is known of an arm's links: their weight together, at most [kg], None where unknown; the
+    corners (n, 3) [m] of boxes that hold their centres of mass, in the frames of π.
+    """
+
+    weight: float | None
+    low: Array
+    high: Array
+
+
 def consistent_parameters(estimate: InertialEstimate) -> Array:
     """Return the physically consistent π (P,) nearest to an estimate, in the metric of its errors.
 
-    Minimises (π - π̂)ᵀ Σ⁻¹ (π - π̂), the weighted least squares with the prior, subject to
-    pseudo-inertias and rotor inertias of at least DEFINITENESS_MARGIN: a convex problem. With Σ = S
-    Sᵀ, the unknown is S⁻¹ (π - π̂). Its standard errors are those of the estimate. Raises
-    RefusalError if no bodies explain the torques.
+    Its standard errors are those of the estimate. Raises RefusalError if no bodies explain the
+    torques.
     """
-    change = cp.Variable(len(estimate.parameters))
-    parameters = estimate.parameters + estimate.spread @ change
+    return nearest_bodies(estimate.parameters, estimate.spread)
+
+
+def nearest_bodies(estimate: Array, spread: Array, bounds: LinkBounds | None = None) -> Array:
+    """Return the physically consistent π (P,) nearest to an estimate π̂ (P,).
+
+    Minimises (π - π̂)ᵀ Σ⁻¹ (π - π̂), the weighted least squares with the prior, subject to
+    pseudo-inertias and rotor inertias of at least DEFINITENESS_MARGIN, and to bounds: a convex
+    problem. With Σ = S Sᵀ, S = spread (P, P), the unknown is S⁻¹ (π - π̂).
+    """
+    change = cp.Variable(len(estimate))
+    parameters = estimate + spread @ change
+    joints = len(estimate) // PARAMETERS_PER_JOINT
+    basis = pseudo_inertia_basis() if bounds is None else _of_size(bounds)
     bodies = [
-        cp.reshape(
-            pseudo_inertia_basis().reshape(10, 16).T @ parameters[10 * k : 10 * k + 10],
-            (4, 4),
-            order="C",
-        )
+        cp.reshape(basis.reshape(10, 16).T @ parameters[10 * k : 10 * k + 10], (4, 4), order="C")
         >> DEFINITENESS_MARGIN * np.eye(4)
-        for k in range(len(estimate.noise))
+        for k in range(joints)
     ]
-    rotors = parameters[10 * len(bodies) :] >= DEFINITENESS_MARGIN
-    problem = cp.Problem(cp.Minimize(cp.sum_squares(change)), [*bodies, rotors])
-    problem.solve(solver=cp.CLARABEL)
-    if problem.status != cp.OPTIMAL:
+    rotors = parameters[10 * joints :] >= DEFINITENESS_MARGIN
+    limits = [] if bounds is None else _within(parameters[: 10 * joints], bounds)
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(change)), [*bodies, rotors, *limits])
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
+        problem.solve(solver=cp.CLARABEL)
+    if problem.status not in SOLVED:
         raise RefusalError("no bodies", solver=problem.status)
     return np.asarray(parameters.value, dtype=np.float64)
+
+
+def _of_size(bounds: LinkBounds) -> Array:
+    """Return the basis of pseudo-inertias with lengths in those of the boxes, masses in the weight.
+
+    It has the same cone, where a solver of finite tolerance finds its way in large arms.
+    """
+    length = float(np.max(bounds.high - bounds.low))
+    scale = np.array([LINK_LENGTH / length] * 3 + [1.0])
+    return pseudo_inertia_basis() * np.outer(scale, scale) / (bounds.weight or 1.0)
+
+
+def _within(links: cp.Expression, bounds: LinkBounds) -> list[cp.Constraint]:
+    """Return the constraints of bounds on the parameters of links."""
+    weight = bounds.weight or 1.0
+    table = cp.reshape(links, (len(bounds.low), 10), order="C") / weight
+    moments, masses = table[:, 1:4], table[:, :1] @ np.ones((1, 3))
+    limits = [
+        moments >= cp.multiply(masses, bounds.low),
+        moments <= cp.multiply(masses, bounds.high),
+    ]
+    return limits if bounds.weight is None else [*limits, cp.sum(table[:, 0]) <= 1]

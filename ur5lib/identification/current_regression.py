@@ -42,7 +42,7 @@ from ur5lib.identification.samples import (
     record_days,
     record_paths,
 )
-from ur5lib.robots.friction import BASE_TERMS, CONSIDERED_TERMS, FITTED_TERMS
+from ur5lib.robots.friction import BASE_TERMS, CONSIDERED_TERMS
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -173,7 +173,7 @@ def _fit_with(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int
 ) -> CurrentFit:
     """Return the fit under a prior as it is."""
-    fuller = joint_samples(records, smooth, (*FITTED_TERMS, *CONSIDERED_TERMS))
+    fuller = joint_samples(records, smooth, (*prior.terms, *CONSIDERED_TERMS))
     samples = [fuller_joint.without(CONSIDERED_TERMS) for fuller_joint in fuller]
     estimates, units = estimate_together(samples, prior, seed)
     estimates = [*map(with_fuller_errors, estimates, estimate_together(fuller, prior, seed)[0])]
@@ -217,7 +217,7 @@ def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimat
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     return JointFit(
-        FITTED_TERMS,
+        samples.terms,
         estimate,
         held_current(samples, coefficients),
         NORMAL95 * in_motion,

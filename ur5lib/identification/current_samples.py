@@ -13,11 +13,13 @@ from ur5lib.identification.prior import (
     torque_constant_prior,
     typical_friction,
 )
-from ur5lib.identification.samples import CurrentSamples
+from ur5lib.identification.samples import CurrentSamples, Shafts
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
+from ur5lib.robots.drives import shaft_rates
+from ur5lib.robots.friction import FITTED_TERMS
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
@@ -29,9 +31,21 @@ CONTROLLERS = 0.1  # relative, of the controller's ratio
 
 
 def current_record(
-    name: str, signals: Signals, motion: Motion, torques: Torques, model: str
+    name: str, signals: Signals, motion: Motion, torques: Torques, arm: Robot
 ) -> CurrentSamples | None:
-    """Return motion and currents as measured, and the torque of a link model and the payload.
+    """Return motion and currents as measured, and the torque of an arm's fullest link model and
+    the payload.
+
+    None where no currents were recorded.
+    """
+    torque = torques.measured[arm.fullest_model()] + torques.payload_torque
+    return measured_samples(name, signals, motion, arm, torque)
+
+
+def measured_samples(
+    name: str, signals: Signals, motion: Motion, arm: Robot, torque: Array
+) -> CurrentSamples | None:
+    """Return motion and currents as measured, beside a torque (N, n) [Nm] of the rigid bodies.
 
     None where no currents were recorded.
     """
@@ -43,10 +57,23 @@ def current_record(
         segment=signals.segment,
         q=motion.q,
         qd=motion.motor_qd,
-        torque=torques.measured[model] + torques.payload_torque,
+        torque=torque,
         current=signals.actual_current,
         temperature=signals.joint_temperatures,
+        shafts=shafts_of(arm, motion),
+        balanced=[joint - 1 for joint in arm.balanced_joints],
     )
+
+
+def shafts_of(arm: Robot, motion: Motion) -> Shafts | None:
+    """Return the motion of an arm's coupled motors, None where it has none."""
+    if not arm.drives.coupling:
+        return None
+    motors = np.full(len(arm.joints), -1)
+    for coupled in arm.drives.coupling:
+        motors[[coupled.motor - 1, coupled.joint - 1]] = coupled.motor - 1
+    states = [shaft_rates(arm, values) for values in (motion.q, motion.motor_qd, motion.qdd)]
+    return Shafts(*(np.where(motors >= 0, values[:, motors], np.nan) for values in states))
 
 
 @dataclass(frozen=True)
@@ -93,4 +120,11 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
         known = np.where(np.isfinite(family), family, known)
     covariance = makers_covariance(known, controller, robot.joints, *spreads)
     constants = torque_constant_prior(known, covariance, controller, CONTROLLERS)
-    return Prior(constants, torque_max, typical=typical)
+    terms = *FITTED_TERMS, *arm_terms(robot)
+    return Prior(constants, torque_max, terms, typical=typical)
+
+
+def arm_terms(robot: Robot) -> list[str]:
+    """Return the terms of friction that an arm has beside the usual ones."""
+    described = {"balance": robot.balanced_joints, "coupled": robot.drives.coupling}
+    return [*robot.friction_terms, *(name for name, part in described.items() if part)]

@@ -18,7 +18,7 @@ from ur5lib.identification.samples import (
     columns_of,
     smoothed_moving,
 )
-from ur5lib.robots.friction import JointMotion, coefficient_names
+from ur5lib.robots.friction import OPTIONAL_TERMS, JointMotion, coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -31,6 +31,7 @@ DAY_TO_DAY_STD = 0.07
 RUN_TO_RUN_STD = 0.03
 SEASONAL_STD = 0.1  # by which friction differs in the bands of currents: of another season, too
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
+OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 
 
 @dataclass(frozen=True)
@@ -216,6 +217,8 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
         columns = (values, model.std_error(), values - half, values + half, *estimate.shares)
         for name, *numbers in zip(model.names(), *columns, strict=True):
             value, error, low, high, prior, arm, day, run = numbers
+            if name in OPTIONAL_COEFFICIENTS and prior > MAX_PRIOR_SHARE:
+                continue  # of other joints than this
             # of a torque constant, the sign must be determined, too
             is_determined = bool(prior < MAX_PRIOR_SHARE and (name != "torque_constant" or low > 0))
             shares = prior, arm, day, run

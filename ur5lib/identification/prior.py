@@ -56,13 +56,15 @@ def typical_friction(torque_max: Array) -> dict[str, Typical]:
 class Prior:
     """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm].
 
-    pinned: joints from 0 whose 1/k keeps the prior's mean, regardless of the data; typical:
+    terms: of friction, that are fitted; pinned: joints from 0 whose 1/k keeps the prior's mean,
+    regardless of the data; typical:
     friction and offset by their names, none where they are unknown;
     at_rest: postures of the arm, whose gravity tells 1/k beside its motions.
     """
 
     inverse_constant: Normal
     torque_max: Array
+    terms: tuple[str, ...] = FITTED_TERMS
     pinned: tuple[int, ...] = ()
     typical: Mapping[str, Typical] = field(default_factory=dict)
     at_rest: AtRest | None = None
@@ -91,9 +93,9 @@ class Prior:
             name: Typical(coefficient.mean[rows], coefficient.std[rows])
             for name, coefficient in self.typical.items()
         }
-        return Prior(inverse, self.torque_max[rows], typical=typical)
+        return Prior(inverse, self.torque_max[rows], self.terms, typical=typical)
 
-    def over(self, terms: Sequence[str] = FITTED_TERMS) -> Normal:
+    def over(self, terms: Sequence[str]) -> Normal:
         """Return the prior of all joints' coefficients.
 
         They are, joint by joint, 1/k [A/Nm], an offset [A], and those of the terms. One without a

@@ -15,9 +15,10 @@ from ur5lib.robots.friction import (
     FITTED_TERMS,
     USUAL_TEMPERATURE,
     JointMotion,
+    ShaftMotion,
     coefficient_names,
+    direction_between,
     friction_columns,
-    friction_direction,
     rest_factor,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -31,12 +32,24 @@ MIN_PATHS = 3  # as many as README asks for
 
 
 @dataclass(frozen=True)
+class Shafts:
+    """Motion of the coupled motors' shafts, (N, n) each [rad, rad/s, rad/s²], in the column of each
+    joint that they turn with, NaN where there is none.
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+
+
+@dataclass(frozen=True)
 class CurrentSamples:
     """A contact-free recording on a uniform grid.
 
     period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
     torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
-    (N, 6) [°C], of the motors, where it was recorded; day: any label of its date, the same for all
+    (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
+    from 0 on which springs or counterbalances act; day: any label of its date, the same for all
     where dates are unknown.
     """
 
@@ -48,6 +61,8 @@ class CurrentSamples:
     torque: Array
     current: Array
     temperature: Array | None = None
+    shafts: Shafts | None = None
+    balanced: Sequence[int] = ()
     day: str = ""
     # What was low-passed once: fits without each path need the same samples again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -61,9 +76,17 @@ class CurrentSamples:
     def joint(self, joint: int) -> JointMotion:
         """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction = friction_direction(q, self.segment)
+        direction = direction_between(q, qd, self.segment, self.period)
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
-        return JointMotion(q, qd, torque, direction, warmth)
+        shaft, is_balanced = self._shaft(joint), joint in self.balanced
+        return JointMotion(q, qd, torque, direction, warmth, shaft, is_balanced)
+
+    def _shaft(self, joint: int) -> ShaftMotion | None:
+        """Return the motion of the coupled motor that a joint turns with, if any."""
+        if self.shafts is None or np.isnan(self.shafts.q[:, joint]).all():
+            return None
+        q, qd, qdd = (values[:, joint] for values in vars(self.shafts).values())
+        return ShaftMotion(qd, qdd, direction_between(q, qd, self.segment, self.period))
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.

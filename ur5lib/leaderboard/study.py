@@ -119,7 +119,7 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
     currents = Currents.read(folder / "currents.parquet")
     torques = Torques.read(folder / "torques.parquet")
     loaded = read_record(Prediction, folder / "currents.json").is_loaded
-    record = current_record(folder.name, signals, motion, torques, robot.fullest_model())
+    record = current_record(folder.name, signals, motion, torques, robot)
     if record is None or currents.external_torque is None or loaded:
         return None
     fit = fitted.fit_for(folder.name)

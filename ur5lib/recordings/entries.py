@@ -254,13 +254,13 @@ class Files(Strict):
     home_deg: list[float] | None = Field(
         None,
         description="angle of each joint [°] by the arm's description where the recorded position "
-        "is zero: q = home + direction · recorded; default: 0",
+        "is zero: q = home + direction · recorded; default: as the arm's `drives` say, else 0",
     )
     directions: list[Literal[1, -1]] | None = Field(
         None,
         description="direction of each joint: -1 where the signs of its recorded positions, "
         "velocities, currents and torques are opposite to those of the arm's description; default: "
-        "1",
+        "as the arm's `drives` say, else 1",
     )
     format: str = Field(description="format of the files")
 

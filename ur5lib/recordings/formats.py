@@ -5,9 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from ur5lib.channels import SIGNED_CHANNELS, columns, joint_count
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS
 from ur5lib.recordings.arrays import read_arrays
@@ -19,7 +17,6 @@ from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.robot_files import read_realtime_stream, read_rtde_csv, read_table_csv
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 
-POSITION_CHANNELS = ("actual_q", "target_q")
 READERS: dict[str, Callable[[Any], RawRecording]] = {
     "thesis-csv": read_thesis_csv,
     "realtime-stream": read_realtime_stream,
@@ -35,37 +32,7 @@ def read_recording(recording: Files) -> RawRecording:
     Raises InputError when they cannot be read.
     """
     raw = on_robot_clock(READERS[recording.format](recording))
-    robot = replace(raw.robot, table=as_described(raw.robot.table, recording))
-    return excerpt(replace(raw, robot=robot), recording.from_s, recording.to_s)
-
-
-def as_described(table: pd.DataFrame, recording: Files) -> pd.DataFrame:
-    """Return a robot's table with its joints counted as the arm's description counts them.
-
-    q = q_home + s q_recorded, joint by joint, with the angles q_home of `home_deg` and the signs s
-    of `directions`; velocities, accelerations, currents and torques have the sign alone. Raises
-    InputError where these are not as many as the recorded joints.
-    """
-    stated = {"home_deg": recording.home_deg, "directions": recording.directions}
-    joints = joint_count(table.columns)
-    for key, values in stated.items():
-        if values is not None and len(values) != joints:
-            raise InputError(
-                f"`{key}` in the study has {len(values)} entries, but {recording.path} has "
-                f"{joints} joints; give one for each joint"
-            )
-    if not any(stated.values()):
-        return table
-    home = np.radians(recording.home_deg or [0.0] * joints)
-    described = {
-        name: sign * table[name] + (zero if channel in POSITION_CHANNELS else 0.0)
-        for channel in SIGNED_CHANNELS
-        for name, sign, zero in zip(
-            columns(channel, joints), recording.directions or [1] * joints, home, strict=True
-        )
-        if name in table
-    }
-    return table.assign(**described)
+    return excerpt(raw, recording.from_s, recording.to_s)
 
 
 def excerpt(raw: RawRecording, start: float | None, end: float | None) -> RawRecording:

@@ -11,6 +11,7 @@ import pandas as pd
 from ur5lib.channels import MEASURED_CURRENT, columns, is_unused, joint_count, meant
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.copies import fingerprint
+from ur5lib.recordings.counting import at_the_joints, counted_as
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
@@ -54,7 +55,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     Raises InputError when it cannot be used.
     """
     raw = read_recording(recording)
-    frames, findings = known_frames(raw, arm)
+    frames, findings = known_frames(raw, counted_as(recording, arm))
     raw, frames = with_slow_sensor(raw, frames, findings)
     if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
         findings.append(Finding("robot", "no velocities", "note", len(frames)))
@@ -96,7 +97,7 @@ def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Find
     """
     _expect_joints(raw.robot, arm)
     frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
-    return with_currents(frames, arm, findings), findings
+    return with_currents(at_the_joints(frames, arm), arm, findings), findings
 
 
 def _on_one_zero(
@@ -136,12 +137,13 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
 
 
 def unbounded(arm: Robot) -> list[str]:
-    """Return the position channels of the joints that turn without limit, and the currents where
-    torques take their place, which have a bound of their own.
+    """Return the position channels of the joints that turn without limit, and torques, with the
+    currents whose place they take, which other makers' arms have without the bounds of URs.
     """
     joints = [joint - 1 for joint in arm.endless_joints or []]
     endless = [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
-    return endless + (columns(MEASURED_CURRENT, len(arm.joints)) if arm.senses_torque() else [])
+    torques = (MEASURED_CURRENT, SENSED_TORQUE) if arm.senses_torque() else ()
+    return endless + [column for name in torques for column in columns(name, len(arm.joints))]
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:

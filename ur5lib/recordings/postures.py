@@ -6,6 +6,7 @@ import pandas as pd
 from ur5lib.channels import CURRENTS, MEASURED_CURRENT, columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.copies import fingerprint
+from ur5lib.recordings.counting import counted_as
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.intake import known_frames, unbounded
@@ -29,7 +30,7 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
     Raises InputError where it has no currents, or cannot be used.
     """
     raw = read_recording(recording)
-    frames, findings = known_frames(raw, arm)
+    frames, findings = known_frames(raw, counted_as(recording, arm))
     findings += raw.findings
     source = raw.robot.source
     whole = _complete(frames, source, arm, findings)

@@ -211,11 +211,45 @@ class Gains(Strict):
     velocity: PerJoint
 
 
+class CoupledMotor(Strict):
+    """A motor whose shaft turns with another joint, too: `ratio` times as far as with its own."""
+
+    motor: Annotated[int, Field(ge=1)]
+    joint: Annotated[int, Field(ge=1)]
+    ratio: float = 1.0
+
+    @model_validator(mode="after")
+    def _of_two_joints(self) -> Self:
+        if self.motor == self.joint:
+            raise ValueError("`motor` and `joint` of a coupling are two different joints")
+        return self
+
+
+class Drives(Strict):
+    """How a controller counts, against the joints of the description.
+
+    positions, torques: on which side of the gears they are logged, with `gear_ratio` of the motors
+    between; directions: -1 of a joint that is counted against its
+    axis; home_deg: the joint's angle where the controller's is zero [°]; coupling: of motors that
+    turn with two joints, in the controller's counts.
+    """
+
+    positions: Literal["joint", "motor"] = "joint"
+    torques: Literal["joint", "motor"] = "joint"
+    directions: PerLink[Literal[1, -1]] = ()
+    home_deg: PerJoint = ()
+    coupling: list[CoupledMotor] = Field(default_factory=list)
+
+
 class Robot(Strict):
     """An arm of n revolute joints: geometry, masses, link models and published constants.
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
-    limit, 1 to n; wrist_sensor: whether a force sensor is built into its flange; calibration: of
+    limit, 1 to n; drives: how its controller counts; links: `unknown` where masses, centres and
+    inertias are placeholders, which the recordings replace; weight: of all links together, at most
+    [kg]; friction_terms: of its gears, beside the usual ones (`ur5lib.robots.friction`);
+    balanced_joints: on which a spring or a counterbalance acts, 1 to n; wrist_sensor: whether a
+    force sensor is built into its flange; calibration: of
     one individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`,
     which an arm described from its URDF has not.
     """
@@ -227,6 +261,11 @@ class Robot(Strict):
     joints: PerLink[str]
     motors: dict[str, Motor]
     endless_joints: list[int] | None = None
+    drives: Drives = Drives()
+    links: Literal["known", "unknown"] = "known"
+    weight: Positive | None = None
+    friction_terms: list[Literal["root", "square"]] = Field(default_factory=list)
+    balanced_joints: list[int] = Field(default_factory=list)
     masses: PerLink[Positive]
     models: dict[str, Model]
     chosen_model: str
@@ -254,13 +293,21 @@ class Robot(Strict):
             for published in (self.current_to_torque, self.friction)
             if published is not None
         ]
-        for part in (self, *self.models.values(), *constants, *self.closed_loop_gains.values()):
+        gains = self.closed_loop_gains.values()
+        for part in (self, self.drives, *self.models.values(), *constants, *gains):
             for name, field in type(part).model_fields.items():
                 values = getattr(part, name)
                 if _is_by_joint(field.annotation) and values and len(values) != len(self.joints):
                     raise ValueError(
                         f"`{name}` has {len(values)} entries, `joints` has {len(self.joints)}"
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _coupled_joints_are_its_own(self) -> Self:
+        for coupled in self.drives.coupling:
+            if max(coupled.motor, coupled.joint) > len(self.joints):
+                raise ValueError(f"`coupling` names a joint that is none of {len(self.joints)}")
         return self
 
     @property
@@ -277,7 +324,12 @@ class Robot(Strict):
         return list(self.calibration or (link.pose() for link in self.denavit_hartenberg))
 
     def maker_torque_constants(self) -> list[float]:
-        """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown."""
+        """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
+
+        Torques of motors take the place of currents once they are those of the joints: 1.
+        """
+        if self.drives.torques == "motor":
+            return [1.0 for _ in self.joints]
         motors = map(self.motor, self.joint_numbers)
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
@@ -292,6 +344,12 @@ class Robot(Strict):
             (m.family_torque_constant or m.torque_constant or math.nan) * (m.gear_ratio or math.nan)
             for m in motors
         ]
+
+    def tells_gravity(self) -> bool:
+        """Return whether its description says what its joints bear at rest: its links are known,
+        and no counterbalance bears a part.
+        """
+        return self.links == "known" and not self.balanced_joints
 
     def has_ur_motors(self) -> bool:
         """Return whether its joints are of the manufacturer's sizes."""

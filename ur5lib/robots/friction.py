@@ -18,8 +18,21 @@ GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs an
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
 # ones are below the encoder's resolution.
 PRESLIDING_DISTANCE = 1e-4  # rad
+FINE_STEP = 0.005  # s; within steps of slower logs, joints reverse between samples
 # Of a joint in motion, at which friction has the coefficients of its other terms.
 USUAL_TEMPERATURE = 30.0  # °C
+
+
+@dataclass(frozen=True)
+class ShaftMotion:
+    """Motion of the shaft of a motor that turns with two joints, (N,) each, in their scale.
+
+    qd [rad/s], qdd [rad/s²]; direction: of its dry friction, see `friction_direction`.
+    """
+
+    qd: Array
+    qdd: Array
+    direction: Array
 
 
 @dataclass(frozen=True)
@@ -27,7 +40,9 @@ class JointMotion:
     """Motion of one joint, (N,) each.
 
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
-    1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded.
+    1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded;
+    shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
+    or a counterbalance acts on the joint.
     """
 
     q: Array
@@ -35,6 +50,8 @@ class JointMotion:
     torque: Array
     direction: Array
     warmth: Array | float = 0.0
+    shaft: ShaftMotion | None = None
+    balanced: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,7 +82,25 @@ TERMS = {
         expected=lambda torque_max: 0.005 * torque_max,
         parts=("sin", "cos"),
     ),
+    # lubricated gears: friction grows less, or more, than in proportion to speed
+    "root": Term(lambda motion: [np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)]),
+    "square": Term(lambda motion: [np.abs(motion.qd) * motion.qd]),
+    # a spring or a counterbalance, as a mass that no link has
+    "balance": Term(
+        lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
+        parts=("sin", "cos"),
+    ),
+    "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
+# Of gears of other makers, chosen for an arm by paths that no fit has seen.
+OPTIONAL_TERMS = ("root", "square", "coupled", "balance")
+
+
+def _shaft_columns(motion: JointMotion) -> list[Array]:
+    """Return friction's direction, velocity and acceleration of a coupled motor's shaft."""
+    if motion.shaft is None:
+        return [np.zeros_like(motion.qd)] * 3
+    return [motion.shaft.direction, motion.shaft.qd, motion.shaft.qdd]
 
 
 def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_DISTANCE) -> Array:
@@ -84,6 +119,25 @@ def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_D
     bands = np.stack([np.ones(len(q)), np.append(-memory[1:], 0.0)])
     direction: Array = solve_banded((1, 0), bands, (1 - memory) * np.sign(step), check_finite=False)
     return direction
+
+
+def direction_between(q: Array, qd: Array, segment: Labels, period: float) -> Array:
+    """Return the direction (N,) of dry friction, as `friction_direction`, of a motion that may be
+    logged slowly: the joint reverses between samples, too.
+
+    q, qd: (N,) [rad, rad/s], cubic Hermite splines from sample to sample; period: [s].
+    """
+    parts = round(period / FINE_STEP)
+    if parts < 2:
+        return friction_direction(q, segment)
+    # q(s) of 0 < s <= 1 between samples, by both ends' positions and velocities
+    s = np.arange(1, parts + 1) / parts
+    rising, start, end = s * s * (3 - 2 * s), s * (1 - s) ** 2, s * s * (s - 1)
+    step, velocity = np.diff(q)[:, None], period * qd[:, None]
+    fine = q[:-1, None] + rising * step + start * velocity[:-1] + end * velocity[1:]
+    whole = np.append(q[0], fine)
+    labels = np.append(segment[0], np.repeat(segment[1:], parts))
+    return friction_direction(whole, labels)[::parts]
 
 
 def rest_factor(qd: Array) -> Array:

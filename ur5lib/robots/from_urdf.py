@@ -23,6 +23,8 @@ from ur5lib.timeseries.arrays import Array
 MIN_JOINTS = 2
 MAX_JOINTS = 8
 REVOLUTE_TYPES = ("revolute", "continuous")
+PLACEHOLDER_MASS, PLACEHOLDER_INERTIA = 1.0, 0.01 * np.eye(3)  # kg, kg m²
+ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s: where a file has no limits
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the axes of the base link
 RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
 
@@ -37,8 +39,11 @@ def robot_from_urdf(
     lies where the first axis is nearest to the base link's origin. What is fixed to a link belongs
     to it; what moves beside the chain is at its position zero.
 
+    Where masses are left out, or the same in all links, the links are unknown; where limits of
+    effort or velocity are, some are assumed.
+
     Raises InputError where the file is no URDF, has no such chain of 2 to 8 revolute joints, or
-    lacks limits, masses or inertias.
+    lacks limits of angles.
     """
     tree = _read(path)
     base = _known_link(tree, base or _root(tree, path), path)
@@ -46,7 +51,7 @@ def robot_from_urdf(
     joints = _chain(tree, base, tip, path)
     names = {joint.name for joint in joints}
     bodies = [dict(_hanging_links(tree, joint.child, np.eye(4), names)) for joint in joints]
-    _expect_complete(tree, joints, bodies, path)
+    _expect_ranges(joints, path)
     start, *frames = _joint_frames(tree, base, tip, joints, bodies)
     tails = [_z_to(joint.axis).T @ frame for joint, frame in zip(joints, frames, strict=True)]
     # frame 0 may lie anywhere on the first axis: where it is nearest to the base link's origin
@@ -54,6 +59,7 @@ def robot_from_urdf(
     along[2, 3] = start[:3, 3] @ start[:3, 2]
     start, tails[0] = start @ np.linalg.inv(along), along @ tails[0]
     links = [_as_one(tree, *pair) for pair in zip(bodies, frames, strict=True)]
+    unknown = placeholders(tree, joints, bodies)
     description = {
         "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
         "gravity": (start[:3, :3].T @ STANDARD_GRAVITY + 0.0).tolist(),
@@ -61,24 +67,17 @@ def robot_from_urdf(
         "joints": [joint.name for joint in joints],
         "motors": {joint.name: _motor(joint) for joint in joints},
         "endless_joints": [k for k, j in enumerate(joints, 1) if j.type == "continuous"] or None,
+        "links": "unknown" if unknown else "known",
         "masses": [mass for mass, _, _ in links],
         "chosen_model": "maker",
-        "models": {
-            "maker": {
-                "description": f"as in {path.name}",
-                "centers_of_mass": [center.tolist() for _, center, _ in links],
-                "inertias": [
-                    inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()
-                    for _, _, inertia in links
-                ],
-            }
-        },
+        "models": {"maker": _model(links, path)},
     }
     try:
         robot = Robot.model_validate(description)
     except ValidationError as error:
         raise InputError(f"the arm of {path} {INVALID_DESCRIPTION}: {error}") from error
-    return robot, [*_remarks(tree, base, tip, joints, bodies, start)]
+    remarks = [*_remarks(tree, base, tip, joints, bodies, start)]
+    return robot, [*remarks, *_missing(joints, unknown)]
 
 
 def _read(path: Path) -> Any:
@@ -153,7 +152,8 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
         if joint.type not in REVOLUTE_TYPES or joint.mimic is not None:
             kind = "follows another" if joint.mimic is not None else f"is {joint.type}"
             raise InputError(
-                f"{path}: {joint.name} {kind}; only chains of revolute joints are described"
+                f"{path}: {joint.name} {kind}; only chains of revolute joints are described: name "
+                f"the link behind it by --base, as {joint.child}, where it stands still"
             )
     if not MIN_JOINTS <= len(moving) <= MAX_JOINTS:
         raise InputError(
@@ -222,46 +222,93 @@ def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Arr
     parts = []
     for link, place in body.items():
         inertial = tree.link_map[link].inertial
-        if inertial is not None and inertial.mass:
+        if inertial is not None and inertial.mass and inertial.inertia is not None:
             pose = np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin)
             R, moments = pose[:3, :3], inertial.inertia
             about = tensor(
                 [moments.ixx, moments.iyy, moments.izz, moments.ixy, moments.ixz, moments.iyz]
             )
             parts.append((float(inertial.mass), pose[:3, 3], R @ about @ R.T))
-    return joined(parts)
+    return joined(parts) if parts else (PLACEHOLDER_MASS, np.zeros(3), PLACEHOLDER_INERTIA)
+
+
+def _model(links: list[tuple[float, Array, Array]], path: Path) -> dict[str, Any]:
+    """Return the link model of masses, centres of mass (3,) and inertia tensors (3, 3)."""
+    tensors = [inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] for _, _, inertia in links]
+    return {
+        "description": f"as in {path.name}",
+        "centers_of_mass": [center.tolist() for _, center, _ in links],
+        "inertias": [entries.tolist() for entries in tensors],
+    }
 
 
 def _motor(joint: Any) -> dict[str, float | None]:
-    low, high = joint.limit.lower or 0.0, joint.limit.upper or 0.0
+    limit = joint.limit
+    low, high = (limit.lower or 0.0, limit.upper or 0.0) if limit else (0.0, 0.0)
     if joint.type == "continuous":
         low, high = -2 * np.pi, 2 * np.pi
     return {
         "position_min": None if np.isclose(low, -high) else low,
         "position_max": high,
-        "velocity_max": joint.limit.velocity,
-        "torque_max": joint.limit.effort,
+        "velocity_max": _stated(joint, "velocity") or ASSUMED_VELOCITY,
+        "torque_max": _stated(joint, "effort") or ASSUMED_TORQUE,
         "torque_constant": 1.0,  # measured torques take the place of currents
         "gear_ratio": 1.0,
     }
 
 
-def _expect_complete(
-    tree: Any, joints: list[Any], bodies: list[dict[str, Array]], path: Path
-) -> None:
-    """Raise InputError that names every joint without limits and every link without inertia."""
-    missing = []
-    for joint, body in zip(joints, bodies, strict=True):
-        limit, inertials = joint.limit, [tree.link_map[link].inertial for link in body]
-        if limit is None or not limit.effort or not limit.velocity:
-            missing.append(f"`limit` of {joint.name} with effort and velocity")
-        elif joint.type == "revolute" and not (limit.lower or limit.upper):
-            missing.append(f"`lower` and `upper` in the limit of {joint.name}")
-        heavy = [inertial for inertial in inertials if inertial is not None and inertial.mass]
-        if not heavy or any(inertial.inertia is None for inertial in heavy):
-            missing.append(f"`inertial` of {joint.child} with mass and inertia")
+def _stated(joint: Any, key: str) -> float | None:
+    """Return a joint's limit of effort [Nm] or velocity [rad/s], None where it is 0 or left out."""
+    return getattr(joint.limit, key, None) or None
+
+
+def _expect_ranges(joints: list[Any], path: Path) -> None:
+    """Raise InputError that names every joint without a range of angles."""
+    missing = [
+        joint.name
+        for joint in joints
+        if joint.type == "revolute"
+        and not (joint.limit and (joint.limit.lower or joint.limit.upper))
+    ]
     if missing:
-        raise InputError(f"{path} lacks {'; '.join(missing)}: add them to the file")
+        raise InputError(
+            f"{path} lacks `lower` and `upper` in the `limit` of {', '.join(missing)}: add them to "
+            "the file, or call joints that turn without limit continuous"
+        )
+
+
+def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -> str:
+    """Return why the links' masses are none, in words, empty where they are."""
+    lacking, masses = [], []
+    for joint, body in zip(joints, bodies, strict=True):
+        inertials = [tree.link_map[link].inertial for link in body]
+        heavy = [one for one in inertials if one is not None and one.mass]
+        masses.append(sum(float(one.mass) for one in heavy))
+        if not heavy or any(one.inertia is None for one in heavy):
+            lacking.append(joint.child)
+    if lacking:
+        return f"no mass or inertia of {', '.join(lacking)}"
+    alike = len(masses) > MIN_JOINTS and len(set(masses)) == 1
+    return f"each link weighs {masses[0]:g} kg, as a placeholder does" if alike else ""
+
+
+def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
+    """Yield what a file does not say, and what is taken instead."""
+    if unknown:
+        yield (
+            f"{unknown}: links, rotors and friction are found from recordings with actual_torque "
+            "(`links: unknown`); write the arm's `weight` [kg] of its data sheet into the file"
+        )
+    for key, value, unit, setting in (
+        ("effort", ASSUMED_TORQUE, "Nm", "torque_max"),
+        ("velocity", ASSUMED_VELOCITY, "rad/s", "velocity_max"),
+    ):
+        names = [joint.name for joint in joints if _stated(joint, key) is None]
+        if names:
+            yield (
+                f"no {key} in the `limit` of {', '.join(names)}: {value:g} {unit} taken; correct "
+                f"`{setting}` in the file"
+            )
 
 
 def _remarks(

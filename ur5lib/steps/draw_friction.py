@@ -31,7 +31,7 @@ def draw_friction(
         constant, known = torque_constants(fit), friction.known_constants.value
         for name in signals:
             tables = signals[name], motion[name], torques[name]
-            record = current_record(name, *tables, arm.fullest_model())
+            record = current_record(name, *tables, arm)
             if record is not None:
                 parts.append(MovingSamples.from_record(record, fit, smooth))
     samples = MovingSamples.joined(parts, len(constant))

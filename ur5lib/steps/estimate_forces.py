@@ -97,7 +97,7 @@ def static_forces(
 
     jacobian: (N, 6, 6); order, cutoff: of the low-pass of currents, [Hz].
     """
-    record = current_record("", signals, motion, torques, robot.fullest_model())
+    record = current_record("", signals, motion, torques, robot)
     if record is None:
         return None
     try:

@@ -24,7 +24,7 @@ def estimate_load(
 ) -> PayloadEstimate:
     """Return the load on the flange; empty without currents, a fit, or any motion."""
     model, smooth = arm.fullest_model(), Smoother(*lowpass)
-    record = current_record(recording, signals, motion, torques, model)
+    record = current_record(recording, signals, motion, torques, arm)
     if record is None or not friction.from_:
         return PayloadEstimate()
     if not smoothed_moving(record, smooth).any():  # at rest, friction hides a load

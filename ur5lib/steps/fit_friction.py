@@ -58,12 +58,14 @@ def fit_friction(
     signals to quality: of the arm's `fit` recordings, postures: of those at rest; dates: of the
     former, ISO 8601 or empty.
     """
+    if arm.links == "unknown":
+        return Friction(refused=remark("unknown links", arm=arm.name))
     model, smooth = arm.fullest_model(), Smoother(*lowpass)
     contradictions = {name: one.contradictions for name, one in premises.items()}
     records, ratios = [], []
     for name in signals:
         recorded, moved = signals[name], motion[name]
-        record = current_record(name, recorded, moved, torques[name], model)
+        record = current_record(name, recorded, moved, torques[name], arm)
         if record is not None:
             records.append(replace(record, day=dates[name]))
             odd = contradictions[name].odd_targets()

@@ -1,4 +1,6 @@
-"""The link models that the controller's torques show: rotors, then rigid bodies."""
+"""The link models that torques show: the controller's those of rotors, then of rigid bodies; the
+joints' own those of an arm whose links are unknown.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -10,6 +12,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import reason
 from ur5lib.identification import rotor_inertia
 from ur5lib.identification.base_parameters import (
+    PARAMETERS_PER_JOINT,
     InertialEstimate,
     Stack,
     base_parameters,
@@ -20,7 +23,10 @@ from ur5lib.identification.base_parameters import (
     torque_error,
 )
 from ur5lib.identification.consistency import consistent_parameters, smallest_eigenvalues
+from ur5lib.identification.current_samples import Smoother, measured_samples
 from ur5lib.identification.excitation import candidate_motions, check_excitation
+from ur5lib.identification.measured_torques import FittedArm, fit_arm
+from ur5lib.identification.torque_rows import MeasuredRun
 from ur5lib.records.carried import configured_payload
 from ur5lib.records.models import BaseParameter, Identification, Rotors
 from ur5lib.records.motion import Motion
@@ -36,6 +42,7 @@ from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment, unbroken
 RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
 DESCRIPTION = "identified from the controller's torques, physically consistent"
+MEASURED_DESCRIPTION = "identified from measured torques, physically consistent"
 
 Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
@@ -55,12 +62,16 @@ def identify_model(
     motion: Mapping[str, Motion],
     gravities: dict[str, list[float] | None],
     lowpass: Butterworth,
+    currents: Butterworth,
 ) -> IdentifiedModel:
     """Return the arm with rotors fitted to the controller's torques, and with the rigid bodies that
-    these show.
+    these show; of unknown links, with those that the measured torques of its joints show.
 
-    signals, motion, gravities: of the arm's `fit` recordings.
+    signals, motion, gravities: of the arm's `fit` recordings; lowpass: of the controller's torques;
+    currents: of currents, and of the torques in their place.
     """
+    if arm.links == "unknown":
+        return with_unknown_links(arm, signals, motion, gravities, Smoother(*currents))
     rotors = fitted_rotors(arm, signals, motion, gravities, lowpass)
     robot = with_rotors(arm, rotors)
     blocks = {
@@ -75,6 +86,65 @@ def identify_model(
     found = replace(found, from_=[name for name, part in blocks.items() if part])
     name = "identified" if "identified" in robot.models else robot.chosen_model
     return IdentifiedModel(robot_yaml(robot), urdf(robot, rigid_bodies(robot, name)), rotors, found)
+
+
+def with_unknown_links(
+    arm: Robot,
+    signals: Mapping[str, Signals],
+    motion: Mapping[str, Motion],
+    gravities: Mapping[str, list[float] | None],
+    smooth: Smoother,
+) -> IdentifiedModel:
+    """Return the arm with the links, gears and counterbalances that its joints' torques show.
+
+    Where they show none, its links remain unknown.
+    """
+    runs = [
+        run
+        for name in signals
+        for run in measured_runs(arm.mounted(gravities[name]), name, signals[name], motion[name])
+    ]
+    try:
+        fitted = fit_arm(arm, runs, smooth)
+        robot = with_fitted(arm, fitted)
+        models = models_under(arm, [gravities[run.samples.name] for run in runs])
+        summary = known_bodies(models, fitted.estimate, fitted.parameters, fitted.mae)
+    except ValueError as error:
+        robot, summary = arm, Identification(refused=reason(error))
+    summary = replace(summary, from_=[run.samples.name for run in runs])
+    bodies = rigid_bodies(robot, robot.chosen_model)
+    return IdentifiedModel(robot_yaml(robot), urdf(robot, bodies), Rotors(), summary)
+
+
+def measured_runs(
+    robot: Robot, name: str, signals: Signals, motion: Motion
+) -> Iterator[MeasuredRun]:
+    """Yield a recording with measured torques, less that of the payload told to the controller.
+
+    robot: under the recording's gravity.
+    """
+    model, states = LinkModel(robot, robot.chosen_model), (motion.q, motion.motor_qd, motion.qdd)
+    loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
+    load = loaded.inverse_dynamics(*states) - model.inverse_dynamics(*states)
+    samples = measured_samples(name, signals, motion, robot, load)
+    if samples is not None:
+        bare = replace(samples, current=samples.current - load)
+        yield MeasuredRun(bare, motion.qdd, model.regressor)
+
+
+def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
+    """Return the arm with fitted links in place of its placeholders, and what else was found."""
+    model = identified_model(arm, fitted.parameters, MEASURED_DESCRIPTION)
+    return arm.model_copy(
+        update={
+            "links": "known",
+            "masses": model.masses,
+            "models": {"identified": model},
+            "chosen_model": "identified",
+            "friction_terms": fitted.terms,
+            "balanced_joints": fitted.balanced,
+        }
+    )
 
 
 def fitted_rotors(
@@ -124,13 +194,18 @@ def with_identified(
     Raises RefusalError where there are too few blocks, or none that bodies could explain.
     """
     data = stack(blocks)
-    unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
-    models = [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
+    models = models_under(robot, gravities)
     estimate = identify(data, models[0].parameters, prior_width(len(models[0].parameters)))
     parameters = consistent_parameters(estimate)
     model = identified_model(robot, parameters, DESCRIPTION)
     found = identification(models, data, estimate, parameters, blocks)
     return robot.with_model("identified", model), found
+
+
+def models_under(robot: Robot, gravities: Sequence[list[float] | None]) -> list[LinkModel]:
+    """Return an arm under each of several gravities, once each."""
+    unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
+    return [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
 
 
 def identification(
@@ -141,29 +216,43 @@ def identification(
     blocks: list[Block],
 ) -> Identification:
     """Return base parameters, errors with and without consistency, and undetermined parameters."""
-    motions = candidate_motions(len(estimate.noise), SPEED, ACCELERATION)
-    candidates = {
-        name: np.concatenate([model.regressor(*motion) for model in models])
-        for name, motion in motions.items()
-    }
-    base = base_parameters(candidates[list(motions)[-1]])
+    values = {"without constraint": estimate.parameters, "consistent": parameters}
+    mae = {name: torque_error(blocks, value) for name, value in values.items()}
+    candidates = candidate_regressors(models)
+    base = base_parameters([*candidates.values()][-1])
     excitation = check_excitation(
         data, base, estimate.width, np.full_like(estimate.noise, RESOLUTION), candidates
     )
+    return replace(known_bodies(models, estimate, parameters, mae), excitation=excitation)
+
+
+def candidate_regressors(models: Sequence[LinkModel]) -> dict[str, Array]:
+    """Return the regressors (N, n, P) of motions that may be suggested, under all gravities."""
+    joints = len(models[0].parameters) // PARAMETERS_PER_JOINT
+    return {
+        name: np.concatenate([model.regressor(*motion) for model in models])
+        for name, motion in candidate_motions(joints, SPEED, ACCELERATION).items()
+    }
+
+
+def known_bodies(
+    models: Sequence[LinkModel],
+    estimate: InertialEstimate,
+    parameters: Array,
+    mae: dict[str, Array],
+) -> Identification:
+    """Return base parameters, errors and definiteness of an estimate, and of bodies near it."""
+    base = base_parameters([*candidate_regressors(models).values()][-1])
     values = base.groups @ parameters, estimate.standard_errors(base.groups)
     known = map(bool, estimate.determined(base.groups))
     return Identification(
         noise=estimate.noise,
         parameters=[*map(BaseParameter, base.names(), *values, known, base.groups)],
-        mae={
-            "without constraint": torque_error(blocks, estimate.parameters),
-            "consistent": torque_error(blocks, parameters),
-        },
+        mae=mae,
         smallest_eigenvalues={
             "without constraint": smallest_eigenvalues(estimate.parameters),
             "consistent": smallest_eigenvalues(parameters),
         },
-        excitation=excitation,
     )
 
 

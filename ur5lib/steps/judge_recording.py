@@ -103,7 +103,7 @@ def examine_joints(evidence: Evidence) -> Checkup:
         return Checkup()
     day = dated(evidence.date, evidence.quality, evidence.prediction)
     tables = evidence.signals, evidence.motion, evidence.torques
-    record = current_record(evidence.recording, *tables, evidence.arm.fullest_model())
+    record = current_record(evidence.recording, *tables, evidence.arm)
     if day is None or record is None:
         return Checkup()
     smooth = Smoother(*evidence.currents_lowpass)

@@ -82,7 +82,7 @@ def predict_currents(
     recording contradicts the study. Raises InputError as `tared`.
     """
     summary = Prediction(recording in friction.from_)
-    record = current_record(recording, signals, motion, torques, arm.fullest_model())
+    record = current_record(recording, signals, motion, torques, arm)
     if record is None or not friction.fit.joints or premises.contradictions.stop_signs:
         return PredictedCurrents(Currents(time=signals.time, segment=signals.segment), summary)
     fit, smooth = friction.fit_for(recording), Smoother(*lowpass)

@@ -95,6 +95,7 @@ rule identify_model:
         code=code("identify_model"),
         gravities=gravities_of(fitted_on),
         lowpass=design(SETTINGS.lowpass.motion),
+        currents=design(SETTINGS.lowpass.currents),
     run:
         run_step(rule, input, output, params, log)
 

@@ -1,0 +1,98 @@
+"""Links, gears and counterbalances from measured torques: of made-up arms whose truth is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import RefusalError
+from ur5lib.identification.base_parameters import identified_model
+from ur5lib.identification.consistency import smallest_eigenvalues
+from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.measured_torques import fit_arm
+from ur5lib.identification.samples import CurrentSamples
+from ur5lib.identification.torque_rows import MeasuredRun
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.friction import friction_direction
+from ur5lib.timeseries.arrays import Array
+
+SMOOTH = Smoother(4, 2.0)
+PERIOD = 0.02
+TRUE_WEIGHT = 40.0  # kg, a little more than all links of a UR10e, base and all
+
+
+@pytest.fixture(scope="module")
+def arm() -> Robot:
+    """A UR10e, of which the fit knows axes and weight alone."""
+    return load_robot(robot_path("ur10e")).model_copy(update={"weight": TRUE_WEIGHT})
+
+
+def drawn_run(arm: Robot, seed: int, balance: float = 0.0, gears: float = 0.0) -> MeasuredRun:
+    """A motion of 20 s with friction 8 sign(q̇) + 15 q̇ - gears q̇ |q̇| on each joint.
+
+    balance: torque balance · sin q₂ of a spring on joint 2 [Nm].
+    """
+    random = np.random.default_rng(seed)
+    time = PERIOD * np.arange(1000)
+    order = 2 * np.pi / 20 * np.arange(1, 7)[:, None, None]
+    size = 0.5 * random.normal(size=(6, 1, 6)) / np.arange(1, 7)[:, None, None]
+    angle = order * time[:, None] + random.uniform(0, 2 * np.pi, (6, 1, 6))
+    q = (size * np.sin(angle)).sum(axis=0) + random.uniform(-1, 1, 6)
+    qd = (size * order * np.cos(angle)).sum(axis=0)
+    qdd = -(size * order**2 * np.sin(angle)).sum(axis=0)
+    model, segment = LinkModel(arm, arm.chosen_model), np.zeros(len(time), int)
+    direction = np.stack([friction_direction(joint, segment) for joint in q.T], axis=1)
+    friction = 8 * direction + 15 * qd - gears * qd * np.abs(qd)
+    torque = model.inverse_dynamics(q, qd, qdd) + friction
+    torque[:, 1] += balance * np.sin(q[:, 1])
+    torque += random.normal(size=torque.shape)
+    samples = CurrentSamples(f"run {seed}", PERIOD, segment, q, qd, 0 * q, torque)
+    return MeasuredRun(samples, qdd, model.regressor)
+
+
+def runs(arm: Robot, balance: float = 0.0, gears: float = 0.0) -> list[MeasuredRun]:
+    return [drawn_run(arm, seed, balance, gears) for seed in range(6)]
+
+
+def unseen_gravity(arm: Robot, parameters: Array) -> tuple[Array, Array]:
+    """Gravity's torque in drawn postures, by fitted links and by the true ones."""
+    found = arm.with_model("found", identified_model(arm, parameters, ""))
+    q = np.random.default_rng(9).uniform(-1.5, 1.5, (200, 6))
+    return tuple(
+        LinkModel(arm, name).gravity_torque(q)
+        for name, arm in (("found", found), (arm.chosen_model, arm))
+    )
+
+
+def test_links_are_bodies_that_hold_in_other_postures(arm: Robot) -> None:
+    fitted = fit_arm(arm, runs(arm), SMOOTH)
+    assert (fitted.terms, fitted.balanced) == ([], [])
+    assert (smallest_eigenvalues(fitted.parameters) > 0).all()
+    found, true = unseen_gravity(arm, fitted.parameters)
+    assert np.abs(found - true).max() < 0.03 * np.abs(true).max()
+
+
+def test_a_counterbalance_is_no_link(arm: Robot) -> None:
+    """With it in its place, gravity is still that of the links."""
+    fitted = fit_arm(arm, runs(arm, balance=-250.0), SMOOTH)
+    assert fitted.balanced == [2]
+    unweighed = fit_arm(arm.model_copy(update={"balanced_joints": [2]}), runs(arm, -250.0), SMOOTH)
+    np.testing.assert_allclose(unweighed.parameters, fitted.parameters)
+
+
+def test_terms_of_gears_are_those_that_they_have(arm: Robot) -> None:
+    assert "square" in fit_arm(arm, runs(arm, gears=12.0), SMOOTH).terms
+
+
+def test_one_short_motion_is_too_little(arm: Robot) -> None:
+    """It has no part that the others could predict."""
+    (run,) = runs(arm)[:1]
+    short = {
+        name: getattr(run.samples, name)[:100]
+        for name in ("segment", "q", "qd", "torque", "current")
+    }
+    with pytest.raises(RefusalError):
+        fit_arm(
+            arm, [replace(run, samples=replace(run.samples, **short), qdd=run.qdd[:100])], SMOOTH
+        )

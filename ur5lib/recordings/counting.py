@@ -1,0 +1,62 @@
+"""From what a controller counts to the channels of the arm's joints."""
+
+import pandas as pd
+
+from ur5lib.channels import SIGNED_CHANNELS
+from ur5lib.errors import InputError
+from ur5lib.recordings.entries import Files
+from ur5lib.robots.description import Drives, Robot
+from ur5lib.robots.drives import directions, joint_positions, joint_rates, joint_torques
+from ur5lib.tables import channel, named
+from ur5lib.timeseries.arrays import Array
+
+POSITIONS, RATES = ("actual_q", "target_q"), ("actual_qd", "target_qd", "target_qdd")
+TORQUES = ("actual_torque", "target_moment", "actual_current_as_torque")
+CURRENT = "actual_current"
+
+
+def counted_as(recording: Files, arm: Robot) -> Robot:
+    """Return an arm whose joints are counted as a recording states, else as the arm does.
+
+    Raises InputError where it does not state a value for each joint.
+    """
+    stated = {"home_deg": recording.home_deg, "directions": recording.directions}
+    given = {key: tuple(values) for key, values in stated.items() if values is not None}
+    for key, values in given.items():
+        if len(values) != len(arm.joints):
+            raise InputError(
+                f"`{key}` in the study has {len(values)} entries, but {recording.path} has "
+                f"{len(arm.joints)} joints; give one for each joint"
+            )
+    return arm.model_copy(update={"drives": arm.drives.model_copy(update=given)})
+
+
+def at_the_joints(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+    """Return a table with positions, rates and torques of the arm's joints, from those that its
+    controller counts. What else has a sign by joint, as currents, has that of the direction.
+
+    Raises InputError for currents of coupled motors, which are of no single joint.
+    """
+    if arm.drives == Drives():
+        return table
+    if arm.drives.coupling and f"{CURRENT}_0" in table:
+        raise InputError(
+            f"the motors of {arm.name} are coupled, so that no current belongs to one joint; log "
+            "their torques (actual_torque) instead, or leave actual_current out"
+        )
+    counts = {
+        name: channel(table, name, len(arm.joints))
+        for name in SIGNED_CHANNELS
+        if f"{name}_0" in table
+    }
+    columns = [named(of_the_joints(name, values, arm), name) for name, values in counts.items()]
+    return table.assign(**{name: values for part in columns for name, values in part.items()})
+
+
+def of_the_joints(name: str, counts: Array, arm: Robot) -> Array:
+    """Return a channel (N, n) of the joints, from what the controller counts."""
+    if name in POSITIONS:
+        return joint_positions(arm, counts)
+    if name in RATES:
+        return joint_rates(arm, counts)
+    return joint_torques(arm, counts) if name in TORQUES else counts * directions(arm)
