@@ -166,9 +166,10 @@ def test_noise_is_at_least_the_last_digit_of_a_torque(ur5: Robot) -> None:
     np.testing.assert_array_equal(exact.noise, 1e-6)
 
 
-def test_noise_is_by_the_degrees_of_freedom_that_are_left() -> None:
+@pytest.mark.parametrize("count", [2, 12])
+def test_noise_is_by_the_degrees_of_freedom_that_are_left(count: int) -> None:
     """Six joints of one parameter each, in blocks of one sample: n - 1 of n."""
-    random, count = np.random.default_rng(3), 12
+    random = np.random.default_rng(3)
     rows = np.eye(6) * random.normal(size=(count, 6, 1))
     torque = rows @ np.arange(6.0) + random.normal(size=(count, 6))
     found = identify(

@@ -189,6 +189,11 @@ def test_noise_counts_as_many_times_as_it_lasts() -> None:
     assert np.mean(rise) == pytest.approx(2 / free * fisher.ppf(0.95, 2, free), rel=0.15)
 
 
+def test_noise_without_memory_is_that_of_each_sample() -> None:
+    noise = np.array([joint.noise for joint in estimated_gains(seed=1)])
+    np.testing.assert_allclose(noise.mean(axis=0), [1e-4, 3e-3], rtol=0.1)
+
+
 def test_nothing_is_fitted_across_a_gap() -> None:
     """Two stretches count as much when told apart by a label or by a row of NaN."""
     one, two = tracking(0.5, 3), tracking(0.5, 4)

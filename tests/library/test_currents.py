@@ -37,8 +37,10 @@ from ur5lib.identification.currents import (
     band,
     breakaway_torque,
     friction_current,
+    load_loss,
     parameters,
     predict,
+    torque_constants,
     unseen_difference,
 )
 from ur5lib.identification.estimation import (
@@ -382,6 +384,16 @@ def test_breakaway_is_the_friction_that_turns_with_direction(fitted: CurrentFit)
     slippery = replace(first.estimate, coefficients=first.estimate.coefficients * [1, 1, 0, 0, 0])
     fit = replace(fitted, joints=(replace(first, estimate=slippery),))
     np.testing.assert_allclose(breakaway_torque(fit), 0.1)
+
+
+def test_a_load_costs_its_torque_times_the_loss(fitted: CurrentFit) -> None:
+    """In currents of friction, with the load and without."""
+    record = make_record(50)
+    free = replace(record, torque=0 * record.torque)
+    added = friction_current(fitted, record) - friction_current(fitted, free)
+    lost = load_loss(fitted, record) * np.abs(record.torque)
+    np.testing.assert_allclose(torque_constants(fitted) * added, lost, atol=1e-9)
+    assert np.abs(lost).max() > 1.0
 
 
 # Too little

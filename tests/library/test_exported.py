@@ -90,10 +90,14 @@ def test_its_friction_is_coulomb_and_viscous(tmp_path: Path) -> None:
 
 
 def test_friction_is_that_of_all_joints() -> None:
-    """Of the predicted current, k⁻¹ (τ + friction) + offset, of seven joints."""
+    """Of the predicted current, k⁻¹ (τ + friction) + offset, of seven joints, where they move and
+    it is known: at rest, friction is anything.
+    """
     random, coulomb, viscous = np.random.default_rng(1), np.arange(1.0, 8.0), np.linspace(0.5, 3, 7)
     qd, torque = random.normal(size=(2, 200, 7))
+    qd[:20] *= 1e-6
     friction = coulomb * np.sign(qd) + viscous * qd
+    friction[:20], friction[20:40] = 50 * random.normal(size=(20, 7)), np.nan
     coefficients = SimpleNamespace(coefficients=[0.1, 0.2])
     joints = [SimpleNamespace(estimate=coefficients)] * 7
     records = {
