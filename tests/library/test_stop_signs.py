@@ -23,7 +23,7 @@ from tests.synthetic import write_recording
 from ur5lib.channels import columns
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import Checked
-from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.currents import DELAY_STEP, foreign_currents
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import foreign_torque, given_load
@@ -423,6 +423,26 @@ def test_chance_tells_no_more_of_an_arm_that_mostly_rests() -> None:
     assert np.ptp(own) < 20.0  # a sign
 
 
+def test_a_velocity_that_was_not_recorded_is_that_of_the_positions(made: Path) -> None:
+    taken = simulated(made, "fast", "ur5", "floor")
+    bare, step = without("actual_qd")(taken.table.copy(), taken.arm), 0.008
+    velocity = np.gradient(channel(bare, "actual_q"), axis=0)
+    derived = bare.assign(**dict(zip(six("actual_qd"), velocity.T, strict=True)))
+    expected = innovation_likelihoods(derived, step, NO_SHIFT)
+    assert expected.any()
+    np.testing.assert_array_equal(innovation_likelihoods(bare, step, NO_SHIFT), expected)
+
+
+@pytest.mark.parametrize(("name", "robot"), [("fast", "ur5"), ("slow", "ur5e")])
+def test_delays_are_as_far_apart_at_every_rate(made: Path, name: str, robot: str) -> None:
+    """As near as frames allow: at 125 Hz and at 500 Hz."""
+    taken = simulated(made, name, robot, "floor")
+    checked = Checked(taken.table, taken.arm, None, None, fitted=True)
+    assert checked.answers is not None
+    steps = np.diff(checked.answers.delays)
+    np.testing.assert_allclose(steps, DELAY_STEP, atol=checked.step / 2)
+
+
 # Small arms bear little beside their friction: 12 s do not show these faults on them.
 UNSEEN = [
     ("joint 2's current x 0.6", "ur3e"),
@@ -467,6 +487,17 @@ def test_the_unit_of_a_current_is_told_by_what_holds_gravity(
     found = [*foreign_currents(means, ur5)]
     assert len(found) == (sentence is not None)
     assert all(str(sentence) in said(one) for one in found)
+
+
+@pytest.mark.parametrize(("most", "told"), [(2.9, False), (3.1, True)])
+def test_joints_that_bear_little_tell_no_unit(ur5: Robot, most: float, told: bool) -> None:
+    """most: root mean square of the joint [Nm] that bears most, under less gravity."""
+    q, (qd, qdd) = np.random.default_rng(0).uniform(-2, 2, (100, 6)), np.zeros((2, 100, 6))
+    still = BlockMeans(q, qd, qdd, None, {})
+    share = most / np.sqrt((still.gravity(ur5) ** 2).mean(axis=0).max())
+    light = ur5.mounted(tuple(share * np.array(ur5.gravity)))
+    means = BlockMeans(q, qd, qdd, None, {"actual_current": still.gravity(light)})
+    assert bool([*foreign_currents(means, light)]) is told
 
 
 @pytest.mark.parametrize(("study", "name"), RIGHT)
