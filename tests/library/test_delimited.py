@@ -7,7 +7,7 @@ import pytest
 
 from tests.conftest import said
 from ur5lib.recordings import text_blocks
-from ur5lib.recordings.delimited import read_numbers
+from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.records.quality import Finding, Log
 
 
@@ -36,6 +36,16 @@ def test_blank_lines_above_a_table_count(tmp_path: Path) -> None:
     findings: list[Finding] = []
     read_numbers(Log(path, "robot", findings), ["time", "value"])
     assert said(findings[0]).startswith("some.csv, line 3 (")
+
+
+@pytest.mark.parametrize(("cells", "header"), [(1, True), (2, True), (3, False)])
+def test_lines_above_a_header_have_less_than_half_its_cells(
+    tmp_path: Path, cells: int, header: bool
+) -> None:
+    path, names = tmp_path / "some.csv", ["time", *"abcde"]
+    lines = ["Some arm", ",".join(["5"] * cells), ",".join(names), *[",".join("123456")] * 9]
+    path.write_text("\n".join(lines))
+    assert (first_cells(path)[0] == names) is header
 
 
 # Text files in blocks of whole lines

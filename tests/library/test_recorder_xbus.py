@@ -1,9 +1,11 @@
 """Xbus and its data: what is decoded is what was sent, however a stream is damaged."""
 
 import math
+import os
 import random
 import struct
 import sys
+import tty
 
 import pytest
 from hypothesis import example, given
@@ -108,6 +110,23 @@ def test_damage_costs_the_messages_that_it_touches() -> None:
         found = Decoder().feed(b"".join([*sent[:10], spoilt, *sent[11:]]))
         numbers = {message.data[0] for message in found if len(message.data) == 40}
         assert numbers >= {*range(10), *range(11, 20)}
+
+
+# A port
+
+
+def test_an_answer_is_found_among_data_and_those_after_it_are_kept() -> None:
+    """All have arrived at once; the data before the answer are skipped."""
+    device, line = os.openpty()
+    tty.setraw(line)
+    port = XbusPort(os.ttyname(line), 115200)
+    before, answer, after = (0x36, b"before"), (0x31, b"yes"), [(0x36, b"1"), (0x36, b"2")]
+    os.write(device, b"".join(encode(*one) for one in (before, answer, *after)))
+    assert port.ask(0x30) == b"yes"
+    assert port.receive() == after
+    port.close()
+    os.close(device)
+    os.close(line)
 
 
 # Samples
