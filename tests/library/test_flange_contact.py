@@ -6,6 +6,7 @@ import pytest
 from ur5lib.dynamics.flange import flange_kinematics, link_frames
 from ur5lib.force.flange_contact import (
     MIN_PROBABILITY_ELSEWHERE,
+    PLACE_SPACING,
     flange_probability,
     place_jacobian,
     places,
@@ -63,6 +64,14 @@ def test_places_are_as_dense_along_every_link(ur5: Robot) -> None:
             assert middle == pytest.approx((ends[0] + ends[1]) / 2)
             apart = np.linalg.norm(ends[1] - ends[0], axis=1) / len(along)
             assert (apart <= 0.1 + 1e-9).all()
+
+
+def test_a_link_has_no_more_places_than_its_length_needs(ur5: Robot) -> None:
+    """The tool, too, which is exactly two steps long."""
+    for along in places(*frames_at(ur5, POSTURE)).values():
+        if len(along) > 1:
+            length = len(along) * np.linalg.norm(along[1] - along[0], axis=1)
+            assert (length / (len(along) - 1) > PLACE_SPACING + 1e-6).all()
 
 
 def trial(robot: Robot, random: np.random.Generator) -> tuple[int, float]:
