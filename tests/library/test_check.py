@@ -213,6 +213,7 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     known = {name: (own, {}, clocks[name], forces[name]) for name, own in qualities.items()}
     rows = table(files.quality, known)
     grouped = group_findings(name_copies(rows))
+    assert {*grouped.loc[grouped["severity"] == "warning", "count"]} == {1}
     reported = grouped.set_index(["recording", "finding"])["detail"].to_dict()
     assert reported["one", "torn last line"].startswith("a, line 3; b, line 3: ")
     assert words("two used here") <= words(reported["one", "same file"])

@@ -24,10 +24,12 @@ from ur5lib.report.page.document import (
     DeclaredSection,
     DeclaredTable,
     Document,
+    Heading,
     Items,
     Mention,
     Paragraph,
     Picture,
+    Repeated,
     Section,
     TableBlock,
     contents,
@@ -157,6 +159,17 @@ def test_a_list_is_introduced_where_it_has_items(count: int) -> None:
     )
     shown = [*_drafts(part, Results(study={}, tables={}, figures=Path(), errata=errata))]
     assert [type(block) for block in shown] == ([Paragraph, Items] if count else [])
+
+
+@pytest.mark.parametrize("arm", ["ur5", "ur10e"])
+def test_an_arm_is_a_heading_where_a_table_of_it_is_shown(arm: str) -> None:
+    table = pd.DataFrame({"robot": ["ur5"], "value": [1.0]})
+    own = DeclaredTable("some", "One.", where="robot == @of")
+    each = Repeated(each="robots", heading="{of}", blocks=[Paragraph(text="Of {of}."), own])
+    part = DeclaredSection(title="Arms", blocks=[each])
+    study = {"recordings": [{"name": "one", "robot": arm, "role": "fit"}]}
+    shown = [type(block) for block in _drafts(part, Results(study, {"some": table}, Path()))]
+    assert (shown[0] is Heading) == (TableBlock in shown) == (arm == "ur5")
 
 
 def test_arms_that_sense_torque_have_no_currents() -> None:

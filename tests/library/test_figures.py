@@ -35,6 +35,8 @@ from ur5lib.report.figures.recording_figures import (
 )
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
+from ur5lib.steps.draw_filters import FILTERED, OF_THESIS, draw_filters
+from ur5lib.timeseries.lowpass import Butterworth
 
 LONG = 20_000
 
@@ -106,6 +108,14 @@ def test_forces_stand_left_and_moments_right() -> None:
 def test_joints_have_the_same_colours_everywhere() -> None:
     axes = drawing(panels=TORQUE_PANELS).figure.axes
     assert [axis.lines[1].get_color() for axis in axes] == [*JOINT_COLOURS[:6]]
+
+
+@pytest.mark.parametrize("is_thesis", [False, True])
+def test_filters_of_the_thesis_are_drawn_in_its_study_alone(is_thesis: bool) -> None:
+    lowpass = dict.fromkeys((*FILTERED, *OF_THESIS), Butterworth(4, 10.0))
+    names = [*draw_filters(lowpass, is_thesis)["filters"].data]
+    causal = [name for name in names if "one way" in name]
+    assert bool(causal) == any("thesis" in name for name in names) == is_thesis
 
 
 def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:

@@ -254,6 +254,18 @@ def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     assert not any("A]" in axis.get_ylabel() for axis in sensed.axes)
 
 
+def test_a_jump_is_shaded_darker_than_a_drift(results: Results) -> None:
+    dates, changes = results.tables.values()
+    darkness = [
+        patch.get_alpha()
+        for kind in ("drift", "jump")
+        for axis in health_figure(dates, changes[changes["kind"] == kind]).figure.axes
+        for patch in axis.patches
+    ]
+    assert darkness == sorted({*darkness})
+    assert len(darkness) == 2
+
+
 def test_dates_on_which_no_joint_could_be_judged_draw_nothing(results: Results) -> None:
     dates, changes = results.tables.values()
     assert health_figure(dates[dates["joint"].isna()], changes[:0]).data.empty

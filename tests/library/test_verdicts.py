@@ -742,6 +742,17 @@ def test_a_joint_that_never_moved_has_no_friction() -> None:
     assert coulomb[3:] == ["did not move", "–", "–", "–", "–"]
 
 
+@pytest.mark.parametrize(
+    ("more", "source"), [({}, "data"), (UNKNOWN, "prior"), ({"determined": "no"}, "undetermined")]
+)
+def test_a_constant_is_mainly_from_what_tells_most(more: dict[str, Any], source: str) -> None:
+    rows = pd.DataFrame([constant(1, 10.0, **more) | {"thesis": np.nan}])
+    results = study()
+    results = Results(results.study, {**results.tables, "friction": rows}, Path())
+    (row,) = shown_table("currents.constants", results).rows
+    assert row[-1].text == source
+
+
 def test_a_recording_is_not_validated_on_itself() -> None:
     row = {"robot": "ur5", "fitted_on": "one", "tested_on": "one", "joint": 1, "rmse_2hz": 0.1}
     results = study(cross_validation=[row])
