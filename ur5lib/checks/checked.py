@@ -82,21 +82,24 @@ class Checked:
     def contact(self) -> Finding | None:
         """Return a warning of the strongest contact that the currents show."""
         enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
-        return felt_contact(self.means, self.loaded) if enough else None
+        known = enough and self.arm.tells_gravity()
+        return felt_contact(self.means, self.loaded) if known else None
 
     def tells_by_gravity(self) -> bool:
         """Return whether gravity tells arm, joints and motors by the currents.
 
         A push against an arm at rest looks like gravity.
         """
-        if MEASURED_CURRENT not in self.means.currents:
+        if MEASURED_CURRENT not in self.means.currents or not self.arm.tells_gravity():
             return False
         return bool(moving_joints(self.means).any()) or (self.fitted and self.contact is None)
 
 
 def arms_alike(arm: Robot, payload: Payload | None) -> list[Robot]:
-    """Return all described arms of an arm's number of joints, mounted alike, with a payload."""
-    arms = [described(name) for name in robot_names()]
+    """Return all described arms of an arm's number of joints, mounted alike, with a payload; those
+    whose gravity nothing tells are like none.
+    """
+    arms = filter(Robot.tells_gravity, map(described, robot_names()))
     alike = [other for other in arms if len(other.joints) == len(arm.joints)]
     return [other.mounted(arm.gravity).carrying(payload) for other in alike]
 

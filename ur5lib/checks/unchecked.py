@@ -45,7 +45,7 @@ def _note(finding: str, **values: object) -> Finding:
 def _arm(checked: Checked) -> Iterator[Finding]:
     """Yield which other arms fit as well, where no torque of the controller tells all apart."""
     others = [one for one in checked.others if one.name != checked.arm.name]
-    if checked.means.torque is not None:
+    if checked.means.torque is not None or not checked.arm.tells_gravity():
         return
     if f"{POSE}_0" in checked.robot:
         others = [one for one in others if not any(tool_off_flange(checked.robot, one))]

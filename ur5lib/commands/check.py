@@ -179,7 +179,7 @@ def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
         return
     if checked.contact is not None:
         yield checked.contact
-    elif not sensed:
+    elif not sensed and checked.arm.tells_gravity():
         yield unfelt_contacts(checked.arm)
 
 

@@ -56,16 +56,18 @@ def listing() -> Iterator[str]:
 
 
 def _with_checksums(name: str, dataset: Dataset) -> Dataset:
-    if dataset.archive is None:
+    listed = CATALOGUE_FOLDER / "checksums" / f"{name}.sha256"
+    if not listed.exists():
         return dataset
-    text = (CATALOGUE_FOLDER / "checksums" / f"{name}.sha256").read_text(encoding="utf-8")
-    lines = (line.split(maxsplit=1) for line in text.splitlines())  # as sha256sum writes them
+    lines = (line.split(maxsplit=1) for line in listed.read_text(encoding="utf-8").splitlines())
     checksums = {file: checksum for checksum, file in lines}
     return dataset.model_copy(update={"checksums": checksums})
 
 
 def _how_verified(dataset: Dataset) -> str:
-    if dataset.archive:
+    by_hand = "" if dataset.archive else "to be downloaded by hand"
+    if dataset.checksums:
         more = f"; {dataset.unverified} others beside them, not verified"
-        return f"{len(dataset.checksums)}, verified by SHA-256" + more * (dataset.unverified > 0)
-    return "verified by the MD5 of the record" if dataset.record else "to be downloaded by hand"
+        listed = f"{len(dataset.checksums)}, verified by SHA-256" + more * (dataset.unverified > 0)
+        return ", ".join(filter(None, [listed, by_hand]))
+    return "verified by the MD5 of the record" if dataset.record else by_hand

@@ -221,9 +221,9 @@ def fetch(name: str, target: Path | None = None, source: Path | None = None) -> 
     if name not in catalogue():
         raise unknown("data set", name, catalogue())
     dataset, folder = catalogue()[name], target or Path("raw") / name
-    if dataset.archive:
-        checksums = dataset.checksums
-        added = fetch_archive(dataset.archive, checksums, folder, source, dataset.unverified)
+    if dataset.archive or (dataset.checksums and source):
+        checksums, archive = dataset.checksums, dataset.archive or dataset.address
+        added = fetch_archive(archive, checksums, folder, source, dataset.unverified)
         others = len(others_beside(folder, checksums)) if dataset.unverified else 0
         more = f"; {others} others, whose checksums are unknown, are not" if others else ""
         return f"{folder}: {len(checksums)} files verified, {added} of them new{more}"
@@ -236,4 +236,6 @@ def fetch(name: str, target: Path | None = None, source: Path | None = None) -> 
     raise InputError(
         f"{name} cannot be downloaded by a program: put the files of {dataset.address} into "
         f"{folder} by hand, and let `ur5 import` write the entries"
+        + "; `--from <folder>` verifies a copy"
+        * bool(dataset.checksums)
     )

@@ -18,7 +18,7 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.robots.drives import shaft_rates
+from ur5lib.robots.drives import shaft_matrix
 from ur5lib.robots.friction import FITTED_TERMS
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
@@ -72,7 +72,7 @@ def shafts_of(arm: Robot, motion: Motion) -> Shafts | None:
     motors = np.full(len(arm.joints), -1)
     for coupled in arm.drives.coupling:
         motors[[coupled.motor - 1, coupled.joint - 1]] = coupled.motor - 1
-    states = [shaft_rates(arm, values) for values in (motion.q, motion.motor_qd, motion.qdd)]
+    states = [v @ shaft_matrix(arm).T for v in (motion.q, motion.motor_qd, motion.qdd)]
     return Shafts(*(np.where(motors >= 0, values[:, motors], np.nan) for values in states))
 
 

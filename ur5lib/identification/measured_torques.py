@@ -26,9 +26,10 @@ from ur5lib.identification.consistency import (
     LinkBounds,
     nearest_bodies,
 )
-from ur5lib.identification.samples import Smooth
+from ur5lib.identification.current_samples import Smoother
 from ur5lib.identification.torque_rows import MeasuredRun, TorqueRows, torque_rows
 from ur5lib.robots.description import Robot
+from ur5lib.robots.drives import shaft_matrix
 from ur5lib.robots.inertia import link_tail, shift_inertia
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -59,13 +60,14 @@ class FittedArm(NamedTuple):
     balanced: list[int]
 
 
-def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: Smooth) -> FittedArm:
+def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: Smoother) -> FittedArm:
     """Return the links, rotors and terms that torques show; terms that are described are kept.
 
     Raises RefusalError where there are too few rows, or no bodies explain the torques.
     """
     known = [*BASE_TERMS, *(["coupled"] if robot.drives.coupling else [])]
-    fit = ArmFit(robot, torque_rows(runs, [*known, *GEAR_TERMS], smooth), known)
+    rows = torque_rows(runs, [*known, *GEAR_TERMS], smooth, shaft_matrix(robot))
+    fit = ArmFit(robot, rows, known)
     gears: list[str] = [*robot.friction_terms] or fit.gear_terms(known)
     balanced = [*robot.balanced_joints] or fit.balanced_joints([*known, *gears])
     places = fit.rows.places([*known, *gears], balanced)

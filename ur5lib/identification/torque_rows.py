@@ -9,19 +9,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ur5lib.identification.base_parameters import MAX_BLOCKS, PARAMETERS_PER_JOINT
+from ur5lib.identification.current_samples import Smoother
 from ur5lib.identification.samples import (
     BLOCKS_PER_STRETCH,
-    INDEPENDENT_STEP,
     MIN_UNITS,
     CurrentSamples,
-    Smooth,
     blocks,
     record_paths,
 )
 from ur5lib.robots.friction import coefficient_names, friction_columns
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-BALANCE = "balance"
+BALANCE, COUPLED = "balance", "coupled"
+ROWS_PER_CUTOFF = 5  # per period of the low-pass's cut-off: a row each 0.1 s at 2 Hz
 
 Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
@@ -43,11 +43,13 @@ class TorqueRows:
     """What recordings of an arm of n joints show.
 
     units: blocks that are left out together; terms: of friction whose columns they have, after
-    those of the links: of joint 1 an offset, the terms' and a balance's, then of joint 2.
+    those of the links: of joint 1 an offset, the terms' and a balance's, then of joint 2; motors:
+    those, from 1, that turn with two joints, whose one friction brakes both.
     """
 
     units: Sequence[Block]
     terms: Sequence[str]
+    motors: Collection[int]
 
     @property
     def joints(self) -> int:
@@ -61,14 +63,16 @@ class TorqueRows:
 
     def coefficients(self) -> list[str]:
         """Return the names of a joint's coefficients."""
-        return ["offset", *coefficient_names([*self.terms, BALANCE])]
+        return coefficients(self.terms)
 
     def places(self, terms: Collection[str], balanced: Collection[int] = ()) -> list[int]:
         """Return the columns of the links, of the offset and terms of all joints, and of balances.
 
         balanced: joints from 1.
         """
-        kept, balance = {"offset", *coefficient_names([*terms])}, {*coefficient_names([BALANCE])}
+        of_joints = {"offset", *coefficient_names([*terms])}
+        only = {**dict.fromkeys(coefficient_names([BALANCE]), balanced)}
+        only |= dict.fromkeys(coefficient_names([COUPLED] * (COUPLED in terms)), self.motors)
         names, first = self.coefficients(), PARAMETERS_PER_JOINT * self.joints
         return [
             *range(first),
@@ -76,43 +80,55 @@ class TorqueRows:
                 first + len(names) * joint + place
                 for joint in range(self.joints)
                 for place, name in enumerate(names)
-                if name in kept or (name in balance and joint + 1 in balanced)
+                if (joint + 1 in only[name] if name in only else name in of_joints)
             ),
         ]
 
 
-def torque_rows(runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: Smooth) -> TorqueRows:
-    """Return the rows of recordings."""
+def torque_rows(
+    runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: Smoother, shafts: Array
+) -> TorqueRows:
+    """Return the rows of recordings, in units of which there are enough: the largest of paths,
+    stretches of ten seconds, and blocks.
+
+    shafts: (n, n), how far each motor (row) turns with each joint, 1 with its own.
+    """
+    parts_of = [run_rows(run, terms, smooth, shafts) for run in runs]
+    regressor, torque, block = zip(*parts_of, strict=True)
     paths = record_paths([run.samples for run in runs])
-    has_paths = paths.max() + 1 >= MIN_UNITS
-    parts: dict[int, list[Block]] = {}
-    for run, path in zip(runs, paths.tolist(), strict=True):
-        regressor, torque, stretch = run_rows(run, terms, smooth)
-        unit = np.full_like(stretch, path) if has_paths else stretch + len(parts)
-        for label in np.unique(unit).tolist():
-            block = regressor[unit == label], torque[unit == label]
-            parts.setdefault(label % MAX_BLOCKS, []).append(block)
-    joined = [[*zip(*unit, strict=True)] for unit in parts.values()]
-    return TorqueRows([(np.concatenate(Y), np.concatenate(tau)) for Y, tau in joined], [*terms])
+    path = np.repeat(paths, [len(rows) for rows in torque])
+    firsts = np.cumsum([0, *(-(-(labels[-1] + 1) // BLOCKS_PER_STRETCH) for labels in block[:-1])])
+    whole = np.concatenate(
+        [labels + BLOCKS_PER_STRETCH * first for labels, first in zip(block, firsts, strict=True)]
+    )
+    parts = path, whole // BLOCKS_PER_STRETCH
+    unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), whole) % MAX_BLOCKS
+    rows, torques = np.concatenate(regressor), np.concatenate(torque)
+    units = [(rows[unit == label], torques[unit == label]) for label in np.unique(unit)]
+    return TorqueRows(units, [*terms], [*(1 + np.flatnonzero(coupled_motors(shafts)))])
 
 
-def run_rows(run: MeasuredRun, terms: Sequence[str], smooth: Smooth) -> tuple[Array, Array, Labels]:
-    """Return regressors (N, n, P), torques (N, n) [Nm] and labels (N,) of stretches of a recording.
+def run_rows(
+    run: MeasuredRun, terms: Sequence[str], smooth: Smoother, shafts: Array
+) -> tuple[Array, Array, Labels]:
+    """Return regressors (N, n, P), torques (N, n) [Nm] and labels (N,) of blocks of a recording.
 
     Where a sample is missing, there is no row.
     """
     known = replace(run.samples, balanced=range(run.samples.q.shape[1]))
-    stride = max(1, round(INDEPENDENT_STEP / known.period))
+    stride = max(1, round(1 / (ROWS_PER_CUTOFF * smooth.cutoff * known.period)))
     rigid = run.regressor(known.q, known.qd, run.qdd)
     of_joints = [own_columns(known, joint, terms) for joint in range(known.q.shape[1])]
     sources = [rigid.reshape(len(rigid), -1), *of_joints, known.current]
     rows = smooth(np.hstack(sources), known)[::stride]
     finite = np.isfinite(rows).all(axis=1)
-    stretch = (blocks(known) // BLOCKS_PER_STRETCH)[::stride][finite]
+    block = blocks(known)[::stride][finite]
     ends = np.cumsum([source.shape[1] for source in sources])[:-1]
     smoothed, *friction, torque = np.split(rows[finite], ends, axis=1)
     smoothed = smoothed.reshape(len(smoothed), *rigid.shape[1:])
-    return np.concatenate([smoothed, block_diagonal(friction)], axis=2), torque, stretch
+    is_shared = [name in coefficient_names([COUPLED]) for name in coefficients(terms)]
+    columns = by_row(np.stack(friction, axis=1), np.array(is_shared), shafts)
+    return np.concatenate([smoothed, columns], axis=2), torque, block
 
 
 def own_columns(samples: CurrentSamples, joint: int, terms: Sequence[str]) -> Array:
@@ -121,10 +137,25 @@ def own_columns(samples: CurrentSamples, joint: int, terms: Sequence[str]) -> Ar
     return np.column_stack([np.ones_like(motion.q), friction_columns(motion, [*terms, BALANCE])])
 
 
-def block_diagonal(parts: Sequence[Array]) -> Array:
-    """Return (N, n, n C) of n parts (N, C): each in its own row and columns, zero elsewhere."""
-    count, width = parts[0].shape
-    whole = np.zeros((count, len(parts), len(parts) * width))
-    for joint, part in enumerate(parts):
-        whole[:, joint, joint * width : (joint + 1) * width] = part
-    return whole
+def coefficients(terms: Sequence[str]) -> list[str]:
+    """Return the names of a joint's coefficients beside the links' parameters."""
+    return ["offset", *coefficient_names([*terms, BALANCE])]
+
+
+def coupled_motors(shafts: Array) -> Mask:
+    """Return which motors (n,) turn with more joints than their own."""
+    return np.count_nonzero(shafts, axis=1) > 1
+
+
+def by_row(columns: Array, is_shared: Mask, shafts: Array) -> Array:
+    """Return the columns (N, n, n C) of each joint's row, from the joints' own (N, n, C).
+
+    They stand in the row of their joint. Those of a coupled motor's shaft (C,) stand in the rows of
+    all joints that it turns with: τ = Sᵀ τ_shaft, S = shafts (n, n).
+    """
+    count, joints, width = columns.shape
+    own = np.where(is_shared, 0.0, columns)
+    of_shafts = np.where(is_shared & coupled_motors(shafts)[:, None], columns, 0.0)
+    rows = np.einsum("jm,kmc->kjmc", np.eye(joints), own)
+    rows += np.einsum("mj,kmc->kjmc", shafts, of_shafts)
+    return rows.reshape(count, joints, joints * width)

@@ -105,7 +105,10 @@ def name_efforts(
 
     blocks: by their names in `means`, which have the joints in order, None without a motion.
     """
-    scores = {name: unit_scores(means, name, arm) if means and arm else {} for name in blocks}
+    telling = arm if arm and arm.tells_gravity() else None
+    scores = {
+        name: unit_scores(means, name, telling) if means and telling else {} for name in blocks
+    }
     units = {name: _unit(block, scores[name], file) for name, block in blocks.items()}
     targets = _targets([blocks[name] for name, unit in units.items() if unit], file)
     channels: dict[str, ColumnBlock] = {}

@@ -80,8 +80,9 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
 
 
 def arms_of(file: FileContents) -> list[str]:
-    """Return the described arms with as many joints as a file."""
-    return [name for name in robot_names() if len(described(name).joints) == file.joints]
+    """Return the described arms with as many joints as a file, whose gravity may tell them."""
+    arms = {name: described(name) for name in robot_names()}
+    return [n for n, arm in arms.items() if len(arm.joints) == file.joints and arm.tells_gravity()]
 
 
 def fitting(

@@ -6,12 +6,9 @@ from ur5lib.channels import SIGNED_CHANNELS
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import Files
 from ur5lib.robots.description import Drives, Robot
-from ur5lib.robots.drives import directions, joint_positions, joint_rates, joint_torques
+from ur5lib.robots.drives import of_the_joints
 from ur5lib.tables import channel, named
-from ur5lib.timeseries.arrays import Array
 
-POSITIONS, RATES = ("actual_q", "target_q"), ("actual_qd", "target_qd", "target_qdd")
-TORQUES = ("actual_torque", "target_moment", "actual_current_as_torque")
 CURRENT = "actual_current"
 
 
@@ -51,12 +48,3 @@ def at_the_joints(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
     }
     columns = [named(of_the_joints(name, values, arm), name) for name, values in counts.items()]
     return table.assign(**{name: values for part in columns for name, values in part.items()})
-
-
-def of_the_joints(name: str, counts: Array, arm: Robot) -> Array:
-    """Return a channel (N, n) of the joints, from what the controller counts."""
-    if name in POSITIONS:
-        return joint_positions(arm, counts)
-    if name in RATES:
-        return joint_rates(arm, counts)
-    return joint_torques(arm, counts) if name in TORQUES else counts * directions(arm)

@@ -1,7 +1,8 @@
-"""From the counts of a controller to the joints: gears, directions, home offsets, coupled motors.
+"""From the counts of a controller to the joints, and back: gears, directions, home offsets, coupled
+motors.
 
 With C of the coupling (unit diagonal), d of the directions and N of the gear ratios, motors turn by
-θ = N C (q - q_home) / d, and, as their power is that of the joints, τ = d Cᵀ N τ_motor.
+θ = N C d (q - q_home), and, as their power is that of the joints, τ = d Cᵀ N τ_motor.
 """
 
 import numpy as np
@@ -9,16 +10,49 @@ import numpy as np
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
+POSITIONS, RATES = ("actual_q", "target_q"), ("actual_qd", "target_qd", "target_qdd")
+TORQUES = ("actual_torque", "target_moment", "actual_current_as_torque")
+
+
+def of_the_joints(name: str, counts: Array, arm: Robot) -> Array:
+    """Return a channel (N, n) of the joints, from what the controller counts."""
+    turns, home = turns_matrix(arm), np.radians(arm.drives.home_deg or 0.0)
+    if name in (*POSITIONS, *RATES):
+        return counts @ np.linalg.inv(turns).T + home * (name in POSITIONS)
+    return counts @ torque_matrix(arm) if name in TORQUES else counts * directions(arm)
+
+
+def as_counted(name: str, values: Array, arm: Robot) -> Array:
+    """Return what the controller counts, from a channel (N, n) of the joints."""
+    turns, home = turns_matrix(arm), np.radians(arm.drives.home_deg or 0.0)
+    if name in (*POSITIONS, *RATES):
+        return (values - home * (name in POSITIONS)) @ turns.T
+    if name in TORQUES:
+        return values @ np.linalg.inv(torque_matrix(arm))
+    return values * directions(arm)
+
+
+def turns_matrix(arm: Robot) -> Array:
+    """Return the matrix (n, n) of counted rates per rate of the joints: N C d, or d for joints."""
+    turns = motor_matrix(arm) if arm.drives.positions == "motor" else np.eye(len(arm.joints))
+    return turns * directions(arm)
+
+
+def torque_matrix(arm: Robot) -> Array:
+    """Return M (n, n) of τᵀ = τ_countedᵀ M: N C d, or d for torques of the joints."""
+    turns = motor_matrix(arm) if arm.drives.torques == "motor" else np.eye(len(arm.joints))
+    return turns * directions(arm)
+
+
+def motor_matrix(arm: Robot) -> Array:
+    """Return N C (n, n), the turns of the motors per turn of the joints in the counts' signs."""
+    ratios = np.array([arm.motor(joint).gear_ratio or 1.0 for joint in arm.joint_numbers])
+    return ratios[:, None] * coupling_matrix(arm)
+
 
 def directions(arm: Robot) -> Array:
     """Return d (n,): -1 of a joint that is counted against its axis."""
     return np.array(arm.drives.directions or np.ones(len(arm.joints)), dtype=float)
-
-
-def gear_ratios(arm: Robot, side: str) -> Array:
-    """Return the motors' turns per turn of their joints (n,), 1 for counts on the joints' side."""
-    ratios = [arm.motor(joint).gear_ratio or 1.0 for joint in arm.joint_numbers]
-    return np.array(ratios if side == "motor" else np.ones(len(ratios)))
 
 
 def coupling_matrix(arm: Robot) -> Array:
@@ -29,28 +63,7 @@ def coupling_matrix(arm: Robot) -> Array:
     return matrix
 
 
-def joint_positions(arm: Robot, counts: Array) -> Array:
-    """Return q (N, n) [rad] of counted positions."""
-    return joint_rates(arm, counts) + np.radians(arm.drives.home_deg or 0.0)
-
-
-def joint_rates(arm: Robot, counts: Array) -> Array:
-    """Return q̇ = d C⁻¹ N⁻¹ θ̇ (N, n) of counted rates; counts at the joints are free of C and N."""
-    side = arm.drives.positions
-    turned = counts / gear_ratios(arm, side)
-    if side == "motor":
-        turned = turned @ np.linalg.inv(coupling_matrix(arm)).T
-    return turned * directions(arm)
-
-
-def joint_torques(arm: Robot, counts: Array) -> Array:
-    """Return τ = d Cᵀ N τ_motor (N, n) of counted torques; those at the joints are free of C, N."""
-    side = arm.drives.torques
-    shaft = counts * gear_ratios(arm, side)
-    return (shaft @ coupling_matrix(arm) if side == "motor" else shaft) * directions(arm)
-
-
-def shaft_rates(arm: Robot, rates: Array) -> Array:
-    """Return the rates (N, n) of the motors' shafts, d C d q̇, in the joints' scale and signs."""
+def shaft_matrix(arm: Robot) -> Array:
+    """Return S = d C d (n, n) of the motors' shafts S q̇, in the joints' scale and signs."""
     signs = directions(arm)
-    return (rates * signs) @ coupling_matrix(arm).T * signs
+    return signs[:, None] * coupling_matrix(arm) * signs

@@ -7,12 +7,14 @@ import numpy as np
 import pandas as pd
 from scipy.signal import butter, lfilter
 
+from ur5lib.channels import SIGNED_CHANNELS
 from ur5lib.lab.stand.drive import Drive, current_noise, motion_share
 from ur5lib.lab.stand.friction import along_chain
 from ur5lib.lab.stand.rig import STEP, Experiment, Rig, States, step_times
 from ur5lib.lab.stand.torque_sensors import TorqueSensors
 from ur5lib.lab.stand.trajectories import Targets
 from ur5lib.robots.description import Payload
+from ur5lib.robots.drives import as_counted
 from ur5lib.robots.mjcf import flange
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
@@ -57,7 +59,12 @@ def frames(
     temperature = rounded_temperature(experiment.plan.temperature(time))
     values["joint_temperatures"] = np.repeat(temperature[:, None], q.shape[1], axis=1)
     columns = {"time": np.round(time, DECIMALS)}
-    for name, numbers in values.items():
+    counted = {
+        name: as_counted(name, values[name], rig.robot)
+        for name in SIGNED_CHANNELS
+        if name in values
+    }
+    for name, numbers in (values | counted).items():
         columns |= named(np.round(numbers, DECIMALS), name)
     for name, constant in payload_channels(rig.declared).items():
         rows = np.tile(constant, (len(time), 1))

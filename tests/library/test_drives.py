@@ -1,0 +1,57 @@
+"""How controllers count: a motor's power is that of the joints that it moves, whatever it counts."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from ur5lib.robots.description import CoupledMotor, Drives, Robot
+from ur5lib.robots.drives import as_counted, of_the_joints, shaft_matrix
+
+
+@pytest.fixture
+def arm(ur5: Robot) -> Robot:
+    """Motors' counts of gears of 32 to 50, two joints reversed, motor 6 turned by joint 5, too."""
+    ratios = dict(zip(ur5.joint_numbers, (32.0, 32.0, 45.0, 48.0, 45.0, 50.0), strict=True))
+    motors = {
+        f"motor{k}": ur5.motor(k).model_copy(update={"gear_ratio": ratios[k]}) for k in ratios
+    }
+    drives = Drives(
+        positions="motor",
+        torques="motor",
+        directions=(1, -1, 1, -1, 1, 1),
+        home_deg=(0, -90, 90, 0, 0, 10),
+        coupling=[CoupledMotor(motor=6, joint=5)],
+    )
+    return ur5.model_copy(update={"joints": (*motors,), "motors": motors, "drives": drives})
+
+
+def test_motors_do_the_work_of_the_joints(arm: Robot) -> None:
+    """θ̇ᵀ τ_motor = q̇ᵀ τ."""
+    rates, torques = np.random.default_rng(0).normal(size=(2, 50, 6))
+    motor_rates = as_counted("actual_qd", rates, arm)
+    motor_torques = as_counted("actual_torque", torques, arm)
+    power = (motor_rates * motor_torques).sum(axis=1)
+    np.testing.assert_allclose(power, (rates * torques).sum(axis=1))
+    # and motor 6 with its gear of 50 turns with joints 5 and 6
+    np.testing.assert_allclose(motor_rates[:, 5], 50 * (rates[:, 4] + rates[:, 5]))
+    np.testing.assert_allclose(motor_rates[:, 5] / 50, (rates @ shaft_matrix(arm).T)[:, 5])
+
+
+@pytest.mark.parametrize("name", ["actual_q", "target_qd", "actual_torque", "actual_current"])
+def test_counts_are_told_back(arm: Robot, name: str) -> None:
+    values = np.random.default_rng(1).normal(size=(20, 6))
+    np.testing.assert_allclose(of_the_joints(name, as_counted(name, values, arm), arm), values)
+
+
+def test_positions_are_those_of_the_description(arm: Robot) -> None:
+    np.testing.assert_allclose(
+        np.degrees(of_the_joints("actual_q", np.zeros((1, 6)), arm))[0], arm.drives.home_deg
+    )
+
+
+def test_a_coupling_is_of_two_joints_of_the_arm(ur5: Robot) -> None:
+    with pytest.raises(ValidationError):
+        CoupledMotor(motor=6, joint=6)
+    data = ur5.model_dump() | {"drives": {"coupling": [{"motor": 7, "joint": 5}]}}
+    with pytest.raises(ValidationError):
+        Robot.model_validate(data)
