@@ -85,6 +85,13 @@ def with_kept(new: str, old: str, measured: bool, estimators: Sequence[str]) -> 
     return new.replace(simulated, f"{shown.rstrip()}\n\n")
 
 
+def replaced(text: str, title: str, tables: str) -> str:
+    """Return a page with other tables in a section, below the lines that introduce it."""
+    old = section(text, title)
+    words = old[: old.index("\n|") + 1] if "\n|" in old else f"{old.rstrip()}\n\n"
+    return text.replace(old, f"{words}{tables.rstrip()}\n\n") if old else text
+
+
 def section(text: str, title: str) -> str:
     """Return a section of a page with its heading, up to the next one; empty if there is none."""
     found = re.search(rf"^## {re.escape(title)}\n.*?(?=^## |\Z)", text, re.DOTALL | re.MULTILINE)

@@ -6,7 +6,7 @@ import pytest
 
 from tests.conftest import said
 from tests.synthetic import PERIOD
-from ur5lib.checks.channels import check_robot
+from ur5lib.checks.channels import check_robot, fast_between_samples
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import check_force_sensor, check_imu
 from ur5lib.records.quality import Finding
@@ -265,3 +265,13 @@ def test_a_contact_in_a_free_recording_is_found(
     force = np.where(time < seconds, newton, 0.0) + 3.0  # and a bias
     table = pd.DataFrame({"time": time, "ft_fx": force, "ft_fy": 0.0, "ft_fz": -4.0})
     assert len(sensed_contacts(table, mass)) == found
+
+
+@pytest.mark.parametrize(("hertz", "is_told"), [(0.2, True), (1.0, True), (4.0, False)])
+def test_a_slow_log_says_where_motion_is_faster_than_it_tells(hertz: float, is_told: bool) -> None:
+    """At 10 Hz; a log at 50 Hz and more is fast enough for any arm."""
+    time = 0.1 * np.arange(100)
+    q = np.stack([0.5 * np.sin(2 * np.pi * f * time + 1) for f in (0.1, hertz)], axis=1)
+    sentences = [*map(said, fast_between_samples(q, np.zeros(len(q), int), 0.1))]
+    assert [words.split("move")[0] for words in sentences] == ["joints 2 "] * (not is_told)
+    assert fast_between_samples(q, np.zeros(len(q), int), 0.004) == []

@@ -1,4 +1,4 @@
-"""How controllers count: a motor's power is that of the joints that it moves, whatever it counts."""
+"""How controllers count: a motor does the work of the joints that it moves."""
 
 import numpy as np
 import pytest

@@ -18,7 +18,7 @@ GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs an
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
 # ones are below the encoder's resolution.
 PRESLIDING_DISTANCE = 1e-4  # rad
-FINE_STEP = 0.005  # s; within steps of slower logs, joints reverse between samples
+FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
 # Of a joint in motion, at which friction has the coefficients of its other terms.
 USUAL_TEMPERATURE = 30.0  # °C
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.checks.channels import too_short
+from ur5lib.checks.channels import fast_between_samples, too_short
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import CHECKED_COLUMNS, stop_signs
 from ur5lib.checks.torques import given_load
@@ -46,6 +46,7 @@ def compute_torques(
     load = carried(payload, known)
     doubts = disagreements(payload, tcp, known)
     doubts += too_short(known.segment, known.period, cutoff_hz)
+    doubts += fast_between_samples(known.actual_q, known.segment, known.period)
     contradictions = contradicting(signals, robot, load, role, doubts)
     torques = joint_torques(robot, load, known, motion)
     return RecordingTorques(torques, Premises(load, contradictions))

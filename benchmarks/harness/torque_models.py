@@ -1,0 +1,155 @@
+"""Models of torque from motion, fitted to some runs of an arm to predict those of others.
+
+Ours is that of a study's steps. Those beside it take velocities and accelerations from a spline
+through the positions.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import yaml
+from scipy.interpolate import make_interp_spline
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.identification.current_samples import Smoother, current_record, prior_of
+from ur5lib.identification.currents import CurrentFit, band, predict
+from ur5lib.identification.samples import CurrentSamples
+from ur5lib.leaderboard.estimators import gaussian_process
+from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, standardised
+from ur5lib.recordings.entries import ENTRY
+from ur5lib.records.carried import carried
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot, robot_of
+from ur5lib.steps.align_recording import align_recording
+from ur5lib.steps.compute_torques import joint_torques
+from ur5lib.steps.fit_friction import fitted_friction
+from ur5lib.steps.identify_model import identify_model
+from ur5lib.steps.read_recording import read_recording
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth
+
+MAX_GAP = 0.1  # s, as in studies
+MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
+SMOOTH = Smoother(*CURRENTS)
+RIDGE = 1e-8  # of the columns' mean squares: the regressor's columns depend on each other
+POINTS_OF_PROCESS = 1500  # that a Gaussian process learns from
+
+
+class Run:
+    """A recording of an arm: as a study's steps read and smooth it, and by a spline."""
+
+    def __init__(self, arm: Robot, file: Path) -> None:
+        """Read a table of time, positions and motor torques."""
+        self.name, self.arm = file.stem, arm
+        keys = {"format": "table-csv", "folder": str(file.parent), "file": file.name}
+        columns = {"columns": ["time", "actual_q", "actual_torque"]}
+        read = read_recording(ENTRY.validate_python(keys | columns), [file], arm, MAX_GAP)
+        aligned = align_recording(read.robot, read.force, read.imu, read.clocks)
+        self.signals, self.motion = Signals.from_table(aligned.signals), aligned.motion
+
+    @cached_property
+    def torque(self) -> Array:
+        """The measured torque (N, n) [Nm] of the joints."""
+        assert self.signals.actual_current is not None
+        return self.signals.actual_current
+
+    @cached_property
+    def by_spline(self) -> tuple[Array, Array, Array]:
+        """Return q, q̇ and q̈ (N, n) of a quintic spline through the positions."""
+        spline = make_interp_spline(self.signals.time, self.signals.actual_q, k=5)
+        return tuple(spline(self.signals.time, order) for order in range(3))
+
+    @cached_property
+    def rigid(self) -> Array:
+        """Return the regressor (N, n, P) of any links and rotors on that spline."""
+        return LinkModel(self.arm, self.arm.chosen_model).regressor(*self.by_spline)
+
+
+Columns = Callable[[Run], Array]  # regressors (N, n, P) of a run
+
+
+def linear_map(run: Run) -> Array:
+    """Return columns of q, q̇, q̈ and a constant, for each joint its own."""
+    inputs = np.column_stack([*run.by_spline, np.ones(len(run.torque))])
+    return in_rows([inputs] * run.torque.shape[1])
+
+
+def rigid_links(run: Run) -> Array:
+    """Return columns of links and rotors, and of each joint's sign(q̇), q̇ and a constant."""
+    _, qd, _ = run.by_spline
+    columns = np.stack([np.sign(qd), qd, np.ones_like(qd)], axis=2)
+    return np.concatenate([run.rigid, in_rows(columns.swapaxes(0, 1))], axis=2)
+
+
+def with_gears(run: Run) -> Array:
+    """Return the same with root and square of the velocity, and a counterbalance on each joint."""
+    q, qd, _ = run.by_spline
+    gears = [np.sign(qd) * np.sqrt(np.abs(qd)), qd * np.abs(qd), np.sin(q), np.cos(q)]
+    further = np.stack(gears, axis=2).swapaxes(0, 1)
+    return np.concatenate([rigid_links(run), in_rows(further)], axis=2)
+
+
+def in_rows(columns: Sequence[Array] | Array) -> Array:
+    """Return (N, n, n C) of the joints' columns (N, C), each in its own row."""
+    count, width = columns[0].shape
+    rows = np.zeros((count, len(columns), len(columns) * width))
+    for joint, own in enumerate(columns):
+        rows[:, joint, joint * width : (joint + 1) * width] = own
+    return rows
+
+
+def least_squares(of: Columns, fitted: Sequence[Run], judged: Sequence[Run]) -> list[Array]:
+    """Return the torques of runs by the columns' least squares on others, weighted by joint."""
+    size = np.concatenate([run.torque for run in fitted]).std(axis=0)
+    rows = np.concatenate([of(run) / size[:, None] for run in fitted])
+    rows = rows.reshape(-1, rows.shape[-1])
+    target = np.concatenate([run.torque / size for run in fitted]).ravel()
+    scale = np.sqrt((rows**2).mean(axis=0)) + 1e-12
+    scaled = rows / scale
+    normal = scaled.T @ scaled + RIDGE * len(rows) * np.eye(rows.shape[1])
+    coefficients = np.linalg.solve(normal, scaled.T @ target) / scale
+    return [of(run) @ coefficients for run in judged]
+
+
+class Ours:
+    """The arm that a study's steps find on some runs, and their friction."""
+
+    def __init__(self, arm: Robot, fitted: Sequence[Run]) -> None:
+        """Identify links, gears and counterbalances, then friction."""
+        signals = {run.name: run.signals for run in fitted}
+        motion = {run.name: run.motion for run in fitted}
+        found = identify_model(arm, signals, motion, dict.fromkeys(signals), MOTION, CURRENTS)
+        self.arm = robot_of(yaml.safe_load(found.arm))
+        records = [self.record(run.name, run.signals, run.motion) for run in fitted]
+        self.friction = fitted_friction(records, prior_of(self.arm, []), SMOOTH)
+
+    def record(self, name: str, signals: Signals, motion: Motion) -> CurrentSamples:
+        """Return a run's samples with the torque of the links found."""
+        torques = joint_torques(self.arm, carried(None, signals), signals, motion)
+        record = current_record(name, signals, motion, torques, self.arm)
+        assert record is not None
+        return record
+
+    def predicted(self, run: Run, fit: CurrentFit | None = None) -> tuple[Array, Array]:
+        """Return the torque (N, n) [Nm] of a run, low-passed, and half of its 95 % band."""
+        record, fit = self.record(run.name, run.signals, run.motion), fit or self.friction.fit
+        return SMOOTH(predict(fit, record), record), band(fit, record, SMOOTH)
+
+    def residual_process(self, fitted: Sequence[Run]) -> Predict:
+        """Return what a Gaussian process expects of the torques that fits without the path leave.
+
+        It learns from (q, q̇, torque predicted) at POINTS_OF_PROCESS samples of the fitted runs.
+        """
+        learnt = [self.inputs(run, self.friction.fit_for(run.name)) for run in fitted]
+        inputs, left = map(np.concatenate, zip(*learnt, strict=True))
+        every = max(1, len(inputs) // POINTS_OF_PROCESS)
+        samples = TrainingSamples(inputs[::every], left[::every])
+        return standardised(gaussian_process.train, samples, samples)
+
+    def inputs(self, run: Run, fit: CurrentFit) -> tuple[Array, Array]:
+        """Return (q, q̇, torque predicted) (N, 3 n) of a run, and the torque that is left."""
+        torque, _ = self.predicted(run, fit)
+        return np.hstack([run.motion.q, run.motion.motor_qd, torque]), run.torque - torque

@@ -1,0 +1,123 @@
+"""Torque from motion on public data: a part of docs/benchmark.md.
+
+    python -m benchmarks.torque_from_motion [--folder raw/kuka-kr300] [--test <folder>] [--page]
+
+Fits to the motions train-*.csv of the KUKA KR300 (doi 10.26204/DATA/5, `ur5 fetch kuka-kr300`) and
+judges val-*.csv; with `--test`, the files of another folder in their place, in the same form (time,
+six positions, six motor torques). `--page` writes the part; `--quick` takes a few files.
+"""
+
+import sys
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from benchmarks.harness.options import options_of
+from benchmarks.harness.page import replaced
+from benchmarks.harness.torque_models import (
+    Ours,
+    Run,
+    least_squares,
+    linear_map,
+    rigid_links,
+    with_gears,
+)
+from ur5lib.leaderboard.tables import markdown
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.tables import write_text
+from ur5lib.timeseries.arrays import Array
+
+PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
+TITLE = "Torque from motion"
+QUICK_FILES = 6
+REPEATS_AFTER = 3  # files: the motion of file k is driven again in file k + 3
+
+
+class Row(NamedTuple):
+    """A model's torques (N, n) [Nm] of each judged run, and half of their 95 % bands, if any."""
+
+    model: str
+    torque: Sequence[Array]
+    half: Sequence[Array] = ()
+
+
+def main() -> None:
+    """Fit, predict, print and write."""
+    options = options_of(__doc__)
+    options.add_argument("--folder", type=Path, default=Path("raw/kuka-kr300"))
+    options.add_argument("--test", type=Path, help="folder of other files to judge")
+    options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
+    given = options.parse_args()
+    judged = sorted(given.test.glob("*.csv") if given.test else given.folder.glob("val-*.csv"))
+    files = sorted(given.folder.glob("train-*.csv"))
+    if not (files and judged):
+        sys.exit(f"{given.folder} or {given.test} has no files; `ur5 fetch kuka-kr300` first")
+    if given.quick:
+        files, judged = files[:QUICK_FILES], judged[:1]
+    text = table([*map(run_of, files)], [*map(run_of, judged)])
+    print(text)
+    if given.page:
+        write_text(replaced(PAGE.read_text(), TITLE, text), PAGE)
+
+
+def run_of(file: Path) -> Run:
+    """Read a file of the KR300."""
+    return Run(load_robot(robot_path("kuka-kr300")), file)
+
+
+def table(fitted: Sequence[Run], judged: Sequence[Run]) -> str:
+    """Return the table of NRMSE, R² and shares in the band, by joint."""
+    joints = [str(joint) for joint in judged[0].arm.joint_numbers]
+    header = ["model", *joints, "mean", "R² of each joint", "in the 95 % band"]
+    lines = [line(row, judged) for row in rows(fitted, judged)]
+    floor = repeated(judged)
+    return markdown(header, [*lines, *floor])
+
+
+def rows(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
+    """Yield the torques of the judged runs by each model."""
+    by_least_squares = partial(least_squares, fitted=fitted, judged=judged)
+    yield Row("linear map of 18 inputs", by_least_squares(linear_map))
+    yield Row("rigid links, rotors, Coulomb, viscous, offset", by_least_squares(rigid_links))
+    yield Row("+ root and square of velocity, counterbalances", by_least_squares(with_gears))
+    ours = Ours(fitted[0].arm, fitted)
+    torques, halves = zip(*map(ours.predicted, judged), strict=True)
+    yield Row("ours", torques, halves)
+    process = ours.residual_process(fitted)
+    inputs = [ours.inputs(run, ours.friction.fit)[0] for run in judged]
+    corrected = [torque + process(own) for torque, own in zip(torques, inputs, strict=True)]
+    yield Row("ours + Gaussian process", corrected)
+
+
+def line(row: Row, judged: Sequence[Run]) -> list[str]:
+    """Return a row of the table."""
+    measured = np.concatenate([run.torque for run in judged])
+    error = measured - np.concatenate(row.torque)
+    nrmse = np.sqrt(np.nanmean(error**2, axis=0)) / np.nanstd(measured, axis=0)
+    within = np.abs(error) < np.concatenate(row.half) if row.half else None
+    share = "" if within is None else ", ".join(f"{own:.3f}" for own in within.mean(axis=0))
+    r2 = ", ".join(f"{own:.2f}" for own in 1 - nrmse**2)
+    return [row.model, *(f"{own:.3f}" for own in nrmse), f"**{nrmse.mean():.3f}**", r2, share]
+
+
+def repeated(judged: Sequence[Run]) -> Iterator[list[str]]:
+    """Yield the row of what repetition alone leaves: differences of two runs over √2."""
+    pairs = [*zip(judged, judged[REPEATS_AFTER:], strict=False)]
+    if pairs:
+        difference = np.concatenate([one.torque - two.torque for one, two in pairs]) / np.sqrt(2)
+        size = np.concatenate([run.torque for run in judged]).std(axis=0)
+        floor = np.sqrt((difference**2).mean(axis=0)) / size
+        yield [
+            "the same motion driven twice, difference over √2",
+            *(f"{own:.3f}" for own in floor),
+            f"**{floor.mean():.3f}**",
+            "",
+            "",
+        ]
+
+
+if __name__ == "__main__":
+    main()
