@@ -25,6 +25,7 @@ FIGURES = {  # what the sentences are about: component and figure, and how it is
     ("norm", "score"): "interval score in contact",
 }
 
+OF_OTHER_COMMANDS = "Torque from motion", "Friction beside published values"  # titles of sections
 SIMULATED = "Simulated arms"  # title of the section that `simulated_contacts` measures
 ABSENT = "Estimators of the tables above that did not run on all of these seeds:"
 
@@ -71,10 +72,13 @@ def page(table: pd.DataFrame, arms: Sequence[StudyArm], further: Mapping[str, An
 
 
 def with_kept(new: str, old: str, measured: bool, estimators: Sequence[str]) -> str:
-    """Return the new page with the old page's section on simulated arms unless it was measured.
+    """Return the new page with the old page's sections of other commands, and with that on
+    simulated arms unless it was measured.
 
     estimators: of the tables. Those that the section does not show are named below it.
     """
+    kept = [section(old, title).rstrip() for title in OF_OTHER_COMMANDS if section(old, title)]
+    new = "\n\n".join([new.rstrip(), *kept]) + "\n"
     if not measured and section(old, SIMULATED):
         new = new.replace(section(new, SIMULATED), section(old, SIMULATED))
     simulated = section(new, SIMULATED)

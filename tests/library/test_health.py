@@ -6,6 +6,7 @@ from datetime import date, timedelta
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tests.artefacts.documents import stated
@@ -252,6 +253,15 @@ def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     assert "[A]" in "".join(axis.get_ylabel() for axis in drawing.figure.axes)
     sensed = health_figure(*results.tables.values(), sensed=True).figure
     assert not any("A]" in axis.get_ylabel() for axis in sensed.axes)
+
+
+def test_each_joint_is_named(results: Results) -> None:
+    """Those of an arm of seven joints, too, above the first row."""
+    dates, changes = results.tables.values()
+    seventh = dates[dates["joint"] == 6].assign(joint=7)
+    axes = health_figure(pd.concat([dates, seventh]), changes).figure.axes
+    titles = [axis.get_title("left") for axis in axes[:8]]
+    assert titles == [*(f"joint {joint}" for joint in range(1, 8)), ""]
 
 
 def test_a_jump_is_shaded_darker_than_a_drift(results: Results) -> None:

@@ -1,5 +1,6 @@
 """Figures of an arm's state: its health by date, and what can be observed on it by speed."""
 
+from collections.abc import Iterable
 from datetime import date
 from typing import Any
 
@@ -8,7 +9,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from ur5lib.report.figures.house_style import (
@@ -59,7 +59,7 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, sensed: bool = Fal
                 for change in changes[of_panel].itertuples():
                     _mark(axis, change)
             row[0].set_ylabel(labels[quantity].replace(" [", "\n["), fontsize=6.5)
-        _label(figure, len(quantities))
+        _label(panels[0], panels[-1])
     return Drawing(figure, rows)
 
 
@@ -102,15 +102,14 @@ def _mark(axis: Axes, change: Any) -> None:
     axis.text(y=0.97, s=text.replace("-", "−"), va="top", transform=axis.transAxes, **place)
 
 
-def _label(figure: Figure, count: int) -> None:
+def _label(top: Iterable[Axes], bottom: Iterable[Axes]) -> None:
     """Name the joints above, and the dates below."""
-    for number, axis in enumerate(figure.axes):
-        if number < 6:
-            axis.set_title(f"joint {number + 1}", loc="left", pad=2)
-        if number >= 6 * (count - 1):
-            locator = AutoDateLocator(minticks=2, maxticks=3)
-            axis.xaxis.set_major_locator(locator)
-            axis.xaxis.set_major_formatter(ConciseDateFormatter(locator))
+    for joint, axis in enumerate(top, start=1):
+        axis.set_title(f"joint {joint}", loc="left", pad=2)
+    for axis in bottom:
+        locator = AutoDateLocator(minticks=2, maxticks=3)
+        axis.xaxis.set_major_locator(locator)
+        axis.xaxis.set_major_formatter(ConciseDateFormatter(locator))
 
 
 def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Drawing:
