@@ -40,6 +40,7 @@ def synthetic_run(seed: int = 0, push: Array | float = 0.0, noise: float = 0.0) 
         states=joint_states(qd, segment, PERIOD),
         q=q,
         qd=qd,
+        qdd=qdd,
         model=INERTIA * qdd,
         friction=friction,
         jacobian=np.broadcast_to(jacobian(0), (COUNT, 6, 6)).copy(),

@@ -38,12 +38,19 @@ from ur5lib.leaderboard.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
 from ur5lib.leaderboard.estimators.position_error import PositionError, fitted_loops
 from ur5lib.leaderboard.estimators.recursive_least_squares import ForgettingLeastSquares, forgotten
 from ur5lib.leaderboard.estimators.sliding_mode_observer import SlidingMode
+from ur5lib.leaderboard.estimators.variance_aware_kalman_filter import VarianceAware
 from ur5lib.leaderboard.learned_residual import samples, standardised
 from ur5lib.leaderboard.momentum import LinearObserver
 from ur5lib.leaderboard.outside import check
 from ur5lib.leaderboard.run import Estimate, Run
 from ur5lib.leaderboard.scores import free_rows, sensed_rows
 from ur5lib.timeseries.arrays import Array
+
+
+def even(run: Run) -> Array:
+    """Return a residual's mean 0 and variance 1, (N, 12) [Nm, Nm²]."""
+    return np.repeat(np.broadcast_to([[0.0, 1.0]], (len(run.q), 2)), 6, axis=1)
+
 
 CAUSAL = {
     "low-pass": LowPassed(0.04).torque,
@@ -53,6 +60,7 @@ CAUSAL = {
     "disturbance Kalman": DisturbanceKalman(3.0, 1.0).torque,
     "adaptive Kalman": AdaptiveKalman(3.0, 5.0, np.full(6, 0.1)).torque,
     "adaptive EKF": AdaptiveExtendedKalman(20.0, 0.003, np.ones(6)).torque,
+    "variance-aware Kalman": VarianceAware(3.0, np.ones(6), even).torque,
     "position error": PositionError(np.full(6, STIFFNESS), np.zeros(6)).torque,
 }
 TORQUES = CAUSAL | {"smoothed Kalman": DisturbanceKalman(3.0, 1.0).smoothed}

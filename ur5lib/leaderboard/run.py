@@ -25,15 +25,14 @@ class Run:
     """Inputs of an estimate, (N, 6) where no other shape is given, NaN where unknown.
 
     path: label of the trajectory; period: [s]; segment: (N,) labels of unbroken stretches; states:
-    of motion, by joint; q, qd: [rad, rad/s]; model: torque of the rigid-body model [Nm]; friction:
-    predicted, without contact [Nm]; jacobian: J_g (N, 6, 6), base frame; torque: external,
-    k (i_predicted - i), unfiltered [Nm]; smoothed: the same through the study's zero-phase
-    low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
+    of motion, by joint; q, qd, qdd: [rad, rad/s, rad/s²]; model: torque of the rigid-body model
+    [Nm]; friction: predicted, without contact [Nm]; jacobian: J_g (N, 6, 6), base frame; torque:
+    external, k (i_predicted - i), unfiltered [Nm]; smoothed: the same through the study's
+    zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
     tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction holds a joint;
     gears: unfiltered; position_error: target less actual angles [rad], None where the target was
     not recorded; repeats: other runs of its path without contact; ready: estimates that the study
-    already holds; sensor: the force sensor's wrench
-    less bias and tool weight, as in `Estimate`.
+    already holds; sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
     """
 
     name: str
@@ -43,6 +42,7 @@ class Run:
     states: States
     q: Array
     qd: Array
+    qdd: Array
     model: Array
     friction: Array
     jacobian: Array
@@ -59,8 +59,8 @@ class Run:
 
     def part(self, rows: slice) -> Self:
         """Return some samples, without sensor and ready estimates."""
-        names = ["segment", "states", "q", "qd", "model", "friction", "jacobian", "torque"]
-        names += ["smoothed", "momentum", "rate", "position_error"]
+        names = ["segment", "states", "q", "qd", "qdd", "model", "friction", "jacobian"]
+        names += ["torque", "smoothed", "momentum", "rate", "position_error"]
         sampled = {name: getattr(self, name) for name in names}
         parts = {name: values[rows] for name, values in sampled.items() if values is not None}
         return replace(self, **parts, gears=self.gears.at(rows), ready={}, sensor=None)
@@ -79,7 +79,7 @@ class Run:
 
     def complete(self) -> Mask:
         """Return the samples (N,) in which all inputs are known."""
-        inputs = [self.q, self.qd, self.model, self.friction, self.torque, self.smoothed]
+        inputs = [self.q, self.qd, self.qdd, self.model, self.friction, self.torque, self.smoothed]
         inputs += [self.momentum, self.rate, *self.jacobian.transpose(1, 0, 2)]
         if self.position_error is not None:
             inputs.append(self.position_error)

@@ -136,6 +136,7 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
         states=force_input(motion, currents.external_torque, currents).states,
         q=motion.q,
         qd=motion.qd,
+        qdd=motion.qdd,
         model=record.torque,
         friction=constant * currents.predicted_current - record.torque,
         jacobian=Kinematics.read(folder / "kinematics.parquet").jacobian,

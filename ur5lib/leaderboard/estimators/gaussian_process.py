@@ -9,7 +9,12 @@ few paths let the lengths run away. On top of least squares (offline) and of the
 C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT Press (2006).
 """
 
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
 import torch
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 
 from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, on_top
@@ -50,7 +55,7 @@ def negative_log_likelihood(
 def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
     """Fit the process; the path that is left out is not needed."""
     points, values = map(torch.as_tensor, learnt)
-    logs = most_likely(points, values)
+    logs = most_probable(partial(negative_log_likelihood, points, values), PRIOR_LOGARITHMS)
     weights = torch.cholesky_solve(values, factor(points, logs))
 
     def predict(new: Array) -> Array:
@@ -59,20 +64,23 @@ def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
     return predict
 
 
-def most_likely(points: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
-    """Return the logarithms (5,) of lengths, amplitude and noise."""
+def most_probable(
+    misfit: Callable[[torch.Tensor], torch.Tensor], centre: ArrayLike
+) -> torch.Tensor:
+    """Return the logarithms (n,) with the least misfit, a negative log-likelihood, less that of
+    their prior: normal about the centre (n,), with deviations of 1.
+    """
+    centre = np.asarray(centre)
 
     def cost(logs: Array) -> tuple[float, Array]:
         at = torch.tensor(logs, requires_grad=True)
-        unlikely = ((at - at.new_tensor(PRIOR_LOGARITHMS)) ** 2).sum() / 2
-        loss = negative_log_likelihood(points, values, at) + unlikely
+        unlikely = ((at - torch.as_tensor(centre)) ** 2).sum() / 2
+        loss = misfit(at) + unlikely
         (slope,) = torch.autograd.grad(loss, at)
         return loss.item(), slope.numpy()
 
-    bounds = [(log - SEARCH_WIDTH, log + SEARCH_WIDTH) for log in PRIOR_LOGARITHMS]
-    solution = minimize(
-        cost, PRIOR_LOGARITHMS, jac=True, bounds=bounds, options={"maxiter": MAX_ITERATIONS}
-    )
+    bounds = np.stack([centre - SEARCH_WIDTH, centre + SEARCH_WIDTH], axis=1)
+    solution = minimize(cost, centre, jac=True, bounds=bounds, options={"maxiter": MAX_ITERATIONS})
     return torch.as_tensor(solution.x)
 
 

@@ -19,7 +19,6 @@ Learning external force sensing for commodity robot arms improves policy learnin
 
 from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -30,10 +29,15 @@ from torch.nn.functional import mse_loss
 
 from ur5lib.errors import InputError
 from ur5lib.leaderboard.estimator import Contender, Learned
-from ur5lib.leaderboard.estimators.least_squares import TIME_CONSTANTS, LowPassed
-from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, cross_fitted
+from ur5lib.leaderboard.learned_residual import (
+    Predict,
+    TrainingSamples,
+    beyond,
+    cross_fitted,
+    motor,
+    standardised,
+)
 from ur5lib.leaderboard.run import Estimate, Run
-from ur5lib.leaderboard.tuning import tuned
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import starts
 
@@ -118,28 +122,17 @@ def motion(run: Run, *, with_error: bool) -> TrainingSamples:
     return TrainingSamples(now[rows].reshape(len(now), -1), motor(run))
 
 
-def motor(run: Run) -> Array:
-    """Return the measured torque k i of the motors (N, 6) [Nm]."""
-    return run.model + run.friction - run.torque
-
-
 def learn(runs: Sequence[Run], *, with_error: bool) -> Learned:
     """Train on all paths but each one, then tune the low-pass. Raises as `cross_fitted`."""
     if with_error and any(run.position_error is None for run in runs):
         raise InputError("target_q was not recorded, which the position error needs")
-    predicted = cross_fitted(train, runs, SAMPLE_STEP, partial(motion, with_error=with_error))
-
-    def unexplained(run: Run) -> Run:
-        return replace(run, torque=predicted(run) - motor(run))
+    of, network = partial(motion, with_error=with_error), partial(standardised, train)
+    learned = beyond(cross_fitted(network, runs, SAMPLE_STEP, of), runs)
 
     def estimate(run: Run) -> Estimate | None:
         lacking = with_error and run.position_error is None
-        return None if lacking else learned.method(unexplained(run))
+        return None if lacking else learned.method(run)
 
-    learned = tuned(
-        [LowPassed(time_constant) for time_constant in TIME_CONSTANTS],
-        [unexplained(run) for run in runs],
-    )
     return learned._replace(method=estimate)
 
 
