@@ -35,7 +35,7 @@ MAX_GAP = 0.1  # s, as in studies
 MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
 SMOOTH = Smoother(*CURRENTS)
 RIDGE = 1e-8  # of the columns' mean squares: the regressor's columns depend on each other
-POINTS_OF_PROCESS = 1500  # that a Gaussian process learns from
+POINTS_OF_PROCESS = 600  # that a Gaussian process learns from
 
 
 class Run:
