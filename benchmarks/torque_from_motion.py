@@ -107,7 +107,12 @@ def repeated(judged: Sequence[Run]) -> Iterator[list[str]]:
     """Yield the row of what repetition alone leaves: differences of two runs over √2."""
     pairs = [*zip(judged, judged[REPEATS_AFTER:], strict=False)]
     if pairs:
-        difference = np.concatenate([one.torque - two.torque for one, two in pairs]) / np.sqrt(2)
+        lengths = [min(len(one.torque), len(two.torque)) for one, two in pairs]
+        parts = [
+            one.torque[:length] - two.torque[:length]
+            for (one, two), length in zip(pairs, lengths, strict=True)
+        ]
+        difference = np.concatenate(parts) / np.sqrt(2)
         size = np.concatenate([run.torque for run in judged]).std(axis=0)
         floor = np.sqrt((difference**2).mean(axis=0)) / size
         yield [
