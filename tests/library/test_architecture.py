@@ -72,7 +72,10 @@ LOADED = [  # steps, loaded one after the other, and the packages that none has 
         {"torch", *SCIPY},
     ),
     (("draw_tracking", "draw_published_forces", "draw_current_torque"), {"torch", *SCIPY}),
-    (("make_tables", "read_postures"), {"torch", "scipy.stats", "scipy.signal"}),
+    (
+        ("make_tables", "measure_repetition", "read_postures"),
+        {"torch", "scipy.stats", "scipy.signal"},
+    ),
     (("compute_torques",), {"pytorch_kinematics", "scipy.stats", "scipy.signal"}),
     (("align_recording", "calibrate_imu", "fit_friction", "track_health"), {"torch"}),
     (("write_report", "write_run"), {"torch"}),

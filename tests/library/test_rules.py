@@ -54,6 +54,7 @@ STEPS = {
 }
 TEXT = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 DECLARED = re.findall(r"^ *rule (\w+):", TEXT, re.MULTILINE)
+OF_ARMS = {"health", "health_changes", "observability", "next_recordings", "repetition"}  # tables
 RULES = [rule for rule in DECLARED if f'code=code("{rule}' in TEXT]
 RULES += ["calibrate_imu_without_each", "describe_arm", "simulate_recording_simulated"]
 RULES += [f"{rule}_for_paper" for rule in RULES if rule.startswith("draw_")]
@@ -137,7 +138,7 @@ def keys_of(function: Callable[..., Any], kind: Any, rule: str) -> set[str]:
     With the numbers of a figure, and the tables of arms, whose steps write their rows.
     """
     if rule == "make_tables":
-        return {*columns(), "health", "health_changes", "observability", "next_recordings"}
+        return {*columns(), *OF_ARMS}
     path = Path(function.__code__.co_filename)
     used = [path, *imported_modules(path)]
     words = {word for file in used for word in re.findall(r'"(\w+)"', file.read_text())}

@@ -32,7 +32,8 @@ def torque_mae(
     if signals.target_moment is None:
         return
     received = ~signals.interpolated
-    moment, slow = signals.target_moment[received], slowly(signals.target_moment, signals)
+    moment = signals.target_moment[received]
+    slow = slowly(signals.target_moment, signals)[received]
     zero: dict[str, Column] = {
         "zero_mae": mean_absolute_error(np.zeros_like(moment), moment),
         "zero_mae_2hz": mean_absolute_error(np.zeros_like(slow), slow),
@@ -45,7 +46,7 @@ def torque_mae(
             if model in known:
                 columns = zero | {
                     "mae": mean_absolute_error(known[model][received], moment),
-                    "mae_2hz": mean_absolute_error(slowly(known[model], signals), slow),
+                    "mae_2hz": mean_absolute_error(slowly(known[model], signals)[received], slow),
                 }
                 if motion in COMPARED and model in printed:
                     columns |= {"printed": printed[model]}
@@ -56,12 +57,11 @@ def torque_mae(
 
 
 def slowly(torque: Array, signals: Signals) -> Array:
-    """Return the received samples (M, n) of a torque (N, n) [Nm] below CUTOFF."""
+    """Return a torque (N, n) [Nm] below CUTOFF."""
     from ur5lib.timeseries.lowpass import zero_phase_lowpass  # slow to import
 
     design = 1 / signals.period, ORDER, CUTOFF
-    low = by_segment(zero_phase_lowpass, torque, signals.segment, *design)
-    return low[~signals.interpolated]
+    return by_segment(zero_phase_lowpass, torque, signals.segment, *design)
 
 
 def rotor_inertia(rotors: Rotors) -> Iterator[Row]:

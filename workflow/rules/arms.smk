@@ -209,3 +209,25 @@ rule measure_observability:
         contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
+
+
+rule measure_repetition:
+    input:
+        signals=results_of(SELECTION.drawn, "signals.parquet"),
+        motion=results_of(SELECTION.drawn, "motion.parquet"),
+        torques=results_of(SELECTION.drawn, "torques.parquet"),
+        currents=results_of(SELECTION.drawn, "currents.parquet"),
+        kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
+        predictions=results_of(SELECTION.drawn, "currents.json"),
+        friction=parameter("friction.json"),
+        residuals=parameter("residuals.json"),
+        arm=parameter("arm.yaml"),
+    output:
+        repetition=parameter("repetition.csv"),
+    log:
+        **traces("measure_repetition", "{robot}"),
+    params:
+        code=code("measure_repetition"),
+        contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)
