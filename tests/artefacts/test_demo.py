@@ -1,6 +1,7 @@
 """The default study: what the workflow made of simulated recordings, beside the truth."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -186,10 +187,27 @@ def test_every_page_says_that_it_is_simulated(results: Path) -> None:
 
 
 def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
-    check_structure(results / "report.html")
     check_results(results)
-    check_in_browser(results / "report.html", tmp_path)
+    for page in ("report.html", "details.html"):
+        check_structure(results / page)
+        (tmp_path / page).mkdir()
+        check_in_browser(results / page, tmp_path / page)
     check_pdf(results / "report.pdf", ["What was found", "Estimates against the truth"])
+
+
+def test_the_report_is_short_and_leaves_the_rest_to_the_details(results: Path) -> None:
+    assert len(page_texts(results / "report.pdf")) <= 15
+    assert (results / "report.html").stat().st_size < 3e6
+    ids = [
+        {*re.findall(r' id="([^"]+)"', (results / f"{page}.html").read_text())}
+        for page in ("report", "details")
+    ]
+    assert all(one.startswith("section-") for one in ids[0] & ids[1])
+    links = re.findall(r'href="details.html#([^"]+)"', (results / "report.html").read_text())
+    back = re.findall(r'href="report.html#([^"]+)"', (results / "details.html").read_text())
+    assert links
+    assert {*links} <= ids[1]
+    assert {*back} <= ids[0]
 
 
 def test_the_notebook_runs(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,7 +20,6 @@ from ur5lib.report.page.document import (
     Block,
     Cell,
     Code,
-    Contents,
     DeclaredSection,
     DeclaredTable,
     Document,
@@ -43,7 +42,7 @@ TABLES_MADE = columns()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 
-EVERY = [block for part in contents().parts() for block in part.flat()]
+EVERY = [*contents().blocks()]
 FIGURES = [block for block in EVERY if isinstance(block, Picture)]
 TABLES = [block for block in EVERY if isinstance(block, DeclaredTable)]
 
@@ -76,10 +75,13 @@ def test_every_table_comes_from_a_file_of_the_workflow(table: DeclaredTable) -> 
 
 def test_every_table_and_figure_is_mentioned() -> None:
     """So that a reader knows what to look at it for."""
-    for part in contents().sections:
-        texts = [block.text for block in part.flat() if isinstance(block, Paragraph)]
+    for part in [*contents().report(of_thesis=True), *contents().details(of_thesis=True)]:
+        flat = [
+            b for one in part.blocks for b in (one.blocks if isinstance(one, Repeated) else [one])
+        ]
+        texts = [block.text for block in flat if isinstance(block, Paragraph)]
         mentioned = {name for text in texts for name in MENTION.findall(text)}
-        shown = {b.table if isinstance(b, DeclaredTable) else b.figure for b in part.flat()
+        shown = {b.table if isinstance(b, DeclaredTable) else b.figure for b in flat
                  if isinstance(b, DeclaredTable | Picture)}  # fmt: skip
         assert shown - mentioned == set(), part.title
         assert mentioned - shown == set(), part.title
@@ -118,7 +120,7 @@ def composed(**study: str) -> Document:
     }
     table = pd.DataFrame({"recording": ["one"], "duration_s": [60.0]})
     tables = dict.fromkeys(("noise", "jitter", "recordings"), table)
-    parts = Contents.model_validate({"sections": [FIRST, SECOND]})
+    parts = [DeclaredSection.model_validate(part) for part in (FIRST, SECOND)]
     return compose(parts, Results(study=names | study, tables=tables, figures=Path()))
 
 

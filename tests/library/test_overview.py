@@ -6,14 +6,19 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.artefacts.documents import stated
 from tests.made_tables import empty
 from ur5lib.errors import InputError
 from ur5lib.report.page.compose import compose
-from ur5lib.report.page.document import MOST_ROWS, Contents, Document, Picture, TableBlock, contents
+from ur5lib.report.page.document import (
+    MOST_ROWS,
+    DeclaredSection,
+    Document,
+    Picture,
+    TableBlock,
+    contents,
+)
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.contacts import detection
 from ur5lib.report.views.overview import estimates, friction, quality
 from ur5lib.report.views.recordings import judge_files
 from ur5lib.tidy import columns
@@ -76,19 +81,20 @@ def test_friction_is_the_median_of_a_months_dates() -> None:
     assert [*found["value"]] == [2.0, 3.0]
 
 
-SHOWN = {
-    "sections": [
+SHOWN = [
+    DeclaredSection.model_validate(part)
+    for part in (
         {"title": "First", "blocks": [{"sentences": "overview.pages"}]},
-        next(part for part in contents().sections if part.title == "Overview by month"),
+        next(one for one in contents().report(False) if one.title == "Overview by month"),
         {"title": "Runs", "blocks": [{"table": "a", "source": "tables/recordings.csv",
          "caption": "", "columns": {"run": "recording"}}]},
-    ]
-}  # fmt: skip
+    )
+]  # fmt: skip
 
 
 @pytest.fixture
 def document() -> Document:
-    return compose(Contents.model_validate(SHOWN), made())
+    return compose(SHOWN, made())
 
 
 def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Document) -> None:
@@ -96,7 +102,7 @@ def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Docum
     assert "a" not in tables
     cells = [cell for row in tables["overview.quality-arm_1"].rows for cell in row]
     assert {cell.link for cell in cells} == {"", f"runs/{LOST}.html"}
-    few = compose(Contents.model_validate(SHOWN), made(MOST_ROWS))
+    few = compose(SHOWN, made(MOST_ROWS))
     assert [block.label for block in few.blocks() if isinstance(block, TableBlock)] == ["a"]
 
 
@@ -109,16 +115,6 @@ def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
     assert judge_files(without).sentence == say("quality.left out", count=1, of=MANY)
 
 
-def test_delays_of_many_recordings_are_a_range() -> None:
-    whole = made()
-    found = {"force_class_n": 3, "found": 1, "contacts": 1, "causal_found": 1}
-    rows = whole.tables["detection"].assign(**found)
-    delays = {"causal_delay_s": [0.2 + 0.001 * k for k in range(len(rows))]}
-    results = replace(whole, tables={**whole.tables, "detection": rows.assign(**delays)})
-    *_, causal = detection(results)
-    assert stated(causal)[2:] == [0.2, 0.32]
-
-
 def test_what_was_left_out_has_no_page() -> None:
     with pytest.raises(InputError, match=ABSENT):
         made().of_run(ABSENT)
@@ -128,7 +124,7 @@ def test_a_page_shows_one_recording_alone() -> None:
     own = made().of_run(LOST)
     assert own.roles() == {LOST: "validate"}
     assert {name for table in own.tables.values() for name in table.get("recording", ())} == {LOST}
-    page = compose(contents().of_run(), own)
+    page = compose(contents().run, own)
     assert page.title == f"{LOST}, t"
     shown = [block for block in page.blocks() if isinstance(block, TableBlock | Picture)]
     assert {"recordings.files", "recordings.findings"} <= {block.label for block in shown}

@@ -39,12 +39,9 @@ from ur5lib.report.page.render import html_page, pdf_document
 from ur5lib.report.page.sentences import cell
 from ur5lib.report.page.tabulated import extremes
 from ur5lib.report.results import Results
-from ur5lib.report.views.arm_state import velocities
 from ur5lib.report.views.contacts import (
     counted,
     elsewhere,
-    in_contact,
-    largest_contacts,
     undetermined_moments,
 )
 from ur5lib.report.views.currents import loaded, remarks
@@ -240,7 +237,6 @@ def test_a_recording_without_contacts_is_told_too() -> None:
     (told,) = counted(results)
     assert "quiet" in told
     assert stated(told) == []
-    assert [*largest_contacts(results)] == []
 
 
 def alarm(start: float, force: list[float], **more: Any) -> dict[str, Any]:
@@ -253,7 +249,6 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     rows = contact_rows("pushed", [alarm(1.0, [3.0, 0.0, -4.04]), alarm(7.0, [1.0, 0.0, 0.0])])
     results = searched("pushed", rows)
     assert [*map(stated, counted(results))] == [[2]]
-    assert [*map(stated, largest_contacts(results))] == [[3.0, 1, 0.0, 2, -4.0, 3, 1.5]]
     first, second = shown("forces.contacts", results, "pushed")
     assert [*first.values()][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second["Fx [N]"] == "1.0 ± 1.0"
@@ -266,8 +261,6 @@ def test_contacts_off_the_flange_are_marked_and_counted() -> None:
     assert [line["not at the flange"] for line in lines] == ["–", "×"]
     (told,) = elsewhere(results)
     assert "1 of 2" in told
-    (largest,) = largest_contacts(results)
-    assert "not on the flange" in largest
     assert [*elsewhere(searched("held", contact_rows("held", rows[:1])))] == []
 
 
@@ -331,25 +324,6 @@ def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
 def test_printed_errors_stand_beside_those_of_the_whole_run() -> None:
     printed = force_results().tables["force_mae"].dropna(subset="printed_mae")
     assert {*zip(printed["kind"], printed["during"], strict=True)} == {("printed", "all")}
-
-
-def test_contact_is_set_beside_free_and_never_averaged_with_it() -> None:
-    results = force_results()
-    (told,) = [*map(stated, in_contact(results))]
-    errors, means = [*[4.0] * 3, 95, *[3.0, 5.0] * 3], [10.0] * 3
-    assert told == [5, *errors, *means, 95, *[90] * 3, *[0.1] * 3]
-    cells, *others = shown("forces.headline", results)
-    assert len(others) == 2
-    assert cells["mean force"] == "10.0"
-    assert cells["error (95 %)"] == "4.0 (3.0\u00a0to\u00a05.0)"
-    assert cells["free: error"] == "0.10"
-
-
-def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
-    force = force_results().tables["force_mae"]
-    results = Results({}, {"force_mae": force[force["during"] != "contact"]}, Path())
-    assert shown("forces.headline", results) == shown("forces.summary", results) == []
-    assert [*in_contact(results)] == []
 
 
 def test_contacts_are_counted_by_their_force() -> None:
@@ -448,20 +422,6 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     (told,) = _each("findings.load", loaded(results))
     assert "heavy" in told
     assert stated(told) == [2.75, 0.03]
-
-
-def test_shares_in_the_band_count_samples_below_within_and_above_the_range() -> None:
-    """Where no range of speeds suffices, as for joint 2, all speeds are slower."""
-    ranges = pd.DataFrame(
-        {"joint": [1, 2], "speed_low": [0.1, np.nan], "speed_high": [0.4, np.nan]}
-    )
-    bins = {"speed_low": [0.0, 0.1, 0.2, 0.4] * 2, "value": [0.5, 0.9, 1.0, 0.7] * 2}
-    bins |= {"samples": [100, 100, 300, 100] * 2, "joint": [1] * 4 + [2] * 4}
-    parts = {"least_velocity": ranges, "friction_in_band": pd.DataFrame(bins)}
-    rows = pd.concat([part.assign(quantity=name) for name, part in parts.items()])
-    found = velocities(Results({}, {"observability": rows.assign(robot="ur5")}, Path()))
-    shares = found[["slower", "between", "faster"]].to_numpy()
-    np.testing.assert_allclose(shares, [[50, 97.5, 70], [(50 + 90 + 300 + 70) / 6, *[np.nan] * 2]])
 
 
 def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:

@@ -16,7 +16,7 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.baseline import bars, error_bar, state
-from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, scores
+from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, noticed, scores
 from ur5lib.report.views.currents import (
     farthest_in_time,
     judge_constants,
@@ -53,6 +53,7 @@ COLUMNS = columns() | {  # and of steps
         "by_temperature",
     ],
     "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
+    "repetition": ["robot", "quantity", "joint", "component", "floor"],
 }
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
 RESTING = {"fitted": None, "seen": None, "pushed": None}
@@ -638,13 +639,82 @@ def test_an_arm_of_which_nothing_is_determined_is_told_beside_others() -> None:
     assert "ur10e: The recordings determine no torque constant." in card.sentence
 
 
+# What repetition alone leaves
+
+
+def test_what_repetition_leaves_stands_beside_the_error_it_limits() -> None:
+    left = {"current": 0.05, "torque": 0.001}
+    rows = [
+        {"robot": "ur5", "quantity": quantity, "joint": joint, "floor": joint * floor}
+        for quantity, floor in left.items()
+        for joint in range(1, 7)
+    ] + [{"robot": "ur5", "quantity": "force", "component": "Fx", "floor": 1.5}]
+    results = study(
+        current_rmse=predicted(0.2), torque_mae=torques({"A": 0.1}), force_mae=touched(2.0),
+        repetition=rows,
+    )  # fmt: skip
+    cards = [judge(results) for judge in (judge_currents, judge_links, judge_force)]
+    assert [card.numbers[0].floor for card in cards] == [0.05, 0.001, 1.5]
+    assert all("repetition alone: " in card.evidence for card in cards)
+    assert all("repetition alone leaves" in card.caption for card in cards)
+    without = [judge(study(current_rmse=predicted(0.2))) for judge in (judge_currents,)]
+    assert "repetition" not in said(without[0]) + without[0].caption
+    assert without[0].drawing.count("<rect") < cards[0].drawing.count("<rect")
+    errors = shown_table("currents.decided", results)
+    at = errors.header.index("repetition alone")
+    assert [row[at].text for row in errors.rows][:2] == ["0.050", "0.100"]
+
+
+def test_whether_a_constant_may_be_used_is_said_by_joint() -> None:
+    rows = [
+        constant(1, 11.0),
+        constant(2, 17.0),
+        constant(3, 10.0, **UNKNOWN),
+        constant(4, 10.0, **REFUSED),
+        constant(5, 30.0),
+    ]
+    unlikely = {"robot": "ur5", "joint": 5, "code": "unlikely constant", "step": "friction"}
+    results = study(friction=rows, remarks=[unlikely])
+    used = [row[-1].text for row in shown_table("currents.by_joint", results).rows]
+    assert [text.split(":")[0].split(",")[0] for text in used] == [
+        *("yes", "yes", "the known one", "the known one", "no"),
+    ]
+    assert "far from" in used[1]
+
+
+def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
+    """One alarm over two contacts finds one of them, the longer."""
+    about = {"recording": "pushed", "estimate": "Fmap"}
+    spans = [(1.0, 2.0, 30.0), (3.0, 5.0, 20.0), (8.0, 9.0, 7.0)]
+    sensed = [
+        about | {"component": "norm", "start_s": start, "end_s": end, "peak": peak}
+        for start, end, peak in spans
+    ]
+    alarm = {
+        "start_s": 1.0,
+        "end_s": 5.0,
+        "peak_s": 4.0,
+        "Fx_std": 1.0,
+        "Fy_std": 5.0,
+        "Fz_std": 2.0,
+    }
+    results = study(
+        detection=[about | {"alarms_per_min": 1.0}], contact_errors=sensed, contacts=[about | alarm]
+    )
+    (row,) = noticed(results).to_dict("records")
+    assert (row["found"], row["contacts"], row["missed"]) == (1, 3, [1.0, 8.0])
+    assert (row["weakest"], row["band"], row["axis"], row["band_s"]) == (20.0, 9.8, "y", 4.0)
+    cells = shown_table("forces.noticed", results)
+    assert "± 10 along y at 4.0 s" in [cell.text for cell in cells.rows[0]]
+
+
 # Drawings, first figure, next steps
 
 
 def test_drawings_say_in_words_what_they_show() -> None:
     assert 'aria-label="1: 50 %, &lt;2&gt;: 200 %"' in bars({"1": 0.5, "<2>": 2.0})
-    assert "error 4, zero 10" in error_bar(4.0, 3.0, 5.0, 10.0)
-    assert "nan" not in bars({}) + error_bar(4.0, np.nan, np.nan, 10.0)
+    assert "error 4, zero 10" in error_bar(4.0, 3.0, 5.0, 10.0, 1.0)
+    assert "nan" not in bars({}) + error_bar(4.0, np.nan, np.nan, 10.0, np.nan)
 
 
 def test_the_first_figure_shows_what_the_study_is_about() -> None:
@@ -751,12 +821,6 @@ def test_a_constant_is_mainly_from_what_tells_most(more: dict[str, Any], source:
     results = Results(results.study, {**results.tables, "friction": rows}, Path())
     (row,) = shown_table("currents.constants", results).rows
     assert row[-1].text == source
-
-
-def test_a_recording_is_not_validated_on_itself() -> None:
-    row = {"robot": "ur5", "fitted_on": "one", "tested_on": "one", "joint": 1, "rmse_2hz": 0.1}
-    results = study(cross_validation=[row])
-    assert not shown_table("currents.cross_validation", results, "ur5").rows
 
 
 def test_excited_is_not_called_determined() -> None:

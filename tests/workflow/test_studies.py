@@ -15,8 +15,7 @@ from pypdf import PdfReader
 
 from tests.artefacts.documents import check_pdf, check_results, check_structure
 from tests.conftest import Workflow, copy_project
-from ur5lib.report.page.compose import compose
-from ur5lib.report.page.document import contents
+from ur5lib.report.page.compose import compose_study
 from ur5lib.report.page.render import html_page, pdf_document
 from ur5lib.report.results import Results
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
@@ -213,7 +212,7 @@ def multiplied(results: Results, count: int, figures: Path) -> Results:
 def test_two_hundred_recordings_are_a_report(alone: Workflow, tmp_path: Path) -> None:
     (tmp_path / "figures").mkdir()
     results = multiplied(results_of(alone), MANY, tmp_path / "figures")
-    document = compose(contents(), results)
+    document = compose_study(results).report
     write_text(html_page(document), tmp_path / "report.html")
     write_bytes(pdf_document(document), tmp_path / "report.pdf")
     assert os.path.getsize(tmp_path / "report.html") < 25e6

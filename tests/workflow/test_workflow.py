@@ -69,9 +69,10 @@ def results(workflow: Workflow) -> dict[str, bytes]:
     files = [p for p in folder.rglob("*") if p.suffix in kinds and p.stem not in RUN]
     files = [p for p in files if folder / "logs" not in p.parents]  # which hold times
     found = {str(path.relative_to(folder)): path.read_bytes() for path in files}
-    if "report.html" in found:
-        times = rb"<p>The \d+ jobs took.*?</table>"
-        found["report.html"], cut = re.subn(times, b"", found["report.html"], flags=re.DOTALL)
+    times = {"report.html": rb"<p>The \d+ jobs took.*?</p>"}
+    times["details.html"] = rb'id="provenance.run_times".*?</table>'
+    for page in times.keys() & found.keys():
+        found[page], cut = re.subn(times[page], b"", found[page], flags=re.DOTALL)
         assert cut == 1
     return found
 

@@ -4,7 +4,7 @@ import os
 import platform
 import subprocess
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from datetime import date
 from functools import cached_property
 from importlib import metadata
@@ -16,6 +16,7 @@ import pandas as pd
 import yaml
 
 from ur5lib.errors import InputError
+from ur5lib.records.arm_state import Repeated
 from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
@@ -28,9 +29,10 @@ from ur5lib.workspace.places import IN_CLONE, WORKFLOW
 AT_REST = "at rest"
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
-OPTIONAL = {  # tables that only studies of simulated recordings or of published values have
+OPTIONAL = {  # tables that not every study has
     "truth": pd.DataFrame(columns=TRUTH),
     "printed": pd.DataFrame(columns=PRINTED),
+    "repetition": pd.DataFrame(columns=["robot", *(one.name for one in fields(Repeated))]),
 }
 
 
@@ -175,6 +177,11 @@ class Results:
         """Return the robot's file of a recording, or the recording's name if it is a folder."""
         entries = {entry["name"]: entry for entry in self.study["recordings"]}
         return str(entries[recording].get("file", recording))
+
+    def floors(self, quantity: str) -> dict[int, float]:
+        """Return what repetition alone leaves of the errors of an arm's joints, where known."""
+        rows = self.rows("repetition", quantity=quantity)
+        return dict(zip(rows["joint"].astype(int), rows["floor"], strict=True))
 
     def robots(self) -> list[str]:
         """Return the arms of the study."""

@@ -1,11 +1,10 @@
-"""The study's report, as HTML, as PDF and its summary as JSON, and the study that it is of."""
+"""The study's report, as HTML, as PDF and its summary as JSON, its details, and its study."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ur5lib.report.page.compose import compose
-from ur5lib.report.page.document import contents
+from ur5lib.report.page.compose import compose_study
 from ur5lib.report.page.render import html_page, pdf_document
 from ur5lib.report.page.summary import summary, summary_schema
 from ur5lib.report.results import Results
@@ -13,9 +12,12 @@ from ur5lib.robots.description import Robot
 
 
 class Report(NamedTuple):
-    """The report of a study, its summary with the schema of this, and the study as YAML."""
+    """The report of a study, what it leaves to another page, the study as YAML, and the report's
+    summary with the schema of this.
+    """
 
     html: str
+    details: str
     pdf: bytes
     study: str
     results: dict[str, Any]
@@ -31,6 +33,6 @@ def write_report(
 ) -> Report:
     """Return the report of a study; study: its configuration as YAML; described: its arms."""
     results = Results.read(study, tables, figures, reference, [*described.values()])
-    document = compose(contents(), results)
-    data = summary(document, results), summary_schema()
-    return Report(html_page(document), pdf_document(document), study, *data)
+    report, details = compose_study(results)
+    data = summary(report, results), summary_schema()
+    return Report(html_page(report), html_page(details), pdf_document(report), study, *data)

@@ -16,4 +16,4 @@ def write_run(
     """Return the page of a recording; study: its configuration as YAML; described: its arm."""
     whole = Results.read(study, tables, figures, None, [described])
     own = replace(whole.of_run(recording), figures=whole.figures.parent)
-    return html_page(replace(compose(contents().of_run(), own), home="../"))
+    return html_page(replace(compose(contents().run, own), home="../"))

@@ -161,8 +161,9 @@ def drawn_by(rule, of=""):
 
     of: the wildcard of the recordings or arms that each is drawn for, none for the whole study.
     """
-    blocks = (block for part in contents().parts() for block in part.flat())
-    pictures = (block for block in blocks if isinstance(block, Picture) and block.rule == rule)
+    pictures = (
+        block for block in contents().blocks() if isinstance(block, Picture) and block.rule == rule
+    )
     names = dict.fromkeys(block.figure for block in pictures)
     folder = f"{RESULTS}/figures/{of}" if of else f"{RESULTS}/figures"
     figures = {

@@ -177,6 +177,9 @@ rule write_report:
         figures=outputs_in("figures"),
     output:
         html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
+        details=report(
+            f"{RESULTS}/details.html", caption="../captions/report.rst", category="Report"
+        ),
         pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
         study=f"{RESULTS}/configuration.yaml",
         results=f"{RESULTS}/results.json",
@@ -210,7 +213,7 @@ rule write_run:
 
 rule describe_run:
     input:
-        report=rules.write_report.output[:4],
+        report=rules.write_report.output[:5],
         raw=lambda wildcards: [
             path for name in SELECTION.entries for path in SELECTION.raw_files(name)
         ],

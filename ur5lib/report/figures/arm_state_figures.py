@@ -155,7 +155,7 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
         middle = (low.clip(lower=MIN_DRAWN_SPEED) * high) ** 0.5
         colour, mark = JOINT_COLOURS[int(joint) - 1], JOINT_MARKERS[int(joint) - 1]
         style: Any = {"color": colour, "marker": mark, "markersize": 3, "linewidth": 0.9}
-        axis.plot(middle, 100 * estimated["value"], label=f"joint {joint}", **style)
+        axis.plot(middle, 100 * estimated["value"], label=f"joint {joint:.0f}", **style)
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))
     axis.set_ylabel("within the 95 % band [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))

@@ -3,10 +3,10 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
-from functools import partial
+from functools import partial, reduce
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from ur5lib.force.estimators import ESTIMATES, LEADING
 from ur5lib.report.page.document import (
@@ -14,7 +14,7 @@ from ur5lib.report.page.document import (
     MOST_SHOWN,
     Block,
     Code,
-    Contents,
+    DeclaredBlock,
     DeclaredSection,
     DeclaredTable,
     Document,
@@ -54,6 +54,7 @@ VIEWS: dict[str, ModuleType] = {
         *(models, motion, overview, recordings),
     )
 }
+REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
     r"\{(thesis|ur|other)\|(.*?)\}"
@@ -65,29 +66,66 @@ DraftedText = Callable[[Set[str]], Paragraph | None]
 """Returns a text, given the labels of the tables and figures that are shown."""
 
 
-def compose(contents: Contents, results: Results) -> Document:
-    """Compose the report of a study; the first section gives the reasons of omitted ones.
+class StudyPages(NamedTuple):
+    """The report of a study, and what it leaves to a page of its own."""
 
-    Tables and figures of the first section are not repeated in later ones.
+    report: Document
+    details: Document
+
+
+def compose_study(results: Results) -> StudyPages:
+    """Compose the report of a study and its details, each section linked with its other half."""
+    report = compose(contents().report(results.of_thesis), results)
+    shown = report.mentions(REPORT_FILE, "of the report")
+    details = compose(contents().details(results.of_thesis), results, shown)
+    further = {section.title: section for section in details.sections}
+    linked = [
+        Section(section.title, [*section.blocks, _link(further[section.title])])
+        if section.title in further
+        else section
+        for section in report.sections
+    ]
+    return StudyPages(
+        replace(report, sections=linked), replace(details, title=f"Details: {details.title}")
+    )
+
+
+def _link(section: Section) -> Paragraph:
+    """Return a link to a section of the details."""
+    return Paragraph(
+        ["More: ", Mention(section.label, f"{section.counted()} in {DETAILS_FILE}", DETAILS_FILE)]
+    )
+
+
+def compose(
+    parts: Sequence[DeclaredSection],
+    results: Results,
+    elsewhere: Mapping[str, Mention] | None = None,
+) -> Document:
+    """Compose a page about a study; its first section gives the reasons of omitted ones.
+
+    Tables and figures of the first section are not repeated in later ones, nor are those that
+    another page shows (`elsewhere`, mentions by label).
     """
-    first, *others = contents.sections
-    above = _labels(_drafts(first, results))
+    elsewhere = elsewhere or {}
+    first, *others = parts
+    above = elsewhere.keys() | _labels(_drafts(first, results))
     sections = [Section(part.title, _blocks(part, results, above)) for part in others]
-    filled = [part for part in sections if any(map(_is_evidence, part.blocks))]
+    filled = [one for one, part in zip(sections, others, strict=True) if _is_filled(one, part)]
     left_out = [
         say("findings.left out", title=part.title, reason=part.absent)
         for part, section in zip(others, sections, strict=True)
         if section not in filled and part.absent
     ]
-    opening = Section(first.title, _blocks(first, replace(results, left_out=left_out)))
+    opening = _blocks(first, replace(results, left_out=left_out), elsewhere.keys())
     study = results.study
     notice = _notice(study["recordings"])
     document = Document(
         title=f"{study['title']} (simulated)" if notice else study["title"],
         subtitle=_analysed(results),
-        sections=[opening, *filled],
+        sections=[Section(first.title, opening)] * bool(opening) + filled,
         notice=notice,
-    ).numbered()
+    ).numbered(elsewhere)
     names = {study["study"], study["title"], *results.robots(), *results.roles()}
     return in_torques(document, names) if results.sensed else document
 
@@ -120,8 +158,11 @@ def _blocks(part: DeclaredSection, results: Results, above: Set[str] = frozenset
 
     above: labels of the tables and figures in an earlier section.
     """
-    drafts = [draft for draft in _drafts(part, results) if not _labels([draft]) & above]
-    shown = above | _labels(drafts)
+    drafts, shown = list[Block | DraftedText](), {*above}
+    for draft in _drafts(part, results):
+        if not (label := _labels([draft])) & shown:
+            drafts.append(draft)
+            shown |= label
     blocks = [draft(shown) if callable(draft) else draft for draft in drafts]
     return [block for block in blocks if block]
 
@@ -151,7 +192,7 @@ def _drafts(part: DeclaredSection, results: Results) -> Iterator[Block | Drafted
             continue
         each, *arguments = declared.each.split()
         listed = partial(view(each), results) if "." in each else getattr(results, each)
-        for name in listed(*arguments):
+        for name in [*listed(*arguments)][: declared.most]:
             drafts = [draft for block in declared.blocks for draft in _single(block, results, name)]
             if declared.heading and any(map(_is_evidence, drafts)):
                 yield Heading(declared.heading.format(of=name))
@@ -212,12 +253,14 @@ def _filled(text: str, results: Results, name: str) -> str:
     other = name in results.other_arms
     conditions = {"thesis": results.of_thesis, "other": other, "ur": not other}
     text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] if conditions[remark[1]] else "", text)
-    return text.replace("{leading}", ESTIMATES[LEADING]).replace("{of}", name)
+    floor = say("error.floor", known=len(results.rows("repetition")))
+    known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{floor}": floor}
+    return reduce(lambda said, key: said.replace(key, known[key]), known, text)
 
 
 def shown_table(table: str, results: Results, name: str = "") -> Body:
     """Return header and rows of a table of the contents; name: recording, arm or study of it."""
-    blocks = (block for part in contents().sections for block in part.flat())
+    blocks = contents().blocks()
     declared = {block.table: block for block in blocks if isinstance(block, DeclaredTable)}
     return body_of(declared[table], results, name)
 
@@ -257,9 +300,15 @@ def _has_numbers(path: Path) -> bool:
         return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
 
 
-def _is_evidence(block: Block | DraftedText) -> bool:
+def _is_evidence(block: DeclaredBlock | DraftedText) -> bool:
     """Whether a block comes from results, unlike the texts that are the same in every report."""
     return not (callable(block) or isinstance(block, Paragraph | Heading))
+
+
+def _is_filled(section: Section, part: DeclaredSection) -> bool:
+    """Whether results fill a section that is not of texts alone."""
+    expected = any(map(_is_evidence, part.blocks))
+    return any(map(_is_evidence, section.blocks)) if expected else bool(section.blocks)
 
 
 def _notice(recordings: Sequence[Mapping[str, object]]) -> str:

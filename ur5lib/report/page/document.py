@@ -7,7 +7,7 @@ them from a study's results.
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -43,10 +43,14 @@ class Cell:
 
 @dataclass(frozen=True)
 class Mention:
-    """A mention of a table or figure by its label; its text is known once all are numbered."""
+    """A mention of a table, figure or section by its label; its text is known once it is numbered.
+
+    page: of what is mentioned, if it is another one, relative to the study's results.
+    """
 
     label: str
     text: str = ""
+    page: str = ""
 
 
 class FromContents:
@@ -160,7 +164,8 @@ class Number:
     """A number that the summary states.
 
     place: recording, joint or component; low, high: ends of the interval that `interval` names;
-    baseline: the same quantity for the estimate that `baseline_of` names.
+    baseline: the same quantity for the estimate that `baseline_of` names; floor: what repetition
+    alone leaves of it.
     """
 
     name: str
@@ -172,12 +177,17 @@ class Number:
     interval: str = ""
     baseline: float | None = None
     baseline_of: str = ""
+    floor: float | None = None
 
     def within(self, low: float, high: float, interval: str) -> "Number":
         """Return the number with its interval, without any where that is unknown (NaN)."""
         if math.isnan(low):
             return self
         return replace(self, low=float(low), high=float(high), interval=interval)
+
+    def above(self, floor: float) -> "Number":
+        """Return the number with its floor, without any where that is unknown (NaN)."""
+        return self if math.isnan(floor) else replace(self, floor=float(floor))
 
     def beside(self, baseline: float, of: str) -> "Number":
         """Return the number with its baseline."""
@@ -226,7 +236,7 @@ class Code(FromContents):
 
 
 Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Equation | Code
-NUMBERED_KINDS = {TableBlock: "Table", Picture: "Figure"}
+NUMBERED_KINDS: dict[type, str] = {TableBlock: "Table", Picture: "Figure"}
 
 
 @dataclass(frozen=True)
@@ -235,6 +245,20 @@ class Section:
 
     title: str
     blocks: list[Block] = field(default_factory=list)
+
+    @property
+    def label(self) -> str:
+        """Return the label by which links lead to it."""
+        return "section-" + re.sub(r"\W+", "-", self.title.lower())
+
+    def counted(self) -> str:
+        """Return how many tables and figures it has, in words."""
+        counts = {
+            word: sum(isinstance(block, kind) for block in self.blocks)
+            for kind, word in ((TableBlock, "table"), (Picture, "figure"))
+        }
+        words = [f"{n} {word}{'s' if n > 1 else ''}" for word, n in counts.items() if n]
+        return " and ".join(words) or "text"
 
 
 @dataclass(frozen=True)
@@ -247,27 +271,28 @@ class Document:
     notice: str = ""
     home: str = ""
 
-    def numbered(self) -> "Document":
+    def numbered(self, elsewhere: Mapping[str, Mention] | None = None) -> "Document":
         """Return the document with tables and figures numbered from 1, also where mentioned.
 
-        Mentions of what is not in the document raise KeyError.
+        elsewhere: mentions of what another page shows, by label. Mentions of what neither shows
+        raise KeyError.
         """
         counts = dict.fromkeys(NUMBERED_KINDS.values(), 0)
-        names: dict[str, str] = {}
+        mentions = dict(elsewhere or {})
 
         def count(block: Block) -> Block:
             if not isinstance(block, TableBlock | Picture):
                 return block
             kind = NUMBERED_KINDS[type(block)]
             counts[kind] += 1
-            names[block.label] = f"{kind} {counts[kind]}"
+            mentions[block.label] = Mention(block.label, f"{kind} {counts[kind]}")
             return replace(block, number=counts[kind])
 
         def resolve(block: Block) -> Block:
             if not isinstance(block, Paragraph):
                 return block
             spans = [
-                replace(span, text=names[span.label]) if isinstance(span, Mention) else span
+                mentions[span.label] if isinstance(span, Mention) and not span.text else span
                 for span in block.spans
             ]
             return replace(block, spans=spans)
@@ -282,10 +307,25 @@ class Document:
         for section in self.sections:
             yield from section.blocks
 
+    def mentions(self, page: str, of: str) -> dict[str, Mention]:
+        """Return mentions of its tables and figures for another page, by label.
+
+        page: where it stands; of: the words that name it.
+        """
+        return {
+            block.label: Mention(
+                block.label, f"{NUMBERED_KINDS[type(block)]} {block.number} {of}", page
+            )
+            for block in self.blocks()
+            if isinstance(block, TableBlock | Picture)
+        }
+
     def as_data(self) -> dict[str, Any]:
         """Return the document as plain data, for templates; `kind` names the class of a block."""
         data = asdict(self)
         plain = (block for section in data["sections"] for block in section["blocks"])
+        for section, own in zip(self.sections, data["sections"], strict=True):
+            own["label"] = section.label
         for block, fields in zip(self.blocks(), plain, strict=True):
             fields["kind"] = type(block).__name__.removesuffix("Block").lower()
             if isinstance(block, TableBlock):
@@ -298,12 +338,17 @@ class Document:
 class Repeated(Strict):
     """Blocks repeated for each recording or arm.
 
-    each: what lists them, a view or a method of `Results` with its arguments.
+    each: what lists them, a view or a method of `Results` with its arguments; most: how many of
+    them, if not all.
     """
 
     each: str
+    most: int | None = None
     heading: str = ""
     blocks: list[Block | DeclaredTable]
+
+
+DeclaredBlock = Block | DeclaredTable | Repeated
 
 
 class DeclaredSection(Strict):
@@ -311,27 +356,49 @@ class DeclaredSection(Strict):
 
     title: str
     absent: str = ""
-    blocks: list[Block | DeclaredTable | Repeated]
+    blocks: list[DeclaredBlock]
 
-    def flat(self) -> Iterator[Block | DeclaredTable]:
-        """Yield all blocks, those that are repeated once."""
-        for block in self.blocks:
-            yield from block.blocks if isinstance(block, Repeated) else [block]
+
+class Topic(Strict):
+    """What the report has on a topic, what in the study of the thesis alone, and the details.
+
+    absent: the reason that the report states if the study has no data for it.
+    """
+
+    title: str
+    absent: str = ""
+    report: list[DeclaredBlock] = Field(default_factory=list)
+    thesis: list[DeclaredBlock] = Field(default_factory=list)
+    details: list[DeclaredBlock] = Field(default_factory=list)
 
 
 class Contents(Strict):
-    """The whole report; run: the sections of a recording's own page."""
+    """The report with its details, by topic; run: the sections of a recording's own page."""
 
-    sections: list[DeclaredSection]
-    run: list[DeclaredSection] = Field(default_factory=list)
+    topics: list[Topic]
+    run: list[DeclaredSection]
 
-    def parts(self) -> list[DeclaredSection]:
-        """Return the sections of the report and of a recording's page."""
-        return [*self.sections, *self.run]
+    def report(self, of_thesis: bool) -> list[DeclaredSection]:
+        """Return the sections of the report; of_thesis: whether it is of the thesis's study."""
+        return [
+            DeclaredSection(title=one.title, absent=one.absent, blocks=blocks)
+            for one in self.topics
+            if (blocks := one.report + one.thesis * of_thesis)
+        ]
 
-    def of_run(self) -> "Contents":
-        """Return the contents of a recording's own page."""
-        return Contents(sections=self.run)
+    def details(self, of_thesis: bool) -> list[DeclaredSection]:
+        """Return the sections of all else."""
+        return [
+            DeclaredSection(title=one.title, blocks=blocks)
+            for one in self.topics
+            if (blocks := one.thesis * (not of_thesis) + one.details)
+        ]
+
+    def blocks(self) -> Iterator[Block | DeclaredTable]:
+        """Yield the blocks of all pages, those that are repeated once."""
+        for part in [*self.report(of_thesis=True), *self.details(of_thesis=True), *self.run]:
+            for block in part.blocks:
+                yield from block.blocks if isinstance(block, Repeated) else [block]
 
 
 @cache

@@ -3,10 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
 from ur5lib.report.page.document import State, Verdict
 from ur5lib.report.page.formats import capital, day, days
 from ur5lib.report.page.sentences import say
@@ -16,7 +14,6 @@ from ur5lib.timeseries.changes import MIN_DATES
 
 MIN_TEMPERATURE_EFFECT = 0.5  # %, smallest effect of temperature that is mentioned
 DRIFT_TOPIC = "Drift over time"  # topic
-PUSHES_BY_AXIS = [f"smallest_push_95_{axis}" for axis in "xyz"]
 
 
 def dates(results: Results) -> Iterator[str]:
@@ -66,48 +63,6 @@ def steps(results: Results) -> Iterator[str]:
     rows = ranked(results)
     for row in rows[rows["share"] > 0][:1].itertuples():
         yield say("health.step", row=row, day=day(row.last))
-
-
-def detectable(results: Results) -> Iterator[str]:
-    """Report at which speeds pushes on an arm are detected best and worst, and the smallest push
-    along each axis that is detected, at rest and in motion.
-    """
-    for robot in results.listed("observability", "robot"):
-        rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
-        if len(rows) > 1:
-            ends = rows.loc[rows["value"].idxmin()], rows.loc[rows["value"].idxmax()]
-            yield say(
-                "observed.pushes", robot=robot, best=ends[0], worst=ends[1], most=MAX_TRIAL_FORCE
-            )
-        by_axis = results.rows("observability", robot=robot, quantity=PUSHES_BY_AXIS)
-        limits = [(slowest, [*part.itertuples()]) for slowest, part in by_axis.groupby("speed_low")]
-        if limits:
-            yield say("observed.missed", robot=robot, limits=limits, most=MAX_TRIAL_FORCE)
-
-
-def pushes(results: Results) -> pd.DataFrame:
-    """Return the smallest push that is detected, by speed of the flange."""
-    return results.rows("observability", quantity="smallest_push_95").assign(most=MAX_TRIAL_FORCE)
-
-
-def velocities(results: Results) -> pd.DataFrame:
-    """Return the speeds of each joint at which its friction is predicted within its band.
-
-    slower, between, faster: share [%] of the samples within the band, below, in and above them.
-    """
-    key = ["robot", "joint"]
-    rows = results.rows("observability", quantity="least_velocity")
-    shares = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
-    bins = shares.merge(rows[[*key, "speed_low", "speed_high"]], on=key, suffixes=("", "_of"))
-    slower = ~(bins["speed_low"] >= bins["speed_low_of"])  # all, where no range suffices
-    faster = bins["speed_low"] >= bins["speed_high_of"]
-    place = np.select([slower, faster], ["slower", "faster"], "between")
-    bins = bins.assign(inside=100 * bins["value"] * bins["samples"], place=place)
-    sums = bins.groupby([*key, "place"])[["inside", "samples"]].sum()
-    sums["share"] = sums["inside"] / sums["samples"]
-    parts = sums.pivot_table("share", key, "place")
-    columns = ["slower", "between", "faster"]
-    return rows.join(parts.reindex(columns=columns), on=key).reset_index(drop=True)
 
 
 def repeated(dates: pd.DataFrame) -> int:

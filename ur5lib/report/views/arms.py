@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+import pandas as pd
+
 from ur5lib.report.page.document import Number, State, Verdict
 from ur5lib.report.results import Results
 
@@ -43,6 +45,12 @@ def together(verdicts: Mapping[str, Verdict]) -> Verdict:
         caption=f"{arms[0]}: {severest.caption}" if severest.caption else "",
         numbers=tuple(_of(arm, number) for arm in arms for number in verdicts[arm].numbers),
     )
+
+
+def of_each_arm(results: Results, table: Callable[[Results], pd.DataFrame]) -> pd.DataFrame:
+    """Return a table of each arm, by its own results, one below the other, with `robot`."""
+    own = {arm: table(results.of_arm(arm)).reset_index() for arm in results.robots()}
+    return pd.concat([rows.assign(robot=arm) for arm, rows in own.items()])
 
 
 def _of(arm: str, number: Number) -> Number:

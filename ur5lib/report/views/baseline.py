@@ -5,9 +5,9 @@ docs/report.md explains the states.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 from xml.sax.saxutils import quoteattr
 
 import pandas as pd
@@ -85,7 +85,8 @@ class AgainstBaseline:
     """Errors beside those of the baseline `zero`, by joint or component (column `place`).
 
     rows: by recording and place, with the errors in the columns `error` and `baseline`; unit,
-    digits: of the numbers; zero: name of the baseline.
+    digits: of the numbers; zero: name of the baseline; floors: what repetition alone leaves, by
+    joint or component, where that is known.
     """
 
     rows: pd.DataFrame
@@ -95,6 +96,7 @@ class AgainstBaseline:
     digits: int
     place: str = "joint"
     zero: str = ZERO_ESTIMATE
+    floors: Mapping[Any, float] = field(default_factory=dict)
 
     @cached_property
     def errors(self) -> pd.DataFrame:
@@ -121,6 +123,17 @@ class AgainstBaseline:
         names = {self.place: "place", self.error: "error", self.baseline: "zero"}
         return rows.loc[rows[self.error].idxmax()].rename(names)
 
+    def by_place(self) -> pd.DataFrame:
+        """Return `errors` with the largest error of a recording, this recording, and the floor."""
+        rows = self.rows.loc[self.rows.groupby(self.place)[self.error].idxmax()]
+        most = rows.set_index(self.place)[[self.error, "recording"]]
+        table = self.errors.join(most.set_axis(["largest", "recording"], axis="columns"))
+        return table.assign(floor=table.index.map(lambda place: self.floors.get(place, math.nan)))
+
+    def floor(self) -> float:
+        """Return what repetition alone leaves at the worst place, NaN where that is unknown."""
+        return self.floors.get(self.worst.name, math.nan)
+
     def state(
         self, coverage: float = 1.0, tested: bool = True, better: float = MIN_GOOD_SKILL
     ) -> State:
@@ -143,7 +156,9 @@ class AgainstBaseline:
     def drawing(self) -> str:
         """Draw the errors relative to zero's."""
         ratios = self.errors["error"] / self.errors["zero"]
-        return bars({str(name): float(ratio) for name, ratio in ratios.items()})
+        zeros = self.errors["zero"]
+        floors = {str(name): floor / zeros[name] for name, floor in self.floors.items()}
+        return bars({str(name): float(ratio) for name, ratio in ratios.items()}, floors)
 
     def numbers(self, name: str) -> tuple[Number, Number]:
         """Return the worst error with its range and baseline, and the largest on a recording."""
@@ -154,31 +169,50 @@ class AgainstBaseline:
             mean = mean.within(row["low"], row["high"], f"range over {row['count']:.0f} recordings")
         place = f"{prefix}{largest['place']} on {largest['recording']}"
         most = Number("largest error on a recording", float(largest["error"]), self.unit, place)
+        mean = mean.above(self.floor())
         return mean.beside(row["zero"], self.zero), most.beside(largest["zero"], self.zero)
 
 
-def bars(shares: Mapping[str, float]) -> str:
-    """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG."""
-    step = DRAWING_WIDTH / max(len(shares), 1)
-    parts = [
-        _rectangle(i * step, 0.0, step * (1 - BAR_GAP), DRAWING_HEIGHT, PALE_STYLE)
-        + _rectangle(i * step, DRAWING_HEIGHT - height, step * (1 - BAR_GAP), height)
-        for i, height in enumerate(
-            max(DRAWING_HEIGHT * min(x, 1.0), MIN_BAR_HEIGHT * (x > 0)) for x in shares.values()
-        )
-    ]
+def bars(shares: Mapping[str, float], floors: Mapping[str, float] | None = None) -> str:
+    """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG.
+
+    floors: shares of the same frames, by some of the names, each drawn as a line.
+    """
+    step, parts = DRAWING_WIDTH / max(len(shares), 1), []
+    for i, (name, share) in enumerate(shares.items()):
+        left, width = i * step, step * (1 - BAR_GAP)
+        height = max(DRAWING_HEIGHT * min(share, 1.0), MIN_BAR_HEIGHT * (share > 0))
+        parts.append(_rectangle(left, 0.0, width, DRAWING_HEIGHT, PALE_STYLE))
+        parts.append(_rectangle(left, DRAWING_HEIGHT - height, width, height))
+        if name in (floors or {}):
+            parts.append(_floor_line(left, width, (floors or {})[name]))
     label = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
     return _svg("".join(parts), label)
 
 
-def error_bar(value: float, low: float, high: float, zero: float) -> str:
-    """Draw a value as a dot with its interval, if known, beside the error of zero, a line."""
+def _floor_line(left: float, width: float, share: float) -> str:
+    """Draw a line across a bar and beyond, with white edges, so that it is seen upon the bar."""
+    middle, beyond = DRAWING_HEIGHT * (1 - min(share, 1.0)), width * BAR_GAP / 3
+    place, length = left - beyond, width + 2 * beyond
+    return "".join(
+        f"<rect x='{place:.1f}' y='{middle - thickness:.1f}' width='{length:.1f}' "
+        f"height='{thickness:.1f}' fill='{colour}'/>"
+        for thickness, colour in ((4.0, "#fff"), (2.0, "currentColor"))
+    )
+
+
+def error_bar(value: float, low: float, high: float, zero: float, floor: float) -> str:
+    """Draw a value as a dot with its interval, if known, beside the error of zero, a line, and what
+    repetition alone leaves, if known, a thin line.
+    """
     scale = 0.95 * DRAWING_WIDTH / max(zero, value, 0.0 if math.isnan(high) else high)
     middle = DRAWING_HEIGHT / 2
     parts = [_rectangle(0.0, middle - 0.5, DRAWING_WIDTH, 1.0, PALE_STYLE)]
     parts.append(
         _rectangle(zero * scale - 1.5, 4.0, 3.0, DRAWING_HEIGHT - 8.0, "fill-opacity='.5'")
     )
+    if not math.isnan(floor):
+        parts.append(_rectangle(floor * scale - 0.75, 4.0, 1.5, DRAWING_HEIGHT - 8.0))
     if not math.isnan(low):
         parts.append(_rectangle(low * scale, middle - 1.5, (high - low) * scale, 3.0))
     parts.append(f"<circle cx='{value * scale:.1f}' cy='{middle:.1f}' r='6' fill='currentColor'/>")

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.report.page.sentences import names, say
-from ur5lib.report.results import Results, with_zero
+from ur5lib.report.results import Results
 from ur5lib.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
 COMPUTED_DIGITS = 4  # of computed numbers
@@ -68,10 +68,3 @@ def intervals(results: Results) -> pd.DataFrame:
 def single(results: Results) -> pd.DataFrame:
     """Return the single values: those fitted to several recordings, and of a recording's clocks."""
     return results.rows("truth", quantity=[*names("truth")])
-
-
-def over_time(results: Results) -> pd.DataFrame:
-    """Return the errors over time, those of an estimate of zero after the methods'."""
-    rows = results.rows("truth")
-    rows = rows[rows["recording"].notna()].assign(value=rows["estimate"])
-    return with_zero(rows, "method", ["quantity", "index"])

@@ -11,7 +11,8 @@ from ur5lib.force.contact_wrench import (
     MIN_CONSTANT_ERROR,
     STATIC_SPEED,
 )
-from ur5lib.force.estimators import ESTIMATES, LEADING, NEW, SPOKEN
+from ur5lib.force.detection import Span, match
+from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
@@ -19,56 +20,15 @@ from ur5lib.report.views.baseline import MIN_GOOD_SKILL, ZERO_ESTIMATE, Rival, e
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import (
     FORCE_COMPONENTS,
-    SMALLEST_PUSHES,
+    FORCE_STDS,
     leading,
-    pushes_found,
     searched,
 )
+from ur5lib.timeseries.metrics import NORMAL95
 
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 FORCE_TOPIC = "Force in contact"
 STATIC_ESTIMATE = "static"  # the estimate without any fit
-
-
-def sentences(results: Results) -> list[str]:
-    """Return sentences about errors in contact, bands, contacts and alarms."""
-    return [
-        *in_contact(results),
-        *bands_held(results),
-        *largest_contacts(results),
-        *detection(results),
-    ]
-
-
-def in_contact(results: Results) -> Iterator[str]:
-    """Report the errors of the leading estimate, in contact and free."""
-    rows = results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS)
-    touched = dict([*rows[rows["during"] == "contact"].groupby("recording", sort=False)])
-    free = rows[rows["during"] == "free"]
-    for name, contact in [*touched.items()][:MOST_SHOWN]:
-        yield _errors_in_contact(contact, leading(free[free["recording"] == name]))
-    if len(touched) > MOST_SHOWN:
-        means = [leading(errors)[["mae", "mean_force"]].mean() for errors in touched.values()]
-        better = sum(mean["mae"] < mean["mean_force"] for mean in means)
-        yield say("contacts.better", better=better, count=len(touched))
-
-
-def _errors_in_contact(contact: pd.DataFrame, free: pd.DataFrame) -> str:
-    """Report one recording's errors in contact, with intervals and bands, and its free errors."""
-    lead = leading(contact)
-    recording, name = lead[["recording", "estimate"]].iloc[0]
-    ends = lead[["mae_low", "mae_high"]].dropna().to_numpy()
-    plain = contact.loc[contact["estimate"] == "least_squares", "mae"]
-    return say(
-        "contacts.errors",
-        recording=recording,
-        name=SPOKEN[name],
-        lead=lead,
-        ranges=ends.tolist() if len(ends) == len(lead) else [],
-        held=100 * lead["coverage95"] if lead["coverage95"].notna().all() else None,
-        plain=[] if name == "least_squares" else plain,
-        free=free["mae"],
-    )
 
 
 def undetermined_moments(results: Results) -> Iterator[str]:
@@ -79,15 +39,6 @@ def undetermined_moments(results: Results) -> Iterator[str]:
     names = [name for name in moments["component"].unique() if name not in determined]
     if names:
         yield say("contacts.undetermined", moments=names, name=SPOKEN[rows["estimate"].iloc[0]])
-
-
-def bands_held(results: Results) -> Iterator[str]:
-    """Report the coverage of the stated bands, in contact and free."""
-    rows = results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS)
-    coverage = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
-    if {"contact", "free"} <= {*coverage}:
-        complete = coverage.dropna(subset=["contact", "free"])
-        yield say("contacts.averaged", held=[*complete.itertuples()])
 
 
 def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
@@ -111,37 +62,11 @@ def counted(results: Results) -> Iterator[str]:
         yield say("contacts.counted", name=name, count=len(rows))
 
 
-def largest_contacts(results: Results) -> Iterator[str]:
-    """Report the largest force on each contact recording without a sensor."""
-    for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
-        if len(rows):
-            largest = rows.loc[(rows[FORCE_COMPONENTS] ** 2).sum(axis="columns").idxmax()]
-            yield say("contacts.largest", name=name, row=largest)
-
-
 def elsewhere(results: Results) -> Iterator[str]:
     """Report the contacts that are not on the flange: stated forces hold only for the flange."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         if count := int((rows["off_flange"] == "yes").sum()):
             yield say("contacts.elsewhere", name=name, count=count, total=len(rows))
-
-
-def detection(results: Results) -> Iterator[str]:
-    """Report the contacts found by their force, those of the weakest that past samples alone show,
-    and the smallest push detected along each axis.
-    """
-    rows = results.rows("detection", estimate=LEADING)
-    by_class = rows.groupby("force_class_n")[["found", "contacts"]].sum()
-    if len(by_class):
-        yield say("contacts.found", classes=[*by_class.itertuples()])
-        weakest = rows[rows["force_class_n"] == rows["force_class_n"].min()]
-        rated = weakest.dropna(subset="causal_found")
-        if len(rated):
-            delays = [*rated["causal_delay_s"].dropna()]
-            yield say("contacts.causal", rows=rated, delays=delays, most=MOST_SHOWN)
-    smallest = pushes_found(results)[SMALLEST_PUSHES].median(skipna=False)
-    if smallest.notna().all():
-        yield say("contacts.smallest", forces=smallest)
 
 
 def quiet(results: Results) -> pd.DataFrame:
@@ -247,13 +172,58 @@ def errors_in_contact(results: Results) -> pd.DataFrame:
     return rows.assign(axis=rows["component"].str[1:])
 
 
+def decided(results: Results) -> pd.DataFrame:
+    """Return the errors by which the force is judged, beside least squares and their floor."""
+    rows, key = with_floors(results, errors_in_contact(results)), ["recording", "component"]
+    others = results.rows("force_mae", kind="compensated", during="contact")
+    plain = others[others["estimate"] == "least_squares"].set_index(key)["mae"]
+    return rows.join(plain.rename("plain"), on=key)
+
+
+def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return errors of forces by recording and component with what repetition alone leaves."""
+    floors = results.rows("repetition", quantity="force")[["robot", "component", "floor"]]
+    robots = rows["recording"].map(results.arms())
+    return rows.assign(robot=robots).merge(floors, "left", ["robot", "component"])
+
+
+def noticed(results: Results) -> pd.DataFrame:
+    """Return by recording which contacts are found, alarms, the widest band, smallest pushes."""
+    rows = results.rows("detection", estimate=LEADING).drop_duplicates("recording")
+    parts = [{**row, **_noticed_on(results, row["recording"])} for row in rows.to_dict("records")]
+    return pd.DataFrame(parts).assign(role=rows["recording"].map(results.roles()).to_numpy())
+
+
+def _noticed_on(results: Results, recording: str) -> dict[str, object]:
+    """Return the contacts at the sensor, those without an alarm of their own, and the widest band.
+
+    missed: their starts [s]; weakest: peak of the weakest that is found [N]; band: half its width
+    [N] along `axis` at `band_s`, of the largest force of an alarm.
+    """
+    alarms = results.rows("contacts", recording=recording, estimate=LEADING)
+    sensed = results.rows("contact_errors", recording=recording, estimate=LEADING, component="norm")
+    found = [contact for _, contact in match(_spans(alarms), _spans(sensed))]
+    missed = sensed.drop(sensed.index[found])["start_s"]
+    stds = alarms.melt("peak_s", FORCE_STDS, "column", "std").dropna(subset="std")
+    noticed = {"contacts": len(sensed), "found": len(found), "missed": [*missed]}
+    noticed["weakest"] = sensed["peak"].iloc[found].min()
+    for row in stds.nlargest(1, "std").itertuples():
+        noticed |= {"band": NORMAL95 * row.std, "axis": row.column[1], "band_s": row.peak_s}
+    return noticed
+
+
+def _spans(rows: pd.DataFrame) -> list[Span]:
+    """Return the times of rows [ms]."""
+    return [*map(tuple, (1000 * rows[["start_s", "end_s"]]).round().astype(int).to_numpy())]
+
+
 def judge_force(results: Results) -> Verdict:
     """Judge the force by the larger relative error, that of the axis with the largest error or of
     the recording with the largest share, and by the smallest coverage of a stated band.
     """
     if results.stopped():
         return Verdict(FORCE_TOPIC, "do not use", say("force.stopped"))
-    judged = errors_in_contact(results)
+    judged = with_floors(results, errors_in_contact(results))
     if judged.empty:
         return _unjudged(results)
     rival = _least_squares(results, judged)
@@ -269,26 +239,17 @@ def judge_force(results: Results) -> Verdict:
     error = max(errors["mae"] / errors["mean_force"] for errors in (row, share))
     covered = 1.0 if least_covered is None else least_covered["coverage95"]
     about = {"known": has_interval, "calibrated": calibrated, "doubted": doubted}
+    about |= {"held": least_covered, "zero": ZERO_ESTIMATE}
     sentence = say("force.verdict", row=row, estimate=_named(row["estimate"]))
     return Verdict(
         topic=FORCE_TOPIC,
         state=state(error, 1.0, covered, tested=relied),
         sentence=rival.after(sentence, "N", 1),
         evidence=" ".join(
-            [
-                say(
-                    "force.evidence",
-                    row=row,
-                    share=share,
-                    held=least_covered,
-                    zero=ZERO_ESTIMATE,
-                    **about,
-                ),
-                *false_alarms(results),
-            ]
+            [say("force.evidence", row=row, share=share, **about), *false_alarms(results)]
         ),
-        drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=say("force.caption", known=has_interval),
+        drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),
+        caption=say("force.caption", known=has_interval, floor=row["floor"]),
         numbers=tuple(_numbers(row, share, least_covered)),
     )
 
@@ -324,9 +285,8 @@ def _numbers(row: pd.Series, share: pd.Series, least_covered: pd.Series | None) 
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     place = f"{row['recording']}, along {row['axis']}, in contact"
     error = Number(name, float(row["mae"]), "N", place)
-    yield error.within(row["mae_low"], row["mae_high"], "95 %").beside(
-        row["mean_force"], ZERO_ESTIMATE
-    )
+    error = error.within(row["mae_low"], row["mae_high"], "95 %").above(row["floor"])
+    yield error.beside(row["mean_force"], ZERO_ESTIMATE)
     place = f"{share.name}, mean over x, y, z, in contact"
     yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO_ESTIMATE)
     if least_covered is not None:

@@ -10,6 +10,7 @@ from ur5lib.identification.currents import MAX_PRIOR_SHARE
 from ur5lib.report.page.document import Number, State, Verdict
 from ur5lib.report.page.sentences import names, say
 from ur5lib.report.results import AT_REST, Results
+from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import (
     MIN_GOOD_COVERAGE,
     WIDE_BAND_COVERAGE,
@@ -22,7 +23,6 @@ from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
-MAX_COMPARED_FITS = 12  # columns that fit on a page
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
 CONSTANTS_TOPIC, CURRENTS_TOPIC = "Torque constants", "Friction and currents"  # topics
 CONSTANT_ESTIMATE = "a constant current"
@@ -54,6 +54,27 @@ def constants(results: Results) -> pd.DataFrame:
         moved=np.array(moved, dtype=bool) | (rows["parameter"] == "torque_constant"),
         source=np.where(rows["determined"] == "yes", "data", by_prior),
     )
+
+
+def by_joint(results: Results) -> pd.DataFrame:
+    """Return constants and friction, with whether the constant of a joint may be used (`use`)."""
+    rows = constants(results)
+    stopped = rows["robot"].isin(results.rows("remarks", step=STOP)["robot"])
+    unlikely = results.rows("remarks", code="unlikely constant")
+    pairs = {*zip(unlikely["robot"], unlikely["joint"], strict=True)}
+    cases = {
+        "stopped": stopped,
+        "unlikely": [pair in pairs for pair in zip(rows["robot"], rows["joint"], strict=True)],
+        "refused": rows["contradicted"].notna(),
+        "prior": rows["determined"] != "yes",
+        "far": _far(rows),
+    }
+    return rows.assign(use=np.select([*cases.values()], [*cases], "yes"))
+
+
+def _far(rows: pd.DataFrame) -> pd.Series:
+    """Whether constants are farther from the known ones than on 95 % of arms."""
+    return (rows["value"] - rows["known"]).abs() > NORMAL95 * rows["known_std"]
 
 
 def remarks(results: Results) -> Iterator[str]:
@@ -114,33 +135,9 @@ def in_motion(results: Results, names: Set[str]) -> pd.DataFrame:
     return rows.assign(zero=rows["rmse_2hz"] / np.sqrt(1 - rows["r2"]))
 
 
-def unseen_errors(results: Results) -> pd.DataFrame:
-    """Return the means over validate recordings: of the fitted model and of the controller's."""
-    rows = unseen(results)
-    rows = rows[rows["model"].isin(["fitted", "i_target"])]
-    means = rows.groupby(["joint", "model"])[["rmse_2hz", "zero", "coverage95"]].mean()
-    return means.reset_index()
-
-
 def prediction(results: Results, recording: str) -> pd.DataFrame:
     """Return the errors on a recording of the models that the report compares."""
     return results.rows("current_rmse", recording=recording, model=[*names("model")])
-
-
-def cross_validation(results: Results, robot: str) -> pd.DataFrame:
-    """Return the RMSE, averaged over joints, of fits to one recording tested on each other.
-
-    fitted_on: with the number under which the recording stands as a column.
-    """
-    rows = results.rows("cross_validation", robot=robot).dropna(subset="rmse_2hz")
-    fitted = [*rows["fitted_on"].unique()][:MAX_COMPARED_FITS]
-    if len(fitted) < 2:  # a fit tested on its own recording is no test
-        return rows[:0]
-    number = {name: i for i, name in enumerate(fitted, start=1)}
-    rows = rows[rows["fitted_on"].isin(fitted) & rows["tested_on"].isin(fitted)]
-    means = rows.groupby(["fitted_on", "tested_on"], sort=False)["rmse_2hz"].mean().reset_index()
-    titles = [f"{number[name]} {name}" for name in means["fitted_on"]]
-    return means.assign(fitted_on=titles, number=means["tested_on"].map(number))
 
 
 def loaded(results: Results) -> pd.DataFrame:
@@ -231,8 +228,7 @@ def judge_constants(results: Results) -> Verdict | None:
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
-    far = (rows["value"] - rows["known"]).abs() > NORMAL95 * rows["known_std"]
-    apart = [*rows.loc[far & ~rows["joint"].isin(unlikely), "joint"]]
+    apart = [*rows.loc[_far(rows) & ~rows["joint"].isin(unlikely), "joint"]]
     state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
     if unlikely or not constants:
         state = "do not use" if unlikely else "not determined"
@@ -257,14 +253,34 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
     return {"evidence": say("constants.evidence", row=row), "numbers": (beside,)}
 
 
+def beside_constant(results: Results) -> AgainstBaseline:
+    """Return the errors of predicted currents that no fit has seen, beside a constant current's."""
+    rows, floors = unseen(results).query("model == 'fitted'"), results.floors("current")
+    return AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT_ESTIMATE, floors=floors)
+
+
+def decided(results: Results) -> pd.DataFrame:
+    """Return the errors by which the predicted currents of each arm are judged, by joint.
+
+    least_squares, i_target: errors of others; held: smallest share of readings within the band.
+    """
+
+    def of_arm(own: Results) -> pd.DataFrame:
+        against, others = beside_constant(own), ["least_squares", "i_target"]
+        means = unseen(own).pivot_table("rmse_2hz", "joint", "model").reindex(columns=others)
+        held = against.rows.groupby("joint")["coverage95"].min().rename("held")
+        return against.by_place().join(means).join(held)
+
+    return of_each_arm(results, of_arm)
+
+
 def judge_currents(results: Results) -> Verdict:
     """Judge the predicted currents by the worst joint, beside a constant current and plain least
     squares, their band by the smallest coverage.
     """
-    rows = unseen(results)
-    rival = Rival.beside("plain least squares", rows, "rmse_2hz", "joint", COMPARED_MODELS)
-    rows = rows[rows["model"] == "fitted"]
-    against = AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT_ESTIMATE)
+    models, against = unseen(results), beside_constant(results)
+    rival = Rival.beside("plain least squares", models, "rmse_2hz", "joint", COMPARED_MODELS)
+    rows = against.rows
     if against.errors.empty:
         reason = "no motion" if results.with_role("validate") else "no validate"
         reason = "no friction" if results.tables["friction"].empty else reason
@@ -286,6 +302,6 @@ def judge_currents(results: Results) -> Verdict:
         sentence=rival.after(sentence, "A", 3),
         evidence=say("currents.evidence", against=against, least=least),
         drawing=against.drawing(),
-        caption=say("error.bars", zero=CONSTANT_ESTIMATE),
+        caption=say("error.bars", zero=CONSTANT_ESTIMATE, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )

@@ -55,6 +55,13 @@ def drawn(results: Results, wanted: str) -> list[str]:
     return [name] if kind == wanted else []
 
 
+def worst_force(results: Results) -> list[str]:
+    """Return the recording whose error of the force is the largest share of it, if it is drawn."""
+    means = contacts.errors_in_contact(results).groupby("recording")[["mae", "mean_force"]].mean()
+    shares = (means["mae"] / means["mean_force"]).sort_values(ascending=False)
+    return results.shown([*shares.index], 1)
+
+
 def _figures(results: Results) -> Iterator[tuple[str, str]]:
     """Yield figures and their recordings, the most informative first.
 

@@ -1,16 +1,14 @@
 """Contact forces compared with the force sensor, their bands, and detected contacts."""
 
-from collections.abc import Iterator
-
 import pandas as pd
 
 from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED
 from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
-from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.currents import loaded
 
 FORCE_COMPONENTS = ["Fx", "Fy", "Fz"]
+FORCE_STDS = [f"{name}_std" for name in FORCE_COMPONENTS]
 SMALLEST_PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
 REPORT_RANK = {
     name: place for place, name in enumerate([*NEW, *PUBLISHED])
@@ -29,36 +27,10 @@ def searched(results: Results) -> pd.DataFrame:
     return results.rows("detection", estimate=GATED)
 
 
-def published(results: Results) -> Iterator[str]:
-    """Explain the published estimates, if they are compared."""
-    if {"F", "F*"}.intersection(results.listed("force_mae", "estimate")):
-        yield say("force.published")
-
-
 def leading(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the leading estimate: the first in the report's order."""
     rank = rows["estimate"].map(REPORT_RANK)
     return rows[rank == rank.min()]
-
-
-def headline(results: Results) -> pd.DataFrame:
-    """Return the leading estimate's errors of forces in contact, with those in free motion."""
-    return _beside_free(
-        leading(results.rows("force_mae", kind="compensated", component=FORCE_COMPONENTS))
-    )
-
-
-def bands(results: Results, recording: str) -> pd.DataFrame:
-    """Return the errors in contact of the estimates with bands, with those in free motion."""
-    rows = results.rows("force_mae", recording=recording, kind="compensated")
-    return _beside_free(rows[rows["coverage95"].notna()])
-
-
-def _beside_free(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows in contact, with error and coverage in free motion as further columns."""
-    key = ["recording", "estimate", "component"]
-    free = rows[rows["during"] == "free"].set_index(key)[["mae", "coverage95"]]
-    return rows[rows["during"] == "contact"].join(free.add_prefix("free_"), on=key)
 
 
 def contact_errors(results: Results, recording: str) -> pd.DataFrame:

@@ -11,6 +11,7 @@ from ur5lib.report.page.document import Verdict
 from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
+from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import AgainstBaseline
 from ur5lib.thesis.reference import OLDER_MODEL
 
@@ -126,6 +127,25 @@ def named(model: str) -> str:
     return f"Model {model}" if model[0].isupper() else f"the model “{model}”"
 
 
+def beside_zero(results: Results, compared: ModelComparison) -> AgainstBaseline:
+    """Return the errors of the model that is closest on most joints, beside zero torque's."""
+    rows = compared.rows[compared.rows["model"] == compared.best[0]]
+    floors = results.floors("torque")
+    return AgainstBaseline(rows, "mae_2hz", "zero_mae_2hz", "Nm", 3, floors=floors)
+
+
+def decided(results: Results) -> pd.DataFrame:
+    """Return the errors by which the link model of each arm is judged, by joint."""
+
+    def of_arm(own: Results) -> pd.DataFrame:
+        compared = compare(own)
+        if compared is None:
+            return pd.DataFrame()
+        return beside_zero(own, compared).by_place().assign(model=compared.best[0])
+
+    return of_each_arm(results, of_arm)
+
+
 def judge_links(results: Results) -> Verdict:
     """Judge the link model that is best on most joints by its worst joint, below 2 Hz: gravity,
     which is most of that, is known far better than by half.
@@ -135,8 +155,8 @@ def judge_links(results: Results) -> Verdict:
         unknown = results.tables["torque_mae"].dropna(subset="mae").empty
         reason = "no torques" if unknown else "at rest"
         return Verdict(LINKS_TOPIC, "not determined", say(f"models.{reason}"))
-    rows = compared.rows[compared.rows["model"] == compared.best[0]]
-    against = AgainstBaseline(rows, "mae_2hz", "zero_mae_2hz", "Nm", 3)
+    against = beside_zero(results, compared)
+    rows = against.rows
     loads = results.rows("quality", finding=GIVEN_LOAD, recording=[*rows["recording"].unique()])
     words = {"model": named(compared.best[0]), "unseen": compared.unseen, "loads": loads}
     words["motion"] = rows["motion"].iloc[0].replace("_", " ")
@@ -146,6 +166,6 @@ def judge_links(results: Results) -> Verdict:
         sentence=say("models.verdict", against=against, **words),
         evidence=say("models.evidence", against=against),
         drawing=against.drawing(),
-        caption=say("error.bars", zero="zero torque"),
+        caption=say("error.bars", zero="zero torque", floor=against.floors),
         numbers=against.numbers("mean absolute error below 2 Hz"),
     )

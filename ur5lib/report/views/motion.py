@@ -1,17 +1,15 @@
 """End effector's accelerations compared with the IMU, its calibration, tests of the smoother."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
 import pandas as pd
 
 from ur5lib.report.page.document import Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results, with_zero
+from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import AgainstBaseline, Rival
 
-LINEAR_LABEL, ANGULAR_LABEL = "x, y, z [m/s²]", "rx, ry, rz [rad/s²]"
 MOTION_TOPIC = "Motion"  # topic
 
 
@@ -36,45 +34,25 @@ def errors(results: Results) -> pd.DataFrame:
     return with_zero(rows, "estimate", ["component"])
 
 
-def beside_imu(results: Results) -> Iterator[str]:
-    """Report the error of the encoders against the IMU, averaged over recordings with one."""
+def beside_zero(results: Results) -> AgainstBaseline:
+    """Return the errors of the acceleration from encoders, beside those of no acceleration."""
     rows = results.rows("acceleration_mae", estimate="encoders")
-    if len(rows):
-        mean = rows.groupby("component", sort=False)[["mae", "zero_mae"]].mean()
-        errors, count = mean[:3], rows["recording"].nunique()
-        yield say("motion.beside imu", mae=errors["mae"], zero=errors["zero_mae"], count=count)
+    return AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component")
 
 
-def bands(results: Results) -> pd.DataFrame:
-    """Return the differences from the IMU and their bands: three components a row."""
-    rows = results.tables["acceleration_bands"]
-    angular = rows["component"].str.startswith("r")
-    rows = rows.assign(axes=np.where(angular, ANGULAR_LABEL, LINEAR_LABEL), held=100 * rows["held"])
-    key, errors = ["range", "during", "axes"], ["rms", "filterpy_rms"]
-    rows[errors] = rows[errors] ** 2
-    means = rows.groupby([*key, "component"], sort=False)[[*errors, "held"]].mean()
-    means[errors] = np.sqrt(means[errors])
-    return means.groupby(key, sort=False).agg(list).reset_index()
+def decided(results: Results) -> pd.DataFrame:
+    """Return the errors by which the motion of each arm is judged, by component.
 
+    fused, plain: errors with the IMU's measurements, and of filterpy's filter.
+    """
 
-def place(results: Results) -> Iterator[str]:
-    """Report how far the IMU is from its described place, and which of the two is used."""
-    table = results.tables["imu_calibration"]
-    for arm, rows in table[table["quantity"] == "place"].groupby("robot", sort=False):
-        off = 1e3 * (rows["value"] - rows["described"])
-        pairs = [*zip(off, 1e3 * rows["std_error"], strict=True)]
-        yield say("motion.place", arm=arm, off=pairs, ratio=rows["held_out"].iloc[0])
+    def of_arm(own: Results) -> pd.DataFrame:
+        rows = own.tables["acceleration_mae"]
+        names = {"encoders+imu": "fused", "filterpy": "plain"}
+        means = rows.pivot_table("mae", "component", "estimate").reindex(columns=[*names])
+        return beside_zero(own).by_place().join(means.rename(columns=names))
 
-
-def innovations(results: Results) -> Iterator[str]:
-    """Report how many channels pass the tests of the innovations."""
-    table = results.tables["innovations"]
-    tests = {test: table[test] == "yes" for test in ("consistent", "white")}
-    channels = table.assign(count=1, **tests).groupby("estimate", sort=False)
-    if len(table):
-        passed = channels[["count", *tests]].sum().to_dict("index").items()
-        widest, coloured = np.sqrt(table["colour"]).max(), not tests["white"].all()
-        yield say("motion.innovations", passed=passed, widest=widest, coloured=coloured)
+    return of_each_arm(results, of_arm)
 
 
 def judge_motion(results: Results) -> Verdict | None:
@@ -83,8 +61,7 @@ def judge_motion(results: Results) -> Verdict | None:
     """
     models, methods = {"encoders": "ours", "filterpy": "rival"}, results.rows("acceleration_mae")
     rival = Rival.beside("filterpy's plain filter", methods, "mae", "component", models)
-    rows = results.rows("acceleration_mae", estimate="encoders")
-    against = AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component")
+    against = beside_zero(results)
     if against.errors.empty:
         return None
     if str(against.worst.name).startswith("r"):

@@ -6,7 +6,13 @@ import pandas as pd
 import yaml
 
 from ur5lib.report.page.document import MOST_ROWS, Number, State, Verdict
-from ur5lib.report.page.findings import MAX_NAMED_PLACES, SEVERITIES, by_severity, group_findings
+from ur5lib.report.page.findings import (
+    MAX_NAMED_PLACES,
+    SEVERITIES,
+    by_finding,
+    by_severity,
+    group_findings,
+)
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.baseline import bars
@@ -28,6 +34,22 @@ def late(results: Results) -> list[str]:
     """Return the recording with figures that lost most frames."""
     lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
+
+
+def trust(results: Results) -> pd.DataFrame:
+    """Return the recordings, also those left out, with lost frames and the gravest finding."""
+    used = results.tables["recordings"].set_index("recording")[["duration_s", "devices"]]
+    quality = by_severity(results.tables["quality"]).drop_duplicates("recording")
+    gravest = quality.set_index("recording")[["severity", "device", "finding"]]
+    lost = pd.Series(lost_shares(results), dtype=float, name="lost")
+    roles = pd.Series(results.roles(), name="role").rename_axis("recording")
+    return roles.to_frame().join(used).join(lost).join(gravest).reset_index()
+
+
+def causes(results: Results) -> pd.DataFrame:
+    """Return the findings of all recordings by their cause, most serious first."""
+    rows = by_finding(results.tables["quality"])
+    return rows.assign(recordings=rows["recordings"].map(_named), count=rows["recordings"].map(len))
 
 
 def counted(results: Results) -> Iterator[str]:
