@@ -106,8 +106,10 @@ def checked(workflow: Workflow) -> tuple[Path, str]:
 
 def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
     folder, text = checked(alone)
-    check_pdf(folder / "report.pdf", ["What was found", "Friction and currents", "Provenance"])
-    for left_out in ("Accelerations", "Prediction of currents", "Errors of the force estimates"):
+    check_pdf(
+        folder / "report.pdf", ["What was found", "Torque constants and friction", "Provenance"]
+    )
+    for left_out in ("Motion", "Prediction of currents", "Errors of the force estimates"):
         assert re.search(f"<li>{left_out}.*: no recording .*</li>", text)
     assert "thesis" not in text
 

@@ -280,13 +280,10 @@ def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> 
     caption, rows = _filled(declared.caption, results, name), body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
-    pages = {*results.roles()} if results.many else set()
+    pages = {name: f"runs/{name}.html" for name in results.roles()} if results.many else {}
+    pages |= {file: file for file in map("tables/{}.csv".format, results.tables)}
     linked = [
-        [
-            replace(cell, link=f"runs/{cell.text}.html") if cell.text in pages else cell
-            for cell in row
-        ]
-        for row in rows[:MOST_ROWS]
+        [replace(cell, link=pages.get(cell.text, "")) for cell in row] for row in rows[:MOST_ROWS]
     ]
     return TableBlock(caption, body.header, linked, _label(declared.table, name), declared.source)
 

@@ -28,8 +28,8 @@ UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not det
 class Cell:
     """A table's cell.
 
-    mark: set for the smallest and the largest error of a row; link: page of the recording that it
-    names, relative to the study's results.
+    mark: set for the smallest and the largest error of a row; link: the recording's page or file
+    that it names, relative to the study's results.
     """
 
     text: str

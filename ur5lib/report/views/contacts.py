@@ -206,8 +206,8 @@ def _noticed_on(results: Results, recording: str) -> dict[str, object]:
     missed = sensed.drop(sensed.index[found])["start_s"]
     stds = alarms.melt("peak_s", FORCE_STDS, "column", "std").dropna(subset="std")
     noticed = {"contacts": len(sensed), "found": len(found), "missed": [*missed]}
-    noticed["weakest"] = sensed["peak"].iloc[found].min()
-    for row in stds.nlargest(1, "std").itertuples():
+    noticed |= {"weakest": sensed["peak"].iloc[found].min(), "band": math.nan}
+    for row in stds.sort_values("std")[-1:].itertuples():
         noticed |= {"band": NORMAL95 * row.std, "axis": row.column[1], "band_s": row.peak_s}
     return noticed
 

@@ -61,10 +61,10 @@ def by_joint(results: Results) -> pd.DataFrame:
     rows = constants(results)
     stopped = rows["robot"].isin(results.rows("remarks", step=STOP)["robot"])
     unlikely = results.rows("remarks", code="unlikely constant")
-    pairs = {*zip(unlikely["robot"], unlikely["joint"], strict=True)}
+    pairs = pd.MultiIndex.from_frame(unlikely[["robot", "joint"]])
     cases = {
         "stopped": stopped,
-        "unlikely": [pair in pairs for pair in zip(rows["robot"], rows["joint"], strict=True)],
+        "unlikely": pd.MultiIndex.from_frame(rows[["robot", "joint"]]).isin(pairs),
         "refused": rows["contradicted"].notna(),
         "prior": rows["determined"] != "yes",
         "far": _far(rows),

@@ -102,6 +102,18 @@ def commit(results: Results) -> Iterator[str]:
     yield say("provenance.commit", commit=results.commit)
 
 
+def tables(results: Results) -> pd.DataFrame:
+    """Return the files of the tables that have rows, with their number and their columns."""
+    known = {name: table for name, table in sorted(results.tables.items()) if len(table)}
+    return pd.DataFrame(
+        {
+            "file": [f"tables/{name}.csv" for name in known],
+            "rows": [*map(len, known.values())],
+            "columns": [", ".join(table) for table in known.values()],
+        }
+    )
+
+
 def versions(results: Results) -> pd.DataFrame:
     """Return the versions of the software that the numbers depend on."""
     return pd.DataFrame(results.versions.items(), columns=["package", "version"])
