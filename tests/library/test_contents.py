@@ -1,6 +1,7 @@
 """The report's contents as data: what they name exists, what they show is mentioned."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -17,9 +18,6 @@ from ur5lib.report.page.compose import (
     view,
 )
 from ur5lib.report.page.document import (
-    Block,
-    Cell,
-    Code,
     DeclaredSection,
     DeclaredTable,
     Document,
@@ -29,11 +27,10 @@ from ur5lib.report.page.document import (
     Paragraph,
     Picture,
     Repeated,
-    Section,
     TableBlock,
     contents,
 )
-from ur5lib.report.page.torques import in_torques
+from ur5lib.report.page.sentences import names
 from ur5lib.report.results import Results
 from ur5lib.thesis.reference import Erratum
 from ur5lib.tidy import columns
@@ -175,31 +172,43 @@ def test_an_arm_is_a_heading_where_a_table_of_it_is_shown(arm: str) -> None:
 
 
 def test_arms_that_sense_torque_have_no_currents() -> None:
-    """Texts, cells and units say torque and Nm; labels, files and code stay."""
-    said = "Joint 2: 1.01 Nm/A, off by 0.3 A"
-    cells = [[Cell("RMSE [A]")]]
-    table = TableBlock(
-        "Predicted currents [A]", ["current"], cells, "currents", "tables/currents.csv"
-    )
-    code = Code(text="current: 3 A")
-    blocks: list[Block] = [Paragraph([said]), table, code]
-    text, changed, kept = in_torques(Document("t", "", [Section("s", blocks)]), {"t"}).blocks()
+    """Texts, headers and units say torque and Nm; what a user named keeps its currents."""
+    rows = pd.DataFrame({"recording": ["current-2"], "duration_s": [60.0], "current": [0.3]})
+    part = {
+        "title": "{Current}s",
+        "blocks": [
+            {"text": "@noise has the {current}s."},
+            {"table": "noise", "caption": "Errors [{ampere}].",
+             "columns": {"run": "recording", "{current} [{ampere}]": "current"}},
+            {"sentences": "recordings.commit"},
+        ],
+    }  # fmt: skip
+    parts = [DeclaredSection.model_validate({"title": "First", "blocks": []} | one)
+             for one in ({}, part)]  # fmt: skip
+    study = {"study": "s", "title": "No {current} of A", "recordings": [
+        {"name": "current-2", "robot": "ur5", "role": "fit"}]}  # fmt: skip
+    tables = {"noise": rows, "recordings": rows}
+    results = Results(study=study, tables=tables, figures=Path(), commit="{current}", sensed=True)
+    document = compose(parts, results)
+    (section,) = document.sections
+    text, table, made = section.blocks
+    assert (section.title, document.title) == ("Torques", "No {current} of A")
     assert isinstance(text, Paragraph)
-    assert text.spans == ["Joint 2: 1.01 Nm/Nm, off by 0.3 Nm"]
-    torques = [[Cell("RMSE [Nm]")]]
-    caption = "Predicted torques [Nm]"
-    assert changed == TableBlock(caption, ["torque"], torques, "currents", "tables/currents.csv")
-    assert kept == code
+    assert isinstance(table, TableBlock)
+    assert isinstance(made, Paragraph)
+    assert (text.spans[-1], made.spans) == (" has the torques.", ["Made by commit {current}."])
+    assert (table.caption, table.header) == ("Errors [Nm].", ["run", "torque [Nm]"])
+    assert [cell.text for cell in table.rows[0]] == ["current-2", "0.3"]
+    (currents,) = compose(parts, replace(results, sensed=False)).sections
+    assert currents.title == "Currents"
 
 
-def test_names_that_a_user_gave_keep_their_currents() -> None:
-    text = "On current-2, the current errs by 3 A; current-21 does not."
-    document = Document("No current, 3 A", "", [Section("s", [Paragraph([text])])])
-    reworded = in_torques(document, {"current-2", "current-21", "No current, 3 A"})
-    (told,) = reworded.blocks()
-    assert isinstance(told, Paragraph)
-    assert reworded.title == document.title
-    assert told.spans == ["On current-2, the torque errs by 3 Nm; current-21 does not."]
+def test_every_word_in_braces_has_a_meaning() -> None:
+    page = PROJECT / "ur5lib" / "report" / "page"
+    for file in ("contents.yaml", "sentences.yaml"):
+        braces = re.findall(r"(?<![{%])\{(\w+)\}(?!\})", (page / file).read_text())
+        assert {*braces} <= {"of", "leading", "floor", *names("currents")}, file
+    assert names("currents").keys() == names("torques").keys()
 
 
 @pytest.mark.parametrize(("other", "said"), [(False, "of ur5, upright"), (True, "of ur5, at zero")])

@@ -34,7 +34,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.page.excitation import LOAD_ADVICE, excitation_figure, excitation_page
 from ur5lib.report.page.render import html_page
-from ur5lib.report.page.torques import in_torques
+from ur5lib.report.page.sentences import speaking_of_torques
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.strict import read_yaml
@@ -87,8 +87,8 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL_EFFORT) 
     before = [] if options.payload is None else [_mounting(options.payload, len(arm.joints))]
     outlook = outlook_of(arm, earlier_study, designed)
     steps = [*before, SAFETY_ADVICE, *([] if ur else [DRIVER_ADVICE])]
-    page = excitation_page(asked, steps, command, designed, outlook, drawn)
-    page = in_torques(page, {arm.name}) if sensed else page
+    with speaking_of_torques(sensed):
+        page = excitation_page(asked, steps, command, designed, outlook, drawn)
     write_text(html_page(page), folder / "excitation.html")
     yield from designed.margins.lines()
     yield from _worth_lines(designed.task.problem, designed.worth)

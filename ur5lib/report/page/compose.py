@@ -29,9 +29,8 @@ from ur5lib.report.page.document import (
     Verdicts,
     contents,
 )
-from ur5lib.report.page.sentences import say
+from ur5lib.report.page.sentences import say, speaking_of_torques, spoken
 from ur5lib.report.page.tabulated import Body, tabulate
-from ur5lib.report.page.torques import in_torques
 from ur5lib.report.results import Results
 from ur5lib.report.views import (
     arm_state,
@@ -107,27 +106,31 @@ def compose(
     Tables and figures of the first section are not repeated in later ones, nor are those that
     another page shows (`elsewhere`, mentions by label).
     """
-    elsewhere = elsewhere or {}
+    with speaking_of_torques(results.sensed):
+        return _composed(parts, results, elsewhere or {}).numbered(elsewhere)
+
+
+def _composed(
+    parts: Sequence[DeclaredSection], results: Results, elsewhere: Mapping[str, Mention]
+) -> Document:
     first, *others = parts
     above = elsewhere.keys() | _labels(_drafts(first, results))
-    sections = [Section(part.title, _blocks(part, results, above)) for part in others]
+    sections = [Section(spoken(part.title), _blocks(part, results, above)) for part in others]
     filled = [one for one, part in zip(sections, others, strict=True) if _is_filled(one, part)]
     left_out = [
-        say("findings.left out", title=part.title, reason=part.absent)
+        say("findings.left out", title=section.title, reason=spoken(part.absent))
         for part, section in zip(others, sections, strict=True)
         if section not in filled and part.absent
     ]
     opening = _blocks(first, replace(results, left_out=left_out), elsewhere.keys())
     study = results.study
     notice = _notice(study["recordings"])
-    document = Document(
+    return Document(
         title=f"{study['title']} (simulated)" if notice else study["title"],
         subtitle=_analysed(results),
-        sections=[Section(first.title, opening)] * bool(opening) + filled,
+        sections=[Section(spoken(first.title), opening)] * bool(opening) + filled,
         notice=notice,
-    ).numbered(elsewhere)
-    names = {study["study"], study["title"], *results.robots(), *results.roles()}
-    return in_torques(document, names) if results.sensed else document
+    )
 
 
 def view(name: str) -> Callable[..., Any]:
@@ -195,7 +198,7 @@ def _drafts(part: DeclaredSection, results: Results) -> Iterator[Block | Drafted
         for name in [*listed(*arguments)][: declared.most]:
             drafts = [draft for block in declared.blocks for draft in _single(block, results, name)]
             if declared.heading and any(map(_is_evidence, drafts)):
-                yield Heading(declared.heading.format(of=name))
+                yield Heading(_filled(declared.heading, results, name))
             yield from drafts
 
 
@@ -255,7 +258,7 @@ def _filled(text: str, results: Results, name: str) -> str:
     text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] if conditions[remark[1]] else "", text)
     floor = say("error.floor", known=len(results.rows("repetition")))
     known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{floor}": floor}
-    return reduce(lambda said, key: said.replace(key, known[key]), known, text)
+    return reduce(lambda said, key: said.replace(key, known[key]), known, spoken(text))
 
 
 def shown_table(table: str, results: Results, name: str = "") -> Body:

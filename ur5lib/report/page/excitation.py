@@ -29,6 +29,7 @@ from ur5lib.report.page.document import (
     TableBlock,
 )
 from ur5lib.report.page.formats import significant
+from ur5lib.report.page.sentences import spoken
 from ur5lib.timeseries.arrays import Array
 
 DATA_FILE = "excitation.json"
@@ -204,7 +205,7 @@ def _outlook(outlook: Sequence[Bands]) -> TableBlock:
         ]
         for row in outlook
     ]
-    header = ["recording", "force in contact [N]", "current [A]", "load [kg]"]
+    header = ["recording", "force in contact [N]", spoken("{current} [{ampere}]"), "load [kg]"]
     caption = (
         "Half of the 95 % bands as they are now and after one more recording, the narrowest force "
         "first."

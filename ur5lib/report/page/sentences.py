@@ -4,7 +4,9 @@ Sentences stand in `sentences.yaml`, cells in `contents.yaml`; their filters are
 """
 
 import re
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,10 +19,28 @@ from ur5lib.force.estimators import ESTIMATES, LEADING, PUBLISHED
 from ur5lib.report.page import formats
 from ur5lib.strict import read_yaml
 
+_SPOKEN = ContextVar("_SPOKEN", default="currents")
 FORMAT_NAMES = (
     *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joints"),
     *("percent", "power", "rounded", "signed", "significant", "to"),
 )
+
+
+@contextmanager
+def speaking_of_torques(sensed: bool) -> Iterator[None]:
+    """Speak of the torques that joints sense, where `sensed`, in place of the motors' currents."""
+    token = _SPOKEN.set("torques" if sensed else "currents")
+    try:
+        yield
+    finally:
+        _SPOKEN.reset(token)
+
+
+def spoken(text: str) -> str:
+    """Return a text of the declarations with its words in braces, such as {current}, filled in."""
+    for word, meant in names(_SPOKEN.get()).items():
+        text = text.replace(f"{{{word}}}", meant)
+    return text
 
 
 def say(name: str, /, **values: Any) -> str:
@@ -29,7 +49,7 @@ def say(name: str, /, **values: Any) -> str:
     Raises KeyError where there is no such template.
     """
     topic, _, key = name.partition(".")
-    text = _template(_written()[1][topic][key]).render(values)
+    text = _template(spoken(_written()[1][topic][key])).render(values)
     return re.sub(r" +", " ", text).strip()
 
 
@@ -38,7 +58,7 @@ def cell(template: str, values: Mapping[Hashable, object]) -> str | None:
 
     None where the expression is none: the cell is empty.
     """
-    if "{" in template:
+    if "{" in (template := spoken(template)):
         return filled(template, values)
     value = _expression(template)(values)
     return None if value is None else str(value)
@@ -46,12 +66,12 @@ def cell(template: str, values: Mapping[Hashable, object]) -> str | None:
 
 def filled(template: str, values: Mapping[Hashable, object]) -> str:
     """Return a template filled with values."""
-    return _template(template).render(values)
+    return _template(spoken(template)).render(values)
 
 
 def name(value: str, topic: str) -> str:
     """Return the name of a value in the report, the value itself where it has no other."""
-    return names(topic).get(value, value)
+    return spoken(names(topic).get(value, value))
 
 
 @cache

@@ -8,7 +8,7 @@ import pandas as pd
 
 from ur5lib.report.page.document import UNDETERMINED_TEXT, Cell, DeclaredTable, Mark
 from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
-from ur5lib.report.page.sentences import cell, filled, names
+from ur5lib.report.page.sentences import cell, filled, names, spoken
 
 RowValues = dict[Hashable, Any]  # the values of a row by column
 Place = tuple[Hashable, ...]  # values of the columns `across`
@@ -91,7 +91,7 @@ def _columns(
     """Yield columns of the first record of each line."""
     first = [next(iter(line.values())) for line in lines]
     for title, template in templates.items():
-        yield title, [_cell(template, further | record) for record in first]
+        yield spoken(title), [_cell(template, further | record) for record in first]
 
 
 def _across(

@@ -8,7 +8,7 @@ import pandas as pd
 
 from ur5lib.identification.currents import MAX_PRIOR_SHARE
 from ur5lib.report.page.document import Number, State, Verdict
-from ur5lib.report.page.sentences import names, say
+from ur5lib.report.page.sentences import names, say, spoken
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import (
@@ -24,8 +24,8 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
-CONSTANTS_TOPIC, CURRENTS_TOPIC = "Torque constants", "Friction and currents"  # topics
-CONSTANT_ESTIMATE = "a constant current"
+CONSTANTS_TOPIC, CURRENTS_TOPIC = "Torque constants", "Friction and {current}s"  # topics
+CONSTANT_ESTIMATE = "a constant {current}"
 CONTRADICTION_CODES = ["unlikely constant", "current against constant"]  # codes of remarks
 COMPARED_MODELS = {"fitted": "ours", "least_squares": "rival"}  # the rival has no prior
 
@@ -247,7 +247,9 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
     """Return evidence and numbers of a verdict: the constant farthest from the known one."""
     ratio = rows["value"] / rows["known"]
     row = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
-    number = Number("torque constant", float(row["value"]), "Nm/A", f"joint {row['joint']}")
+    number = Number(
+        "torque constant", float(row["value"]), spoken("Nm/{ampere}"), f"joint {row['joint']}"
+    )
     number = number.within(row["low"], row["high"], "95 %")
     beside = number.beside(row["known"], "the known constant")
     return {"evidence": say("constants.evidence", row=row), "numbers": (beside,)}
@@ -255,8 +257,9 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
 
 def beside_constant(results: Results) -> AgainstBaseline:
     """Return the errors of predicted currents that no fit has seen, beside a constant current's."""
-    rows, floors = unseen(results).query("model == 'fitted'"), results.floors("current")
-    return AgainstBaseline(rows, "rmse_2hz", "zero", "A", 2, zero=CONSTANT_ESTIMATE, floors=floors)
+    rows, unit = unseen(results).query("model == 'fitted'"), spoken("{ampere}")
+    zero, floors = spoken(CONSTANT_ESTIMATE), results.floors("current")
+    return AgainstBaseline(rows, "rmse_2hz", "zero", unit, 2, zero=zero, floors=floors)
 
 
 def decided(results: Results) -> pd.DataFrame:
@@ -284,7 +287,7 @@ def judge_currents(results: Results) -> Verdict:
     if against.errors.empty:
         reason = "no motion" if results.with_role("validate") else "no validate"
         reason = "no friction" if results.tables["friction"].empty else reason
-        return Verdict(CURRENTS_TOPIC, "not determined", say(f"currents.{reason}"))
+        return Verdict(spoken(CURRENTS_TOPIC), "not determined", say(f"currents.{reason}"))
     least = rows.loc[rows["coverage95"].idxmin()]
     coverage = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
@@ -297,11 +300,11 @@ def judge_currents(results: Results) -> Verdict:
         wide=coverage >= WIDE_BAND_COVERAGE,
     )
     return Verdict(
-        topic=CURRENTS_TOPIC,
+        topic=spoken(CURRENTS_TOPIC),
         state=against.state(coverage, tested=rival.better.empty),
-        sentence=rival.after(sentence, "A", 3),
+        sentence=rival.after(sentence, against.unit, 3),
         evidence=say("currents.evidence", against=against, least=least),
         drawing=against.drawing(),
-        caption=say("error.bars", zero=CONSTANT_ESTIMATE, floor=against.floors),
+        caption=say("error.bars", zero=against.zero, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )
