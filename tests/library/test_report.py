@@ -26,7 +26,6 @@ from ur5lib.report.page.document import (
     Cell,
     Code,
     Document,
-    Equation,
     Heading,
     Items,
     Mention,
@@ -75,7 +74,6 @@ def document(picture: Path) -> Document:
         TableBlock(HOSTILE, ["joint", "mae"], rows, "first"),
         Picture(HOSTILE, picture, HOSTILE, "picture", "figures/a.csv", "draw_figures"),
         TableBlock(HOSTILE, ["joint", "mae"], rows, "later", "tables/a.csv"),
-        Equation("a / b", "a over b"),
         Code(HOSTILE),
     ]
     return Document(HOSTILE, HOSTILE, [Section(HOSTILE, blocks)], HOSTILE).numbered()

@@ -53,7 +53,7 @@ VIEWS: dict[str, ModuleType] = {
         *(models, motion, overview, recordings),
     )
 }
-REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
+DETAILS_FILE = "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
     r"\{(thesis|ur|other)\|(.*?)\}"
@@ -73,15 +73,13 @@ class StudyPages(NamedTuple):
 
 
 def compose_study(results: Results) -> StudyPages:
-    """Compose the report of a study and its details, each section linked with its other half."""
+    """Compose the report of a study and its details, to which each section of the report leads."""
     report = compose(contents().report(results.of_thesis), results)
-    shown = report.mentions(REPORT_FILE, "of the report")
+    shown = _labels(report.blocks())
     details = compose(contents().details(results.of_thesis), results, shown)
     further = {section.title: section for section in details.sections}
     linked = [
-        Section(section.title, [*section.blocks, _link(further[section.title])])
-        if section.title in further
-        else section
+        replace(section, blocks=[*section.blocks, *_link(further.get(section.title))])
         for section in report.sections
     ]
     return StudyPages(
@@ -89,40 +87,38 @@ def compose_study(results: Results) -> StudyPages:
     )
 
 
-def _link(section: Section) -> Paragraph:
-    """Return a link to a section of the details."""
-    return Paragraph(
-        ["More: ", Mention(section.label, f"{section.counted()} in {DETAILS_FILE}", DETAILS_FILE)]
-    )
+def _link(section: Section | None) -> Iterator[Paragraph]:
+    """Yield a link to a section of the details, if there is one."""
+    if section:
+        text = f"{section.counted()} in {DETAILS_FILE}"
+        yield Paragraph(["More: ", Mention(section.label, text, DETAILS_FILE)])
 
 
 def compose(
-    parts: Sequence[DeclaredSection],
-    results: Results,
-    elsewhere: Mapping[str, Mention] | None = None,
+    parts: Sequence[DeclaredSection], results: Results, elsewhere: Set[str] = frozenset()
 ) -> Document:
     """Compose a page about a study; its first section gives the reasons of omitted ones.
 
     Tables and figures of the first section are not repeated in later ones, nor are those that
-    another page shows (`elsewhere`, mentions by label).
+    another page shows (`elsewhere`, their labels).
     """
     with speaking_of_torques(results.sensed):
-        return _composed(parts, results, elsewhere or {}).numbered(elsewhere)
+        return _composed(parts, results, elsewhere).numbered()
 
 
-def _composed(
-    parts: Sequence[DeclaredSection], results: Results, elsewhere: Mapping[str, Mention]
-) -> Document:
+def _composed(parts: Sequence[DeclaredSection], results: Results, elsewhere: Set[str]) -> Document:
     first, *others = parts
-    above = elsewhere.keys() | _labels(_drafts(first, results))
-    sections = [Section(spoken(part.title), _blocks(part, results, above)) for part in others]
+    above = _labels(_drafts(first, results)) - elsewhere
+    sections = [
+        Section(spoken(part.title), _blocks(part, results, above, elsewhere)) for part in others
+    ]
     filled = [one for one, part in zip(sections, others, strict=True) if _is_filled(one, part)]
     left_out = [
         say("findings.left out", title=section.title, reason=spoken(part.absent))
         for part, section in zip(others, sections, strict=True)
         if section not in filled and part.absent
     ]
-    opening = _blocks(first, replace(results, left_out=left_out), elsewhere.keys())
+    opening = _blocks(first, replace(results, left_out=left_out), elsewhere=elsewhere)
     study = results.study
     notice = _notice(study["recordings"])
     return Document(
@@ -156,14 +152,19 @@ def _labels(blocks: Iterable[Block | DraftedText]) -> set[str]:
     return {block.label for block in blocks if isinstance(block, TableBlock | Picture)}
 
 
-def _blocks(part: DeclaredSection, results: Results, above: Set[str] = frozenset()) -> list[Block]:
+def _blocks(
+    part: DeclaredSection,
+    results: Results,
+    above: Set[str] = frozenset(),
+    elsewhere: Set[str] = frozenset(),
+) -> list[Block]:
     """Return the blocks of a section, without sentences about missing tables and figures.
 
-    above: labels of the tables and figures in an earlier section.
+    above: labels of the tables and figures in an earlier section; elsewhere: on another page.
     """
     drafts, shown = list[Block | DraftedText](), {*above}
     for draft in _drafts(part, results):
-        if not (label := _labels([draft])) & shown:
+        if not (label := _labels([draft])) & (shown | elsewhere):
             drafts.append(draft)
             shown |= label
     blocks = [draft(shown) if callable(draft) else draft for draft in drafts]

@@ -7,7 +7,7 @@ them from a study's results.
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -220,14 +220,6 @@ class Verdicts(FromContents):
 
 
 @dataclass(frozen=True)
-class Equation(FromContents):
-    """An equation in typst's notation, and in words for readers who cannot see it."""
-
-    equation: str
-    alternative: str
-
-
-@dataclass(frozen=True)
 class Code(FromContents):
     """Text shown as typed; listing: the view that returns it."""
 
@@ -235,7 +227,7 @@ class Code(FromContents):
     listing: str = ""
 
 
-Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Equation | Code
+Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Code
 NUMBERED_KINDS: dict[type, str] = {TableBlock: "Table", Picture: "Figure"}
 
 
@@ -271,14 +263,13 @@ class Document:
     notice: str = ""
     home: str = ""
 
-    def numbered(self, elsewhere: Mapping[str, Mention] | None = None) -> "Document":
+    def numbered(self) -> "Document":
         """Return the document with tables and figures numbered from 1, also where mentioned.
 
-        elsewhere: mentions of what another page shows, by label. Mentions of what neither shows
-        raise KeyError.
+        Mentions of what it does not show raise KeyError.
         """
         counts = dict.fromkeys(NUMBERED_KINDS.values(), 0)
-        mentions = dict(elsewhere or {})
+        mentions: dict[str, Mention] = {}
 
         def count(block: Block) -> Block:
             if not isinstance(block, TableBlock | Picture):
@@ -306,19 +297,6 @@ class Document:
         """Yield all blocks, in order."""
         for section in self.sections:
             yield from section.blocks
-
-    def mentions(self, page: str, of: str) -> dict[str, Mention]:
-        """Return mentions of its tables and figures for another page, by label.
-
-        page: where it stands; of: the words that name it.
-        """
-        return {
-            block.label: Mention(
-                block.label, f"{NUMBERED_KINDS[type(block)]} {block.number} {of}", page
-            )
-            for block in self.blocks()
-            if isinstance(block, TableBlock | Picture)
-        }
 
     def as_data(self) -> dict[str, Any]:
         """Return the document as plain data, for templates; `kind` names the class of a block."""
