@@ -121,7 +121,8 @@ class DeclaredTable(FromContents):
     among them, with @of as in texts. lines: columns whose values share a line, by default one line
     a row. columns, last: cells by header, from the first row of a line, by default those of
     `lines`; cells: those of each value of the columns `across`, between the former. Cells are
-    templates (`sentences.cell`), headers of `cells` likewise; a column of empty cells is left out.
+    templates (`sentences.cell`), headers of `cells` likewise; a column of empty cells or dashes is
+    left out.
     marked: the column of errors whose smallest and largest are marked in each line, in the cells
     that begin with its name.
     """

@@ -40,10 +40,9 @@ def tabulate(declared: DeclaredTable, rows: pd.DataFrame, further: RowValues) ->
         *_across(declared, places, lines, further),
         *_columns(declared.last, lines, further),
     ]
-    filled_columns = [(title, cells) for title, cells in columns if any(cells)]
-    body = zip(
-        *([cell or EMPTY_CELL for cell in cells] for _, cells in filled_columns), strict=True
-    )
+    named = [(title, [cell or EMPTY_CELL for cell in cells]) for title, cells in columns]
+    filled_columns = [(title, cells) for title, cells in named if {*cells} != {EMPTY_CELL}]
+    body = zip(*(cells for _, cells in filled_columns), strict=True)
     return Body([title for title, _ in filled_columns], [list(row) for row in body])
 
 

@@ -24,6 +24,7 @@ WIDE_BAND_COVERAGE = 0.99  # smallest share, from which on a 95 % band is wider 
 DRAWING_WIDTH, DRAWING_HEIGHT = 160.0, 48.0  # of a drawing
 BAR_GAP = 0.25  # of the step from bar to bar
 MIN_BAR_HEIGHT = 1.5  # height that is still seen
+LINE_HEIGHT, CUT = 1.2, 1.7  # of a line across a bar; of the bar, to either side of its middle
 PALE_STYLE = "fill-opacity='.15'"
 
 
@@ -176,29 +177,25 @@ class AgainstBaseline:
 def bars(shares: Mapping[str, float], floors: Mapping[str, float] | None = None) -> str:
     """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG.
 
-    floors: shares of the same frames, by some of the names, each drawn as a line.
+    floors: shares of the same frames, by some of the names, each drawn as a line that cuts the bar.
     """
     step, parts = DRAWING_WIDTH / max(len(shares), 1), []
+    width = step * (1 - BAR_GAP)
     for i, (name, share) in enumerate(shares.items()):
-        left, width = i * step, step * (1 - BAR_GAP)
         height = max(DRAWING_HEIGHT * min(share, 1.0), MIN_BAR_HEIGHT * (share > 0))
-        parts.append(_rectangle(left, 0.0, width, DRAWING_HEIGHT, PALE_STYLE))
-        parts.append(_rectangle(left, DRAWING_HEIGHT - height, width, height))
-        if name in (floors or {}):
-            parts.append(_floor_line(left, width, (floors or {})[name]))
+        line = DRAWING_HEIGHT * min((floors or {}).get(name, -1.0), 1.0)
+        parts.append(_rectangle(i * step, 0.0, width, DRAWING_HEIGHT, PALE_STYLE))
+        pieces = [(0.0, min(height, line - CUT)), (max(line + CUT, 0.0), height)]
+        if line >= 0:
+            left, top = (i - BAR_GAP / 3) * step, DRAWING_HEIGHT - line - LINE_HEIGHT / 2
+            parts.append(_rectangle(left, top, width + 2 / 3 * BAR_GAP * step, LINE_HEIGHT))
+        parts += [
+            _rectangle(i * step, DRAWING_HEIGHT - top, width, top - bottom)
+            for bottom, top in pieces
+            if top >= bottom
+        ]
     label = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
     return _svg("".join(parts), label)
-
-
-def _floor_line(left: float, width: float, share: float) -> str:
-    """Draw a line across a bar and beyond, with white edges, so that it is seen upon the bar."""
-    middle, beyond = DRAWING_HEIGHT * (1 - min(share, 1.0)), width * BAR_GAP / 3
-    place, length = left - beyond, width + 2 * beyond
-    return "".join(
-        f"<rect x='{place:.1f}' y='{middle - thickness:.1f}' width='{length:.1f}' "
-        f"height='{thickness:.1f}' fill='{colour}'/>"
-        for thickness, colour in ((4.0, "#fff"), (2.0, "currentColor"))
-    )
 
 
 def error_bar(value: float, low: float, high: float, zero: float, floor: float) -> str:

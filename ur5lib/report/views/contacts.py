@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.force.contact_wrench import (
@@ -182,9 +183,9 @@ def decided(results: Results) -> pd.DataFrame:
 
 def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
     """Return errors of forces by recording and component with what repetition alone leaves."""
-    floors = results.rows("repetition", quantity="force")[["robot", "component", "floor"]]
-    robots = rows["recording"].map(results.arms())
-    return rows.assign(robot=robots).merge(floors, "left", ["robot", "component"])
+    places = zip(rows["recording"], rows["component"], strict=True)
+    floors = [results.floor("force", *place) for place in places]
+    return rows.assign(floor=np.array(floors, dtype=float))
 
 
 def noticed(results: Results) -> pd.DataFrame:
