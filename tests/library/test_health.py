@@ -239,7 +239,7 @@ def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
     (sentence,) = arm_state.dates(results)
     assert stated(sentence)[0::4] == [12, 2.0]
     assert "not recorded" not in sentence  # temperatures were
-    table = shown_table("health.changes", results)
+    table = shown_table("health_changes", results)
     assert [row[3].text for row in table.rows] == [
         "jump, 18 to 21 March 2026",
         "drift, 3 March to 5 April 2026",

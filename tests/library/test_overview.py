@@ -86,7 +86,7 @@ SHOWN = [
     for part in (
         {"title": "First", "blocks": [{"sentences": "overview.pages"}]},
         next(one for one in contents().report(False) if one.title == "Overview by month"),
-        {"title": "Runs", "blocks": [{"table": "a", "source": "tables/recordings.csv",
+        {"title": "Runs", "blocks": [{"table": "recordings.a",
          "caption": "", "columns": {"run": "recording"}}]},
     )
 ]  # fmt: skip
@@ -99,11 +99,13 @@ def document() -> Document:
 
 def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Document) -> None:
     tables = {block.label: block for block in document.blocks() if isinstance(block, TableBlock)}
-    assert "a" not in tables
-    cells = [cell for row in tables["overview.quality-arm_1"].rows for cell in row]
+    assert "recordings.a" not in tables
+    cells = [cell for row in tables["quality.by_month-arm_1"].rows for cell in row]
     assert {cell.link for cell in cells} == {"", f"runs/{LOST}.html"}
     few = compose(SHOWN, made(MOST_ROWS))
-    assert [block.label for block in few.blocks() if isinstance(block, TableBlock)] == ["a"]
+    assert [block.label for block in few.blocks() if isinstance(block, TableBlock)] == [
+        "recordings.a"
+    ]
 
 
 def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
@@ -127,4 +129,4 @@ def test_a_page_shows_one_recording_alone() -> None:
     page = compose(contents().run, own)
     assert page.title == f"{LOST}, t"
     shown = [block for block in page.blocks() if isinstance(block, TableBlock | Picture)]
-    assert {"recordings.files", "recordings.findings"} <= {block.label for block in shown}
+    assert {"recordings", "quality.findings"} <= {block.label for block in shown}

@@ -158,7 +158,7 @@ def test_unexplained_numbers_are_findings() -> None:
     assert "25 % more" in missed
     assert sources(shown) == ["Table 1"]
     renamed = results([row | {"row": "F*"} for row in rows])
-    first, *others = shown_table("printed.numbers", renamed, "Table 1").rows
+    first, *others = shown_table("printed", renamed, "Table 1").rows
     assert [cell.text for cell in first][1:6] == ["F̂*", "1", "2.0001", "2", "1.000"]
     assert len(others) == 5
 

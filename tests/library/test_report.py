@@ -247,7 +247,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     rows = contact_rows("pushed", [alarm(1.0, [3.0, 0.0, -4.04]), alarm(7.0, [1.0, 0.0, 0.0])])
     results = searched("pushed", rows)
     assert [*map(stated, counted(results))] == [[2]]
-    first, second = shown("forces.contacts", results, "pushed")
+    first, second = shown("contacts", results, "pushed")
     assert [*first.values()][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second["Fx [N]"] == "1.0 ± 1.0"
 
@@ -255,7 +255,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
 def test_contacts_off_the_flange_are_marked_and_counted() -> None:
     rows = [alarm(float(k), [5.0 + k, 0, 0], off_flange=k == 1) for k in range(2)]
     results = searched("pushed", contact_rows("pushed", rows))
-    lines = shown("forces.contacts", results, "pushed")
+    lines = shown("contacts", results, "pushed")
     assert [line["not at the flange"] for line in lines] == ["–", "×"]
     (told,) = elsewhere(results)
     assert "1 of 2" in told
@@ -270,7 +270,7 @@ def test_a_load_taken_up_is_no_contact() -> None:
     assert [*map(stated, counted(results))] == [[1]]
     taken_up = results.rows("contacts", kind="load")
     assert [*map(stated, _each("findings.load taken up", taken_up))] == [[2.04, 0.05]]
-    lines = shown("forces.contacts", results, "grasp")
+    lines = shown("contacts", results, "grasp")
     assert [line["load [kg]"] for line in lines] == ["–", "2.04 ± 0.05"]
 
 
@@ -313,7 +313,7 @@ def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
     known = rows.loc["Fmap"].groupby("component")["determined"].unique().map(list)
     assert {name for name, told in known.items() if told == ["no"]} == {"ny", "nz"}
     assert rows.loc["Fu", "determined"].isna().all()
-    told = {line["component"]: line["F̂ᵐᵃᵖ"] for line in shown("forces.summary", results)}
+    told = {line["component"]: line["F̂ᵐᵃᵖ"] for line in shown("force_mae.summary", results)}
     assert told["ny [Nm]"] == told["nz [Nm]"] == "undetermined"
     assert told["Fx [N]"] == told["nx [Nm]"] == "4.00"
     (undetermined,) = undetermined_moments(results)
@@ -339,7 +339,7 @@ def test_contacts_are_counted_by_their_force() -> None:
     assert rows["causal_delay_s"].isna().tolist() == [False, False, True, True]
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
-    lines = shown("forces.detections", Results({}, {"detection": rows}, Path()))
+    lines = shown("detection.classes", Results({}, {"detection": rows}, Path()))
     cells = lines[0]
     assert (cells["≥ 3 N"], cells["≥ 15 N"]) == ("3 of 4", "4 of 4")
     assert (cells["delay [s]"], cells["causal"]) == ("0.10", "1 of 4, 0.10 s")
@@ -354,12 +354,12 @@ def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
     study = {"recordings": [{"name": "run", "role": "contact"}, {"name": "free", "role": "fit"}]}
     results = Results(study, {"fixed_threshold": rows}, Path())
     most = "25 %; 3 of 4"
-    assert shown("forces.fixed_threshold", results) == [
+    assert shown("fixed_threshold", results) == [
         {"recording": "run", "role": "contact", "F̂*": most, "F̂ᵐᵃᵖ": most},
         {"recording": "free", "role": "fit", "F̂*": "0 %", "F̂ᵐᵃᵖ": "–"},
     ]
     without = Results(study, {"fixed_threshold": rows[rows["estimate"] != "F*"]}, Path())
-    assert shown("forces.fixed_threshold", without) == []
+    assert shown("fixed_threshold", without) == []
 
 
 def test_pushes_never_found_are_told_as_such() -> None:
@@ -372,7 +372,7 @@ def test_pushes_never_found_are_told_as_such() -> None:
     ]
     rows = table(forces.detection, {"free": {"Fmap": found}})
     results = Results({}, {"detection": rows, "payload": payloads()}, Path())
-    (line,) = shown("forces.smallest_pushes", results)
+    (line,) = shown("detection.smallest_pushes", results)
     pushes = {
         "in motion: x [N]": "9 ± 2",
         "in motion: z [N]": "20 ± 2",
@@ -403,7 +403,7 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
 
 
 def test_what_a_run_carries_stands_in_a_table() -> None:
-    cells = shown("currents.payloads", Results({}, {"payload": payloads()}, Path()))
+    cells = shown("payload", Results({}, {"payload": payloads()}, Path()))
     assert [own["used in prediction"] for own in cells] == ["no", "yes"]
     assert cells[1]["additional [kg]"] == "2.75 ± 0.03"
     assert cells[1]["declared [kg]"] == "0.50"
@@ -436,7 +436,7 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
     tables = {"gains": pd.concat(rows).assign(gain="position")}
     study = {"recordings": [{"name": name, "robot": "ur5"} for name in ("first", "second")]}
     results = Results(study, tables, Path())
-    lines = [[*line.values()][2:] for line in shown("closed_loop.gains", results)]
+    lines = [[*line.values()][2:] for line in shown("gains", results)]
     assert lines == [["9 (8–12)", "< 30"], ["> 20", "2–29"]]
     assert [*contradictions(results)] == [
         "No single position gain fits all recordings of ur5 on joint 1: there, the controller "

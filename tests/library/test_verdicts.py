@@ -552,7 +552,7 @@ def test_no_smallest_push_beyond_the_tried_ones_is_stated(force: float, told: st
     row = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 0.0} | pushes
     results = study(detection=[row | {name.replace("95", "std"): 820.0 for name in pushes}])
     assert any(told in sentence for sentence in findings(results))
-    ((_, *cells),) = shown_table("forces.smallest_pushes", results).rows
+    ((_, *cells),) = shown_table("detection.smallest_pushes", results).rows
     assert {cell.text for cell in cells} == ({"above 100"} if force > 100 else {"60 ± 820"})
 
 
@@ -660,7 +660,7 @@ def test_what_repetition_leaves_stands_beside_the_error_it_limits() -> None:
     without = [judge(study(current_rmse=predicted(0.2))) for judge in (judge_currents,)]
     assert "repetition" not in said(without[0]) + without[0].caption
     assert without[0].drawing.count("<rect") < cards[0].drawing.count("<rect")
-    errors = shown_table("currents.decided", results)
+    errors = shown_table("current_rmse.decided", results)
     at = errors.header.index("repetition alone")
     assert [row[at].text for row in errors.rows][:2] == ["0.050", "0.100"]
 
@@ -675,7 +675,7 @@ def test_whether_a_constant_may_be_used_is_said_by_joint() -> None:
     ]
     unlikely = {"robot": "ur5", "joint": 5, "code": "unlikely constant", "step": "friction"}
     results = study(friction=rows, remarks=[unlikely])
-    used = [row[-1].text for row in shown_table("currents.by_joint", results).rows]
+    used = [row[-1].text for row in shown_table("friction.by_joint", results).rows]
     assert [text.split(":")[0].split(",")[0] for text in used] == [
         *("yes", "yes", "the known one", "the known one", "no"),
     ]
@@ -704,7 +704,7 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
     (row,) = noticed(results).to_dict("records")
     assert (row["found"], row["contacts"], row["missed"]) == (1, 3, [1.0, 8.0])
     assert (row["weakest"], row["band"], row["axis"], row["band_s"]) == (20.0, 9.8, "y", 4.0)
-    cells = shown_table("forces.noticed", results)
+    cells = shown_table("detection.noticed", results)
     assert "± 10 along y at 4.0 s" in [cell.text for cell in cells.rows[0]]
 
 
@@ -806,7 +806,7 @@ def test_a_joint_that_never_moved_has_no_friction() -> None:
     results = study({"fitted": "1 2 3"})
     results = Results(results.study, {**results.tables, "friction": rows}, Path())
     constant, coulomb = (
-        [cell.text for cell in row] for row in shown_table("currents.constants", results).rows
+        [cell.text for cell in row] for row in shown_table("friction.constants", results).rows
     )
     assert constant[3] == "0.000 ± 59.792"
     assert coulomb[3:] == ["did not move", "–", "–", "–", "–"]
@@ -832,7 +832,7 @@ def test_excited_is_not_called_determined() -> None:
     table = pd.DataFrame([{"robot": "ur5"} | dict.fromkeys(groups, 1.0)])
     assert (
         "not excited"
-        in shown_table("models.excitation", Results({}, {"excitation": table}, Path())).header
+        in shown_table("excitation", Results({}, {"excitation": table}, Path())).header
     )
 
 

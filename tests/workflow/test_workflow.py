@@ -70,7 +70,7 @@ def results(workflow: Workflow) -> dict[str, bytes]:
     files = [p for p in files if folder / "logs" not in p.parents]  # which hold times
     found = {str(path.relative_to(folder)): path.read_bytes() for path in files}
     times = {"report.html": rb"<p>The \d+ jobs took.*?</p>"}
-    times["details.html"] = rb'id="provenance.run_times".*?</table>'
+    times["details.html"] = rb'id="run_times".*?</table>'
     for page in times.keys() & found.keys():
         found[page], cut = re.subn(times[page], b"", found[page], flags=re.DOTALL)
         assert cut == 1

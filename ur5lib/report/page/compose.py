@@ -274,7 +274,7 @@ def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
     if declared.rows:
         rows = view(declared.rows)(*((results, name) if name else (results,)))
     else:
-        rows = results.rows(Path(declared.source).stem or declared.table)
+        rows = results.rows(declared.results)
     if declared.where:
         rows = rows.query(declared.where, local_dict={"of": name}, engine="python")
     return tabulate(declared, rows, {"results": results})
@@ -289,7 +289,8 @@ def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> 
     linked = [
         [replace(cell, link=pages.get(cell.text, "")) for cell in row] for row in rows[:MOST_ROWS]
     ]
-    return TableBlock(caption, body.header, linked, _label(declared.table, name), declared.source)
+    source = f"tables/{declared.results}.csv" if declared.results in results.tables else ""
+    return TableBlock(caption, body.header, linked, _label(declared.table, name), source)
 
 
 def _has_numbers(path: Path) -> bool:

@@ -116,20 +116,18 @@ class TableBlock:
 class DeclaredTable(FromContents):
     """A table of the contents, which becomes a `TableBlock`; left out without rows.
 
-    table: its name, by which texts mention it. rows: the view that returns its rows, by default all
-    of the table of results in `source` or of the same name; where: a query of pandas that selects
-    among them, with @of as in texts. lines: columns whose values share a line, by default one line
-    a row. columns, last: cells by header, from the first row of a line, by default those of
-    `lines`; cells: those of each value of the columns `across`, between the former. Cells are
-    templates (`sentences.cell`), headers of `cells` likewise; a column of empty cells or dashes is
-    left out.
-    marked: the column of errors whose smallest and largest are marked in each line, in the cells
-    that begin with its name.
+    table: its name, by which texts mention it: the table of results, and what of it is shown, if
+    not all, as in force_mae.summary. rows: the view that returns its rows, by default all; where: a
+    query of pandas that selects among them, with @of as in texts. lines: columns whose values share
+    a line, by default one line a row. columns, last: cells by header, from the first row of a line,
+    by default those of `lines`; cells: those of each value of the columns `across`, between the
+    former. Cells are templates (`sentences.cell`), headers of `cells` likewise; a column of empty
+    cells or dashes is left out. marked: the column of errors whose smallest and largest are marked
+    in each line, in the cells that begin with its name.
     """
 
     table: str
     caption: str
-    source: str = ""
     rows: str = ""
     where: str = ""
     lines: list[str] = field(default_factory=list)
@@ -138,6 +136,11 @@ class DeclaredTable(FromContents):
     cells: dict[str, str] = field(default_factory=dict)
     last: dict[str, str] = field(default_factory=dict)
     marked: str = ""
+
+    @property
+    def results(self) -> str:
+        """Return the name of the table of results that it shows."""
+        return self.table.partition(".")[0]
 
 
 @dataclass(frozen=True)
