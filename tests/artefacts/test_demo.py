@@ -206,6 +206,7 @@ def test_the_report_is_short_and_leaves_the_rest_to_the_details(results: Path) -
     links = re.findall(r'href="details.html#([^"]+)"', (results / "report.html").read_text())
     back = re.findall(r'href="report.html#([^"]+)"', (results / "details.html").read_text())
     assert links
+    assert back
     assert {*links} <= ids[1]
     assert {*back} <= ids[0]
 

@@ -53,7 +53,7 @@ VIEWS: dict[str, ModuleType] = {
         *(models, motion, overview, recordings),
     )
 }
-DETAILS_FILE = "details.html"
+REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
     r"\{(thesis|ur|other)\|(.*?)\}"
@@ -82,8 +82,12 @@ def compose_study(results: Results) -> StudyPages:
         replace(section, blocks=[*section.blocks, *_link(further.get(section.title))])
         for section in report.sections
     ]
+    back = Mention(report.sections[0].label, "the report", REPORT_FILE)
+    first, *others = details.sections
+    first = replace(first, blocks=[Paragraph(["What ", back, " leaves out."]), *first.blocks])
+    title = f"Details: {details.title}"
     return StudyPages(
-        replace(report, sections=linked), replace(details, title=f"Details: {details.title}")
+        replace(report, sections=linked), replace(details, title=title, sections=[first, *others])
     )
 
 
