@@ -819,7 +819,7 @@ def test_a_constant_is_mainly_from_what_tells_most(more: dict[str, Any], source:
     rows = pd.DataFrame([constant(1, 10.0, **more) | {"thesis": np.nan}])
     results = study()
     results = Results(results.study, {**results.tables, "friction": rows}, Path())
-    (row,) = shown_table("currents.constants", results).rows
+    (row,) = shown_table("friction.constants", results).rows
     assert row[-1].text == source
 
 
