@@ -160,7 +160,7 @@ def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
         ("ur5lib/timeseries/kalman.py", jobs(*FROM_MOTION) | ARM | SUMMARY),
         ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | SUMMARY),
         ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | SUMMARY),
-        ("ur5lib/robots/friction.py", jobs(*FROM_LOADS) | FRICTION | SUMMARY),
+        ("ur5lib/robots/friction.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | SUMMARY),
         ("ur5lib/identification/payload.py", jobs(*FROM_LOADS) | RESIDUALS | SUMMARY),
         ("ur5lib/force/residual_model.py", jobs(*FROM_FORCES) | RESIDUALS | SUMMARY),
         # Judgements: no force estimate runs again.
