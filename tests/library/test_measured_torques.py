@@ -96,3 +96,11 @@ def test_one_short_motion_is_too_little(arm: Robot) -> None:
         fit_arm(
             arm, [replace(run, samples=replace(run.samples, **short), qdd=run.qdd[:100])], SMOOTH
         )
+
+
+def test_friction_reverses_over_the_distance_of_the_arm(arm: Robot) -> None:
+    """A described one is kept, and one that does not explain more is a UR's."""
+    fitted = fit_arm(arm, runs(arm), SMOOTH)
+    assert fitted.presliding == 1e-4
+    stiff = arm.model_copy(update={"presliding": 1e-5})
+    assert fit_arm(stiff, [run.over(1e-5) for run in runs(arm)], SMOOTH).presliding == 1e-5

@@ -35,6 +35,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 BASE_TERMS = ("coulomb", "viscous")  # those that need no link model
 GEAR_TERMS = ("root", "square")  # which gears have, or not
+SHORTER_PRESLIDING = (3e-5, 1e-5)  # rad, of gears that are stiffer, or encoders finer, than a UR's
 FOLDS = 5
 # What a term takes at least off the squared error on unseen paths, of all joints or, of a balance,
 # of the one on which it acts; and by how many standard errors over the folds.
@@ -49,14 +50,15 @@ class FittedArm(NamedTuple):
     """What measured torques show of an arm.
 
     parameters: π (P,) of links and rotors as bodies; estimate: without that constraint; terms: of
-    its gears; balanced: joints from 1 with a counterbalance; mae: of the torques (n,) [Nm], with
-    and without that constraint.
+    its gears; presliding: [rad], over which their friction reverses; balanced: joints from 1 with a
+    counterbalance; mae: of the torques (n,) [Nm], with and without that constraint.
     """
 
     parameters: Array
     estimate: InertialEstimate
     mae: dict[str, Array]
     terms: list[str]
+    presliding: float
     balanced: list[int]
 
 
@@ -66,8 +68,7 @@ def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: Smoother) -> Fitt
     Raises RefusalError where there are too few rows, or no bodies explain the torques.
     """
     known = [*BASE_TERMS, *(["coupled"] if robot.drives.coupling else [])]
-    rows = torque_rows(runs, [*known, *GEAR_TERMS], smooth, shaft_matrix(robot))
-    fit = ArmFit(robot, rows, known)
+    fit = fit_of_presliding(robot, runs, known, smooth)
     gears: list[str] = [*robot.friction_terms] or fit.gear_terms(known)
     balanced = [*robot.balanced_joints] or fit.balanced_joints([*known, *gears])
     places = fit.rows.places([*known, *gears], balanced)
@@ -77,7 +78,26 @@ def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: Smoother) -> Fitt
     blocks = [(regressor[..., places], torque) for regressor, torque in fit.rows.units]
     mae = {name: torque_error(blocks, value) for name, value in values.items()}
     links = of_links(estimate, fit.size)
-    return FittedArm(as_bodies[: fit.size], links, mae, gears, balanced)
+    presliding = fit.rows.presliding
+    return FittedArm(as_bodies[: fit.size], links, mae, gears, presliding, balanced)
+
+
+def fit_of_presliding(
+    robot: Robot, runs: Sequence[MeasuredRun], known: Sequence[str], smooth: Smoother
+) -> "ArmFit":
+    """Return the fit with the distance over which friction reverses: that of the recordings, or a
+    shorter one by which errors on unseen units are less.
+    """
+    terms, shafts = [*known, *GEAR_TERMS], shaft_matrix(robot)
+    best = ArmFit(robot, torque_rows(runs, terms, smooth, shafts), known)
+    errors = best.unseen_errors(best.rows.places(known), None).sum(axis=1)
+    for distance in () if robot.presliding else SHORTER_PRESLIDING:
+        rows = torque_rows([run.over(distance) for run in runs], terms, smooth, shafts)
+        trial = ArmFit(robot, rows, known, best.noise)
+        of_trial = trial.unseen_errors(rows.places(known), None).sum(axis=1)
+        if is_less(of_trial, errors, MIN_SHARE_BY_GEARS):
+            best, errors = trial, of_trial
+    return best
 
 
 class ArmFit:
@@ -86,12 +106,20 @@ class ArmFit:
     rows: of its recordings; bounds: of its links; noise: (n,) [Nm], with the terms `known`.
     """
 
-    def __init__(self, robot: Robot, rows: TorqueRows, known: Collection[str]) -> None:
-        """Stack the rows; known: terms of friction that are not on trial."""
+    def __init__(
+        self,
+        robot: Robot,
+        rows: TorqueRows,
+        known: Collection[str],
+        noise: Array | None = None,
+    ) -> None:
+        """Stack the rows; known: terms of friction that are not on trial; noise: (n,) [Nm], by
+        which errors are weighed, None: that of their own fit.
+        """
         self.rows, self.bounds = rows, link_bounds(robot)
         self.stack, self.size = stack(rows.units), PARAMETERS_PER_JOINT * rows.joints
         self.mean, self.width = arm_prior(robot, rows)
-        self.noise = self.estimate(rows.places(known)).noise
+        self.noise = self.estimate(rows.places(known)).noise if noise is None else noise
 
     def estimate(self, places: Sequence[int]) -> InertialEstimate:
         """Return the estimate with some columns, without constraints."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from ur5lib.robots.friction import (
     FITTED_TERMS,
+    PRESLIDING_DISTANCE,
     USUAL_TEMPERATURE,
     JointMotion,
     ShaftMotion,
@@ -49,7 +50,8 @@ class CurrentSamples:
     period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
     torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
     (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
-    from 0 on which springs or counterbalances act; day: any label of its date, the same for all
+    from 0 on which springs or counterbalances act; presliding: [rad], over which dry friction
+    reverses; day: any label of its date, the same for all
     where dates are unknown.
     """
 
@@ -63,6 +65,7 @@ class CurrentSamples:
     temperature: Array | None = None
     shafts: Shafts | None = None
     balanced: Sequence[int] = ()
+    presliding: float = PRESLIDING_DISTANCE
     day: str = ""
     # What was low-passed once: fits without each path need the same samples again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -76,7 +79,7 @@ class CurrentSamples:
     def joint(self, joint: int) -> JointMotion:
         """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction = direction_between(q, qd, self.segment, self.period)
+        direction = self._direction(q, qd)
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
         return JointMotion(q, qd, torque, direction, warmth, shaft, is_balanced)
@@ -86,7 +89,11 @@ class CurrentSamples:
         if self.shafts is None or np.isnan(self.shafts.q[:, joint]).all():
             return None
         q, qd, qdd = (values[:, joint] for values in vars(self.shafts).values())
-        return ShaftMotion(qd, qdd, direction_between(q, qd, self.segment, self.period))
+        return ShaftMotion(qd, qdd, self._direction(q, qd))
+
+    def _direction(self, q: Array, qd: Array) -> Array:
+        """Return the direction (N,) of dry friction of a motion (N,) [rad, rad/s]."""
+        return direction_between(q, qd, self.segment, self.period, self.presliding)
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.

@@ -5,6 +5,7 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -37,6 +38,10 @@ class MeasuredRun:
     qdd: Array
     regressor: Callable[[Array, Array, Array], Array]
 
+    def over(self, presliding: float) -> Self:
+        """Return the same with friction that reverses over another distance [rad]."""
+        return replace(self, samples=replace(self.samples, presliding=presliding))
+
 
 @dataclass(frozen=True)
 class TorqueRows:
@@ -44,12 +49,13 @@ class TorqueRows:
 
     units: blocks that are left out together; terms: of friction whose columns they have, after
     those of the links: of joint 1 an offset, the terms' and a balance's, then of joint 2; motors:
-    those, from 1, that turn with two joints, whose one friction brakes both.
+    those, from 1, that turn with two joints, whose one friction brakes both; presliding: [rad].
     """
 
     units: Sequence[Block]
     terms: Sequence[str]
     motors: Collection[int]
+    presliding: float
 
     @property
     def joints(self) -> int:
@@ -105,7 +111,8 @@ def torque_rows(
     unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), whole) % MAX_BLOCKS
     rows, torques = np.concatenate(regressor), np.concatenate(torque)
     units = [(rows[unit == label], torques[unit == label]) for label in np.unique(unit)]
-    return TorqueRows(units, [*terms], [*(1 + np.flatnonzero(coupled_motors(shafts)))])
+    motors = [*(1 + np.flatnonzero(coupled_motors(shafts)))]
+    return TorqueRows(units, [*terms], motors, runs[0].samples.presliding)
 
 
 def run_rows(

@@ -248,10 +248,10 @@ class Robot(Strict):
     limit, 1 to n; drives: how its controller counts; links: `unknown` where masses, centres and
     inertias are placeholders, which the recordings replace; weight: of all links together, at most
     [kg]; friction_terms: of its gears, beside the usual ones (`ur5lib.robots.friction`);
-    balanced_joints: on which a spring or a counterbalance acts, 1 to n; wrist_sensor: whether a
-    force sensor is built into its flange; calibration: of
-    one individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`,
-    which an arm described from its URDF has not.
+    presliding: [rad], over which their friction reverses, None: as a UR's; balanced_joints: on
+    which a spring or a counterbalance acts, 1 to n; wrist_sensor: whether a force sensor is built
+    into its flange; calibration: of one individual arm, frame k as the turned joint k carries it,
+    in place of `denavit_hartenberg`, which an arm described from its URDF has not.
     """
 
     name: str
@@ -265,6 +265,7 @@ class Robot(Strict):
     links: Literal["known", "unknown"] = "known"
     weight: Positive | None = None
     friction_terms: list[Literal["root", "square"]] = Field(default_factory=list)
+    presliding: Positive | None = None
     balanced_joints: list[int] = Field(default_factory=list)
     masses: PerLink[Positive]
     models: dict[str, Model]

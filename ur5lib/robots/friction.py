@@ -16,7 +16,7 @@ from ur5lib.workspace.extensions import additions, failed
 
 GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
-# ones are below the encoder's resolution.
+# ones are below the encoder's resolution of a UR.
 PRESLIDING_DISTANCE = 1e-4  # rad
 FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
 # Of a joint in motion, at which friction has the coefficients of its other terms.
@@ -121,15 +121,22 @@ def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_D
     return direction
 
 
-def direction_between(q: Array, qd: Array, segment: Labels, period: float) -> Array:
+def direction_between(
+    q: Array,
+    qd: Array,
+    segment: Labels,
+    period: float,
+    distance: float = PRESLIDING_DISTANCE,
+) -> Array:
     """Return the direction (N,) of dry friction, as `friction_direction`, of a motion that may be
     logged slowly: the joint reverses between samples, too.
 
-    q, qd: (N,) [rad, rad/s], cubic Hermite splines from sample to sample; period: [s].
+    q, qd: (N,) [rad, rad/s], cubic Hermite splines from sample to sample; period: [s]; distance:
+    [rad].
     """
     parts = round(period / FINE_STEP)
     if parts < 2:
-        return friction_direction(q, segment)
+        return friction_direction(q, segment, distance)
     # q(s) of 0 < s <= 1 between samples, by both ends' positions and velocities
     s = np.arange(1, parts + 1) / parts
     rising, start, end = s * s * (3 - 2 * s), s * (1 - s) ** 2, s * s * (s - 1)
@@ -137,7 +144,7 @@ def direction_between(q: Array, qd: Array, segment: Labels, period: float) -> Ar
     fine = q[:-1, None] + rising * step + start * velocity[:-1] + end * velocity[1:]
     whole = np.append(q[0], fine)
     labels = np.append(segment[0], np.repeat(segment[1:], parts))
-    return friction_direction(whole, labels)[::parts]
+    return friction_direction(whole, labels, distance)[::parts]
 
 
 def rest_factor(qd: Array) -> Array:

@@ -142,6 +142,7 @@ def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
             "models": {"identified": model},
             "chosen_model": "identified",
             "friction_terms": fitted.terms,
+            "presliding": fitted.presliding,
             "balanced_joints": fitted.balanced,
         }
     )
