@@ -1,19 +1,30 @@
-"""The closer look at figures over time: what is packed for it, and what its script does."""
+"""The closer look at figures over time and at the arm: what is packed for it, and what its scripts
+do.
+"""
 
+import hashlib
 import json
 import re
 import zlib
 from base64 import b64decode
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.artefacts.documents import browser
+from tests.artefacts.documents import NARROW, browser
+from tests.artefacts.drawn_arm import VIEWS, check_drawn
+from tests.library.test_seven_joints import JOINTS, arm
+from tests.made_records import signals_of, stretch
+from ur5lib.records.currents import Currents
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.scene import Scene
 from ur5lib.report.figures.charts import response_panel
 from ur5lib.report.figures.house_style import JOINT_COLOURS, save
+from ur5lib.report.figures.scene import MOST_POSTURES, arm_scene, shown_rows, upright
 from ur5lib.report.figures.traces import (
     CURRENT_PANELS,
     WRENCH_PANELS,
@@ -21,12 +32,19 @@ from ur5lib.report.figures.traces import (
     Traces,
     draw_traces,
 )
+from ur5lib.report.page.closer import LEVELS, VENDORED, packed_lines, packed_scenes
 from ur5lib.report.page.document import Document, Picture, Section
-from ur5lib.report.page.render import LINE_LEVELS, html_page, packed_lines
-from ur5lib.tables import read_csv, write_text
+from ur5lib.report.page.render import html_page
+from ur5lib.tables import read_csv, write_json, write_text
 
 LENGTH = 60.0  # s
 FRAME = 1000 / 60  # ms
+UPLOT = "1.6.32"
+RELEASED = {  # SHA-256 of the release's files
+    "uPlot.iife.min.js": "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f",
+    "uPlot.min.css": "df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04",
+    "uPlot.LICENSE": "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
+}
 
 
 def drawn(path: Path, panels: list[Panel], style: str = "first") -> Path:
@@ -40,63 +58,124 @@ def drawn(path: Path, panels: list[Panel], style: str = "first") -> Path:
     return path
 
 
-def unpacked(text: str) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
-    """The head, the times (N,) and the columns (M, N), as the script reads them."""
-    line, _, content = zlib.decompress(b64decode(text)).partition(b"\n")
-    head = json.loads(line)
-    codes = np.frombuffer(content, np.uint8).reshape(2, -1).T.copy().view("<u2").astype(int)
-    levels = np.cumsum(np.where(codes % 2, -(codes + 1) // 2, codes // 2).reshape(
-        len(head["ranges"]), -1), axis=1)  # fmt: skip
-    low, high = np.array(head["ranges"]).T[..., None]
-    values = low + (levels - 1) / (head["levels"] - 1) * (high - low)
-    times = np.cumsum([step or 0 for step in head["steps"]]) / 1000
-    return head, times, np.where(levels == 0, np.nan, values)
+def pushed() -> Scene:
+    """A minute of an arm of seven joints, at 125 Hz: pushed from 20 to 30 s, along another way by
+    the sensor. After 40 s, two seconds are missing.
+    """
+    time = np.arange(0, LENGTH, 0.008)
+    time = time[(time < 40) | (time > 42)]
+    touched = ((time > 20) & (time < 30))[:, None]
+    wrench = np.outer(touched, [30.0, -20.0, 25.0, 0.0, 0.0, 0.0])
+    sensed = np.outer(touched, [10.0, 30.0, 25.0, 0.0, 0.0, 0.0])
+    std = np.outer(2 + np.sin(time), [1.0, 2.0, 3.0, 1.0, 1.0, 1.0])
+    segment = np.where(time < 41, 0, 1)
+    samples = stretch(time) | {"segment": segment}
+    torque = np.sin(time[:, None] + np.arange(JOINTS)) * np.arange(1, JOINTS + 1)
+    q = np.sin(time[:, None] * np.arange(1, JOINTS + 1) / 8)
+    odds = np.where(touched[:, 0], 5.0, -5.0)
+    signals = replace(signals_of(time, q), segment=segment)
+    currents = Currents(**samples, external_torque=torque)
+    forces = Forces(**samples, wrench={"Fmap": wrench}, std={"Fmap": std}, log_odds={"Fmap": odds})
+    sensor = SensorWrenches(**samples, wrench={"compensated": sensed})
+    return arm_scene(arm(), signals, currents, forces, sensor, {"Fmap": 0.0})
+
+
+def unpacked(text: str) -> dict[str, Any]:
+    content: dict[str, Any] = json.loads(zlib.decompress(b64decode(text)))
+    return content
+
+
+def values(column: dict[str, Any]) -> np.ndarray:
+    """The values (N,) of a column, as the script reads them."""
+    steps = np.array(column["steps"], float)
+    known = np.isfinite(steps)
+    steps[known] = column["low"] + column["level"] * np.cumsum(steps[known])
+    return steps
 
 
 @pytest.fixture(scope="module")
 def figures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
-    drawn(folder / "forces.svg", WRENCH_PANELS)
-    drawn(folder / "currents.svg", CURRENT_PANELS, "joint")
+    drawn(folder / "pushed" / "forces.svg", WRENCH_PANELS)
+    drawn(folder / "pushed" / "currents.svg", CURRENT_PANELS, "joint")
+    drawn(folder / "still" / "currents.svg", CURRENT_PANELS, "joint")
+    write_json(pushed(), folder / "pushed" / "scene.json")
     return folder
 
 
+@pytest.mark.parametrize("name", RELEASED)
+def test_uplot_is_the_release(name: str) -> None:
+    content = (VENDORED / name).read_bytes()
+    assert hashlib.sha256(content).hexdigest() == RELEASED[name]
+    assert f"uPlot {UPLOT}" in (VENDORED / "NOTICE.md").read_text()
+    if name.endswith(".js"):
+        assert f"(v{UPLOT})" in content.decode()[:100]
+
+
 def test_lines_are_packed_within_half_a_level(figures: Path) -> None:
-    path = figures / "forces.svg"
+    path = figures / "pushed" / "forces.svg"
     data = read_csv(path.with_suffix(".csv"))
-    head, times, columns = unpacked(packed_lines(path))
-    assert head["panels"][0] == ["Fx", "N"]
-    assert [line["label"] for line in head["lines"]] == ["sensor, raw", "estimate"]
-    assert head["band"]
+    content = unpacked(packed_lines(path))
+    assert content["panels"][0] == ["Fx", "N"]
+    assert [line["label"] for line in content["lines"]] == ["sensor, raw", "estimate"]
+    assert content["band"]
     known = data["time [s]"].notna().to_numpy()
+    times, columns = values(content["time"]), np.array([*map(values, content["columns"])])
     assert np.abs(times - data["time [s]"])[known].max() < 5.01e-4
-    assert [step is not None for step in head["steps"]] == known.tolist()
+    assert (np.isfinite(times) == known).all()
     told = data[[name for name in data if name != "time [s]"]].to_numpy().T
     assert (np.isnan(columns) == np.isnan(told)).all()
     worst = np.nanmax(np.abs(columns - told), axis=1)
-    assert (worst <= 0.51 * np.ptp(told[:, known], axis=1) / (LINE_LEVELS - 1)).all()
+    assert (worst <= 0.51 * np.ptp(told[:, known], axis=1) / (LEVELS - 1)).all()
 
 
 def test_colours_of_a_figure_over_time_are_kept_and_others_have_no_closer_look(
     figures: Path, tmp_path: Path
 ) -> None:
-    head, *_ = unpacked(packed_lines(figures / "currents.svg"))
-    assert [line["colours"] for line in head["lines"]] == [["#000000"], [*JOINT_COLOURS[:6]]]
+    lines = unpacked(packed_lines(figures / "pushed" / "currents.svg"))["lines"]
+    assert [line["colours"] for line in lines] == [["#000000"], [*JOINT_COLOURS[:6]]]
     save(response_panel(np.arange(1.0, 9.0), {"a": np.ones(8)}), tmp_path / "filters.svg")
     save(draw_traces(Traces(np.arange(3.0), {}), CURRENT_PANELS), tmp_path / "empty.svg")
     assert [packed_lines(tmp_path / f"{name}.svg") for name in ("filters", "empty")] == ["", ""]
 
 
+@pytest.mark.parametrize("count", [1, 100, 100_000])
+def test_postures_are_a_tenth_of_a_second_apart_or_few(count: int) -> None:
+    """Each stretch is shown from its first to its last sample."""
+    segment = np.repeat([3, 4], [count, 50])
+    rows = shown_rows(segment, 0.008)
+    assert {0, count - 1, count, count + 49} <= {*rows.tolist()}
+    assert len(rows) <= MOST_POSTURES + 4
+    assert np.diff(rows).max(initial=0) == (12 if count == 100 else np.diff(rows).max(initial=0))
+
+
+@pytest.mark.parametrize("gravity", [(0, 0, -9.81), (9.81, 0, 0), (0, 0, 9.81), (0.3, -0.2, -9.8)])
+def test_gravity_acts_downwards(gravity: tuple[float, float, float]) -> None:
+    turn = upright(gravity)
+    np.testing.assert_allclose(turn @ gravity, [0, 0, -np.linalg.norm(gravity)], atol=1e-7)
+    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-7)
+    assert np.linalg.det(turn) > 0
+
+
+def test_what_touches_the_arm_is_marked() -> None:
+    scene = pushed()
+    for spans in (scene.contacts, scene.alarms):
+        assert spans is not None
+        np.testing.assert_allclose(spans, [(20.0, 30.0)], atol=0.01)
+
+
 @pytest.fixture(scope="module")
 def report(figures: Path) -> Path:
     words = "Force and estimate along x, y, z over a minute."
-    forces, currents = figures / "forces.svg", figures / "currents.svg"
+    forces, currents = (figures / "pushed" / f"{name}.svg" for name in ("forces", "currents"))
+    others = figures / "still" / "currents.svg"
     pictures = [
         Picture("Forces.", forces, words, "forces", "a.csv", "draw", "pushed"),
         Picture("Currents.", currents, words, "currents", "b.csv", "draw", "pushed"),
-        Picture("Others.", currents, words, "others", "b.csv", "draw", "still"),
+        Picture("Others.", others, words, "others", "b.csv", "draw", "still"),
     ]
     document = Document("Report", "Of a test.", [Section("Figures", [*pictures])]).numbered()
+    assert packed_scenes(document.as_data()).keys() == {"pushed"}
     write_text(html_page(document), figures / "report.html")
     return figures / "report.html"
 
@@ -120,11 +199,15 @@ def page(chromium: Any, report: Path) -> Iterator[Any]:
     assert [line for line in told if not line.startswith(("data:", report.as_uri()))] == []
 
 
+SIZED = "(name) => document.querySelector(`#${name} .u-over`).clientWidth > 250"
+
+
 def opened(page: Any, name: str) -> Any:
-    """The canvas of a figure."""
+    """The plots of a figure."""
     page.click(f"#{name} .look")
-    page.wait_for_selector(f"#{name} canvas")
-    return page.locator(f"#{name} canvas")
+    page.wait_for_selector(f"#{name} .plots")
+    page.wait_for_function(SIZED, arg=name)
+    return page.locator(f"#{name} .plots")
 
 
 def shown(page: Any, name: str) -> tuple[float, float]:
@@ -134,18 +217,28 @@ def shown(page: Any, name: str) -> tuple[float, float]:
     return float(start), float(end)
 
 
+def at(page: Any, name: str) -> float:
+    """The time that a figure says it points at [s]."""
+    return float(re.findall(r"At ([\d.]+) s", page.text_content(f"#{name} [role=status]"))[0])
+
+
 def test_keys_zoom_and_move(page: Any) -> None:
-    canvas = opened(page, "forces")
-    canvas.press("+")
-    assert shown(page, "forces") == pytest.approx((6, 54), abs=0.01)
-    canvas.press("ArrowLeft")
-    assert shown(page, "forces") == pytest.approx((1.2, 49.2), abs=0.01)
-    canvas.press("-")
-    canvas.press("-")
-    canvas.press("ArrowRight")
+    """Around the time pointed at, that of the largest force as long as nobody points."""
+    plots = opened(page, "forces")
+    plots.press("+")
+    assert 20 <= at(page, "forces") <= 30
+    start = 0.2 * at(page, "forces")
+    assert shown(page, "forces") == pytest.approx((start, start + 48), abs=0.02)
+    plots.press("ArrowRight")
+    assert shown(page, "forces") == pytest.approx((start + 4.8, start + 52.8), abs=0.02)
+    for _ in range(3):
+        plots.press("ArrowLeft")
+    assert shown(page, "forces") == pytest.approx((0, 48), abs=0.01)
+    plots.press("-")
+    plots.press("-")
     assert shown(page, "forces") == pytest.approx((0, LENGTH), abs=0.01)
-    canvas.press("+")
-    canvas.press("Escape")
+    plots.press("+")
+    plots.press("Escape")
     assert shown(page, "forces") == pytest.approx((0, LENGTH), abs=0.01)
 
 
@@ -161,15 +254,29 @@ def test_a_drag_shows_a_stretch(page: Any) -> None:
     assert shown(page, "forces") == pytest.approx((0, LENGTH), abs=0.01)
 
 
+def test_the_wheel_zooms_a_selected_figure(page: Any) -> None:
+    plots = opened(page, "forces")
+    box = plots.bounding_box()
+    page.mouse.move(box["x"] + 150, box["y"] + 60)
+    page.mouse.wheel(0, -300)
+    page.keyboard.press("ArrowLeft")
+    start, end = shown(page, "forces")
+    assert end - start == pytest.approx(LENGTH * np.exp(-0.6), rel=0.01)
+    page.locator("#forces .look").focus()
+    page.mouse.wheel(0, -300)
+    plots.press("ArrowLeft")
+    assert np.ptp(shown(page, "forces")) == pytest.approx(end - start, abs=0.02)
+
+
 def test_the_values_at_the_cursor_are_told(page: Any) -> None:
     """Fx is sin t, nz six times that; an estimate is nine tenths of it."""
     box = opened(page, "forces").bounding_box()
     page.mouse.move(box["x"] + 150, box["y"] + 60)
     page.keyboard.press("+")
     text = page.text_content("#forces [role=status]")
-    (time,) = map(float, re.findall(r"At ([\d.]+) s", text))
+    time = at(page, "forces")
     for panel, factor in (("Fx", 1.0), ("nz", 6.0)):
-        numbers = re.findall(rf"{panel} (\S+), (\S+) N", text)[0]
+        numbers = re.findall(rf"{panel} \[Nm?\] (\S+), ([^\s;]+?)\.?(?=;|$)", text)[0]
         sensor, estimate = (float(number.replace("−", "-")) for number in numbers)
         assert sensor == pytest.approx(factor * np.sin(time), abs=0.06 * factor)
         assert estimate == pytest.approx(0.9 * sensor, abs=0.02 * factor)
@@ -180,22 +287,129 @@ def test_figures_of_one_recording_move_together(page: Any) -> None:
     for name in ("currents", "others"):
         opened(page, name)
     opened(page, "forces").press("+")
-    page.press("#currents canvas", "+")
-    page.press("#others canvas", "+")
-    assert shown(page, "currents") == pytest.approx((10.8, 49.2), abs=0.01)
+    page.press("#currents .plots", "+")
+    page.press("#others .plots", "+")
+    assert np.ptp(shown(page, "currents")) == pytest.approx(LENGTH / 1.25**2, abs=0.02)
     assert shown(page, "others") == pytest.approx((6, 54), abs=0.01)
 
 
 def test_lines_and_panels_can_be_hidden(page: Any) -> None:
-    canvas = opened(page, "forces")
-    height = canvas.bounding_box()["height"]
+    plots = opened(page, "forces")
+    height = plots.bounding_box()["height"]
     for label in ("estimate", "Fx", "nx"):
         page.uncheck(f"#forces label:has-text('{label}') input")
-    canvas.press("+")
+    plots.press("+")
     text = page.text_content("#forces [role=status]")
     assert "Fx" not in text
-    assert re.search(r"Fy \S+ N;", text)  # of the sensor alone
-    assert canvas.bounding_box()["height"] < height
+    assert re.search(r"Fy \[N\] [^\s,]+;", text)  # of the sensor alone
+    assert plots.bounding_box()["height"] < height
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize("time", [12.0, 24.0, 50.0])
+def test_the_arm_is_drawn_where_it_is(page: Any, time: float, view: tuple[float, float]) -> None:
+    """Seven joints, under a gravity that is not along an axis."""
+    opened(page, "forces")
+    q = np.sin(time * np.arange(1, JOINTS + 1) / 8)
+    touched = 20 < time < 30
+    force, sensed = touched * np.array([30.0, -20, 25]), touched * np.array([10.0, 30, 25])
+    std = (2 + np.sin(time)) * np.array([1.0, 2, 3])
+    check_drawn(page, "pushed", arm(), (time, q, force, std, sensed), view)
+
+
+def test_joints_are_darker_the_larger_their_torque(page: Any) -> None:
+    opened(page, "forces")
+    shades = [page.evaluate("shade", share) for share in (0, 0.5, 1, 2)]
+    lightness = [float(re.findall(r"([\d.]+)%\)", shade)[0]) for shade in shades]
+    assert lightness == sorted(lightness, reverse=True)
+    assert lightness[0] - lightness[2] > 50
+    assert lightness[2] == lightness[3]
+
+
+def test_the_arm_is_absent_in_a_gap_and_where_none_was_recorded(page: Any) -> None:
+    opened(page, "forces")
+    page.evaluate("stretches.get('pushed').point(41)")
+    page.wait_for_selector("text=At 41.00 s: a gap in the recording.")
+    opened(page, "others")
+    assert page.locator("#others .arm").count() == 0
+
+
+def time_of(page: Any) -> float:
+    return float(page.evaluate("stretches.get('pushed').time"))
+
+
+def test_keys_step_and_play(page: Any) -> None:
+    opened(page, "forces")
+    canvas, start = page.locator("#forces .arm canvas"), time_of(page)
+    canvas.press("ArrowRight")
+    assert time_of(page) == pytest.approx(start + 0.096, abs=0.002)
+    page.press("#forces .arm input", "ArrowLeft")
+    assert time_of(page) == pytest.approx(start, abs=0.002)
+    canvas.press(" ")
+    page.wait_for_function(f"stretches.get('pushed').time > {start + 0.2}")
+    assert page.text_content("#forces .arm button") == "❚❚ Stop"
+    canvas.press(" ")
+    page.wait_for_selector("text=▶ Play")
+    stopped = time_of(page)
+    page.wait_for_timeout(100)
+    assert time_of(page) == stopped
+    page.evaluate("stretches.get('pushed').point(59.95)")
+    page.click("#forces .arm button")
+    page.wait_for_function("!stretches.get('pushed').playing")  # at the end
+    assert time_of(page) == pytest.approx(LENGTH, abs=0.01)
+
+
+def test_the_arm_is_turned_by_drags_and_keys(page: Any) -> None:
+    opened(page, "forces")
+    view = "({ ...stretches.get('pushed').view })"
+    before, box = page.evaluate(view), page.locator("#forces .arm canvas").bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 150, box["y"] + 120)
+    page.mouse.up()
+    dragged = page.evaluate(view)
+    assert dragged["turn"] == pytest.approx(before["turn"] - 0.5)
+    assert dragged["tilt"] == pytest.approx(before["tilt"] + 0.2)
+    page.press("#forces .arm canvas", "Shift+ArrowRight")
+    page.press("#forces .arm canvas", "Shift+ArrowUp")
+    turned = page.evaluate(view)
+    assert turned["turn"] == pytest.approx(dragged["turn"] + 0.1)
+    assert turned["tilt"] == pytest.approx(dragged["tilt"] + 0.1)
+
+
+def test_contacts_are_marked_on_the_line_of_time(page: Any) -> None:
+    plots = opened(page, "forces")
+    for name in ("force sensor", "F̂ᵐᵃᵖ (gate)"):
+        assert page.locator(f"[aria-label*='{name}: 20.0 to 30.0 s']").count() == 1
+    lane, mark = (page.locator(f"#forces .lane.gate{part}").bounding_box() for part in ("", " i"))
+    assert mark["x"] - lane["x"] == pytest.approx(lane["width"] / 3, abs=3)
+    assert mark["width"] == pytest.approx(lane["width"] / 6, abs=3)
+    for _ in range(3):
+        plots.press("+")
+    assert page.locator("#forces .lane.gate i").bounding_box()["width"] > 1.5 * mark["width"]
+
+
+def test_a_phone_shows_it_whole_and_two_fingers_zoom(chromium: Any, report: Path) -> None:
+    context = chromium.new_context(viewport={"width": NARROW, "height": 844}, has_touch=True)
+    page = context.new_page()
+    page.goto(report.as_uri())
+    plots = opened(page, "forces")
+    assert page.evaluate("document.documentElement.scrollWidth") <= NARROW
+    for part in (".arm canvas", ".timeline", ".plots"):
+        box = page.locator(f"#forces {part}").bounding_box()
+        assert 250 < box["x"] + box["width"] <= NARROW
+    over = page.locator("#forces .u-over").first
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    client, y = context.new_cdp_session(page), box["y"] + box["height"] / 2
+    for kind, half in (("touchStart", 30), ("touchMove", 60), ("touchEnd", 0)):
+        fingers = [{"x": box["x"] + 120 + side * half, "y": y, "id": i} for i, side in
+                   enumerate((-1, 1))]  # fmt: skip
+        points = fingers if half else []
+        client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    plots.press("ArrowRight")
+    assert np.ptp(shown(page, "forces")) == pytest.approx(LENGTH / 2, rel=0.1)
+    context.close()
 
 
 def test_the_picture_comes_back_and_is_what_is_printed(page: Any) -> None:
@@ -203,17 +417,17 @@ def test_the_picture_comes_back_and_is_what_is_printed(page: Any) -> None:
     assert not page.is_visible("#forces img")
     page.emulate_media(media="print")
     assert page.is_visible("#forces img")
-    assert not page.is_visible("#forces canvas")
+    assert not page.is_visible("#forces .plots")
     page.emulate_media(media="screen")
     page.click("#forces .look")
     assert page.is_visible("#forces img")
-    assert page.locator("#forces canvas").count() == 0
+    assert page.locator("#forces .plots").count() == 0
 
 
 def test_a_closer_look_is_accessible(page: Any) -> None:
     from axe_playwright_python.sync_playwright import Axe
 
-    for name in ("forces", "currents"):
+    for name in ("forces", "currents", "others"):
         opened(page, name).press("+")
     violations = Axe().run(page).response["violations"]
     assert [(v["id"], v["nodes"][0]["html"][:200]) for v in violations] == []
@@ -229,11 +443,11 @@ def test_without_scripts_the_pictures_stay(chromium: Any, report: Path) -> None:
 
 
 ZOOM = """async (frames) => {
-  const canvas = document.querySelector("#forces canvas");
+  const plots = document.querySelector("#forces .plots");
   const times = [];
   for (let i = 0; i <= frames; i++) {
     const key = i % 24 < 12 ? "+" : "-";
-    canvas.dispatchEvent(new KeyboardEvent("keydown", { key }));
+    plots.dispatchEvent(new KeyboardEvent("keydown", { key }));
     times.push(await new Promise(requestAnimationFrame));
   }
   return times;

@@ -100,7 +100,7 @@ def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path
     write_text(html_page(document), tmp_path / "report.html")
     page = fromstring((tmp_path / "report.html").read_text())
     scripts = [element.attrib for element in page.iter("script")]
-    assert scripts == [{"type": "text/plain"}, {}]  # the figure's lines, and what zooms into them
+    assert scripts == [{"type": "text/plain"}, {}, {}]  # the figure's lines, uPlot, what uses it
     # title, notice, 3 headings, subtitle, contents, paragraph, item, 3 captions, 2 cells, code
     assert page.text_content().count(HOSTILE) == 15
     (image,) = page.iter("img")

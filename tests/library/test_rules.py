@@ -143,4 +143,6 @@ def keys_of(function: Callable[..., Any], kind: Any, rule: str) -> set[str]:
     used = [path, *imported_modules(path)]
     words = {word for file in used for word in re.findall(r'"(\w+)"', file.read_text())}
     numbers = {f"{word}_data" for word in words}
-    return words | numbers if get_args(kind)[1] is Drawing else words
+    return (
+        words | numbers if Drawing in [get_args(kind)[1], *get_args(get_args(kind)[1])] else words
+    )

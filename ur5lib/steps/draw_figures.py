@@ -4,9 +4,11 @@ from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.scene import Scene
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures import recording_figures as figures
 from ur5lib.report.figures.house_style import Drawing
+from ur5lib.report.figures.scene import arm_scene
 from ur5lib.robots.description import Robot
 
 
@@ -19,9 +21,15 @@ def draw_figures(
     sensor: SensorWrenches,
     forces: Forces,
     arm: Robot,
+    threshold: dict[str, float],
     min_singular_value: float,
-) -> dict[str, Drawing]:
-    """Return the figures of a recording; min_singular_value: below it, no force is determined."""
+    gravity: list[float] | None = None,
+) -> dict[str, Drawing | Scene]:
+    """Return the figures of a recording, and the arm in motion for a closer look.
+
+    threshold: of alarms, by estimate; min_singular_value: below it, no force is determined;
+    gravity: see `Robot.mounted`.
+    """
     felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
     hidden = kinematics.smallest_singular_value < min_singular_value
     # each figure reads its signals anew, so that none holds those of another
@@ -32,4 +40,7 @@ def draw_figures(
         "accelerations": figures.acceleration_figure(accelerations),
         "accelerations_published": figures.euler_figure(accelerations, felt, modelled),
         "forces_estimated": figures.estimate_figure(forces, sensor, hidden),
+        "scene": arm_scene(
+            arm.mounted(gravity), signals.anew(), currents, forces, sensor, threshold
+        ),
     }

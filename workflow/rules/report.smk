@@ -8,7 +8,7 @@ COMPARED = [
     "force_mae",
 ]
 PARTS = [path for path in outputs_in("parameters") if path.endswith(".csv")]  # of the steps above
-PAGE = *CONTENTS, *(TEMPLATES / name for name in ("report.html.jinja", "lines.js", "zoom.js"))
+PAGE = *CONTENTS, TEMPLATES / "report.html.jinja", *sorted(TEMPLATES.glob("closer/**/*.*"))
 
 
 rule draw_figures:
@@ -21,13 +21,16 @@ rule draw_figures:
         sensor=result("sensor.parquet"),
         forces=result("forces.parquet"),
         arm=parameter_of("arm.yaml"),
+        threshold=parameter_of("threshold.json"),
     output:
         **drawn_by("draw_figures", "{recording}"),
+        scene=f"{RESULTS}/figures/{{recording}}/scene.json",
     log:
         **traces("draw_figures", "{recording}"),
     params:
         code=code("draw_figures"),
         min_singular_value=SETTINGS.singularities.min_singular_value,
+        gravity=of_recording(SELECTION.gravity),
     run:
         run_step(rule, input, output, params, log)
 

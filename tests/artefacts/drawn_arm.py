@@ -1,0 +1,82 @@
+"""Whether *Look closer* draws an arm where its kinematics and its forces say."""
+
+import re
+from typing import Any
+
+import numpy as np
+
+from ur5lib.report.figures.scene import upright
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import link_frames
+from ur5lib.timeseries.arrays import Array
+
+VIEWS = [(-1.1, 0.35), (0.4, -0.2), (2.0, 1.5)]  # turn and tilt [rad]
+TWO_SIGMA = np.sqrt(-2 * np.log(0.05))  # of 95 % in a plane
+DRAWN = """([recording, time, [turn, tilt]]) => {
+  const stretch = stretches.get(recording), [look] = stretch.looks, { arm } = look;
+  Object.assign(stretch.view, { turn, tilt });
+  stretch.show(stretch.first, stretch.last);
+  stretch.point(time);
+  look.draw();
+  const { origins, force, std, sensed } = arm.scene.at(time), flange = origins.at(-1);
+  const points = origins.map((origin) => arm.place(origin));
+  const tip = arm.tip(flange, force), pen = arm.canvas.getContext("2d");
+  const dot = [0, 1].map((i) => window.devicePixelRatio * (0.6 * tip[i] + 0.4 * points.at(-1)[i]));
+  return { points, tip, sensed: sensed && arm.tip(flange, sensed), ellipse: arm.ellipse(std),
+    scale: arm.scale, perNewton: arm.perNewton,
+    size: [arm.canvas.clientWidth, arm.canvas.clientHeight],
+    colour: [...pen.getImageData(...dot, 1, 1).data],
+    text: arm.element.querySelector(".readout").innerText };
+}"""
+
+
+def check_drawn(
+    page: Any,
+    recording: str,
+    robot: Robot,
+    at: tuple[float, Array, Array, Array, Array | None],
+    view: tuple[float, float],
+) -> None:
+    """At a time: positions (n,) [rad], force and its deviation (3,) [N], and the sensor's if any.
+
+    robot: under the recording's gravity. Positions are packed to 0.001 rad, forces to 1/255 of
+    their range.
+    """
+    time, q, force, std, sensed = at
+    drawn = page.evaluate(DRAWN, [recording, time, view])
+    projection, up = projected(view), upright(robot.gravity)
+    _, origins = link_frames(robot, q[None])
+    points, scale = np.array(drawn["points"]), drawn["scale"]
+    expected = scale * origins[0] @ up.T @ projection.T
+    np.testing.assert_allclose(points - points[0], expected - expected[0], atol=1.0)
+    assert (points > 0).all()
+    assert (points < drawn["size"]).all()
+    per_newton = scale * drawn["perNewton"]
+    for tip, known in (("tip", force), ("sensed", sensed)):
+        if known is not None:
+            arrow = per_newton * projection @ up @ known
+            np.testing.assert_allclose(np.array(drawn[tip]) - points[-1], arrow, atol=1.5)
+    check_ellipse(drawn["ellipse"], per_newton * TWO_SIGMA * projection @ up @ np.diag(std))
+    if np.hypot(*(np.array(drawn["tip"]) - points[-1])) > 40:
+        assert drawn["colour"][:3] == [0, 158, 115]
+    told = re.search(r"Force x, y, z by .*?: (.*), 95 % bands ± (.*) N", drawn["text"])
+    assert told is not None
+    for text, known in zip(told.groups(), (force, 1.96 * std), strict=True):
+        numbers = [float(number.replace("−", "-")) for number in text.split(", ")]
+        np.testing.assert_allclose(numbers, known, atol=0.06 + 0.01 * np.abs(known).max())
+
+
+def projected(view: tuple[float, float]) -> Array:
+    """The picture's axes (2, 3), x to the right and y downwards, of axes whose z points up."""
+    turn, tilt = view
+    c, s = np.cos(turn), np.sin(turn)
+    return np.array([[-s, c, 0], [np.sin(tilt) * c, np.sin(tilt) * s, -np.cos(tilt)]])
+
+
+def check_ellipse(drawn: dict[str, float], half: Array) -> None:
+    """Its matrix is half halfᵀ; half: (2, 3) [pixels]."""
+    c, s = np.cos(drawn["angle"]), np.sin(drawn["angle"])
+    turn = np.array([[c, -s], [s, c]])
+    matrix = turn @ np.diag([drawn["across"] ** 2, drawn["along"] ** 2]) @ turn.T
+    expected = half @ half.T
+    np.testing.assert_allclose(matrix, expected, atol=0.03 * np.abs(expected).max())

@@ -1,0 +1,40 @@
+"""What *Look closer* shows of an arm."""
+
+from dataclasses import dataclass
+
+from ur5lib.timeseries.arrays import Array, Labels
+
+Spans = list[tuple[float, float]]  # s, from and to
+
+
+@dataclass(frozen=True)
+class LinkPose:
+    """Frame k in the turned joint k: rotation (3, 3) and position (3,) [m]."""
+
+    rotation: Array
+    position: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """An arm at some times (K,) [s] of a recording, its base at the origin; None where unknown.
+
+    links: of the arm's n joints; upright: (3, 3), from base axes to those in which gravity acts
+    along −z; segment: (K,), labels of unbroken stretches; q: (K, n) [rad]; torque: (K, n) [Nm], the
+    external one; force, std: (K, 3) [N], the environment on the arm at the origin of frame n and
+    its standard deviation, base axes, by the estimate whose label is `estimate`; sensed: (K, 3)
+    [N], the same by the force sensor; contacts, alarms: what the sensor and the estimate find.
+    """
+
+    links: list[LinkPose]
+    upright: Array
+    time: Array
+    segment: Labels
+    q: Array
+    estimate: str = ""
+    torque: Array | None = None
+    force: Array | None = None
+    std: Array | None = None
+    sensed: Array | None = None
+    contacts: Spans | None = None
+    alarms: Spans | None = None

@@ -1,0 +1,87 @@
+"""The arm of a recording as *Look closer* shows it."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ur5lib.force.detection import Span, alarms, contacts
+from ur5lib.force.estimators import NEW
+from ur5lib.records.currents import Currents
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.scene import LinkPose, Scene, Spans
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.robots.inertia import link_tail
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import starts
+
+SHORTEST_STEP = 0.1  # s between postures, which is shorter than what the low-pass leaves
+MOST_POSTURES = 1200  # of a recording, beside the last of each segment
+DECIMALS = 4  # of stored numbers
+
+
+def arm_scene(
+    arm: Robot,
+    signals: Signals,
+    currents: Currents,
+    forces: Forces,
+    sensor: SensorWrenches,
+    thresholds: Mapping[str, float],
+) -> Scene:
+    """Return the arm at some times of a recording; thresholds: of alarms, by estimate."""
+    time, felt = signals.time, sensor.wrench.get("compensated")
+    rows = shown_rows(signals.segment, signals.period)
+    lead = next((name for name in NEW if name in forces.wrench), "")
+    estimates = forces.anew(rows)
+    found = lead in thresholds and lead in forces.log_odds
+    return Scene(
+        links=[LinkPose(*link_tail(pose)) for pose in arm.link_poses()],
+        upright=upright(arm.gravity),
+        time=np.round(time[rows], DECIMALS),
+        segment=signals.segment[rows],
+        q=np.round(signals.anew(rows).actual_q, DECIMALS),
+        estimate=NEW.get(lead, ""),
+        torque=_rounded(currents.anew(rows).external_torque),
+        force=_force(estimates.wrench.get(lead)),
+        std=_force(estimates.std.get(lead)),
+        sensed=_force(sensor.anew(rows).wrench.get("compensated")),
+        contacts=None if felt is None else _spans(contacts(_size(felt)), time),
+        alarms=_spans(alarms(forces.log_odds[lead], thresholds[lead]), time) if found else None,
+    )
+
+
+def shown_rows(segment: Labels, period: float) -> Labels:
+    """Return evenly spaced rows of each segment, and its last; segment: (N,); period: [s]."""
+    count = len(segment)
+    step = max(round(SHORTEST_STEP / period), -(-count // MOST_POSTURES), 1)
+    first = np.flatnonzero(starts(segment))
+    within = np.arange(count) - np.repeat(first, np.diff([*first, count]))
+    last = np.append(starts(segment)[1:], True)
+    rows: Labels = np.flatnonzero((within % step == 0) | last)
+    return rows
+
+
+def upright(gravity: Sequence[float]) -> Array:
+    """Return the smallest rotation (3, 3) of gravity (3,) [m/s²], base frame, to −z."""
+    turn, _ = Rotation.align_vectors([[0.0, 0.0, -1.0]], [gravity])
+    matrix: Array = turn.as_matrix().round(9) + 0.0
+    return matrix
+
+
+def _rounded(values: Array | None) -> Array | None:
+    return None if values is None else np.round(values, DECIMALS)
+
+
+def _force(wrench: Array | None) -> Array | None:
+    return None if wrench is None else _rounded(wrench[:, :3])
+
+
+def _size(wrench: Array) -> Array:
+    size: Array = np.linalg.norm(wrench[:, :3], axis=1)
+    return size
+
+
+def _spans(found: Sequence[Span], time: Array) -> Spans:
+    """Return the times [s] of the first and the last sample of stretches."""
+    return [(float(time[first]), float(time[end - 1])) for first, end in found]

@@ -1,0 +1,131 @@
+"""*Look closer*: what its scripts need of the figures over time and of the arm, in few bytes."""
+
+import json
+import re
+import zlib
+from base64 import b64encode
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from markupsafe import Markup
+
+from ur5lib.records.scene import Scene
+from ur5lib.report.figures.house_style import LINE_STYLES
+from ur5lib.report.figures.traces import BAND_EDGES, column_name
+from ur5lib.tables import read_csv, read_record
+from ur5lib.timeseries.arrays import Array
+
+FOLDER = Path(__file__).parent / "templates" / "closer"
+VENDORED = FOLDER / "vendored"
+SCRIPTS = ("numbers.js", "stretch.js", "plots.js", "scene.js", "arm.js", "look.js")
+LEVELS = 256  # to which values are rounded: about two for each dot of a panel on the screen
+MILLI = 1e-3  # s and rad, to which times and angles are rounded
+JOINT_DASHES = (4, 1.5)
+LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
+
+
+def styles() -> Markup:
+    """Return the style sheet, with uPlot's."""
+    return Markup(_text(VENDORED / "uPlot.min.css") + _text(FOLDER / "closer.css"))
+
+
+def scripts() -> list[Markup]:
+    """Return uPlot under its licence, and our scripts, which use it."""
+    plots = f"/*\n{_text(VENDORED / 'uPlot.LICENSE')}*/\n{_text(VENDORED / 'uPlot.iife.min.js')}"
+    return [Markup(plots), Markup("".join(_text(FOLDER / name) for name in SCRIPTS))]
+
+
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8").rstrip() + "\n"
+
+
+def packed_lines(path: str | Path) -> str:
+    """Return the lines of a figure over time [s], packed; empty for other figures.
+
+    path: an SVG that `save` wrote, with its numbers as CSV beside it. Packed are panels (name and
+    unit), lines (label, colours and dashes), whether there is a band, and columns (`_column`): the
+    time, then each line panel by panel, then the edges of the band.
+    """
+    figure = Path(path)
+    styles = re.findall(r"<rdf:li>(\w+)</rdf:li>", figure.read_text(encoding="utf-8"))
+    if not styles:
+        return ""
+    data = read_csv(figure.with_suffix(".csv"))
+    panels, labels = _panels_and_labels(data.columns[1:], len(styles))
+    edges = [edge for edge in BAND_EDGES if column_name(edge, *panels[0]) in data]
+    columns = [column_name(line, *panel) for line in [*labels, *edges] for panel in panels]
+    return _packed(
+        {
+            "panels": panels,
+            "lines": [_line(*line, len(panels)) for line in zip(labels, styles, strict=True)],
+            "band": len(edges) > 0,
+            "time": _column(data.iloc[:, 0].to_numpy(float), MILLI),
+            "columns": [_column(data[name].to_numpy(float)) for name in columns],
+        }
+    )
+
+
+def _line(label: str, name: str, panels: int) -> dict[str, Any]:
+    """Return how a line is drawn; one in the colours of the joints is dashed, to differ in grey."""
+    style = LINE_STYLES[name]
+    dashes = JOINT_DASHES if len(style.colours) > 1 else style.dashes
+    return {"label": label, "colours": style.colours[:panels], "dashes": dashes}
+
+
+def packed_scenes(document: dict[str, Any]) -> dict[str, str]:
+    """Return what is drawn of the arm, packed, by each recording with figures in a document.
+
+    Packed are the fields of `Scene`, arrays over time as columns (`_column`) by component.
+    """
+    blocks = (block for section in document["sections"] for block in section["blocks"])
+    pictures = (block for block in blocks if block["kind"] == "picture")
+    files = {one["of"]: Path(one["path"]).with_name("scene.json") for one in pictures}
+    return {name: _packed_scene(file) for name, file in files.items() if file.is_file()}
+
+
+def _packed_scene(file: Path) -> str:
+    scene = read_record(Scene, file)
+    measured = {name: getattr(scene, name) for name in ("torque", "force", "std", "sensed")}
+    return _packed(
+        {
+            "links": [{name: one.tolist() for name, one in vars(k).items()} for k in scene.links],
+            "upright": scene.upright.tolist(),
+            "time": _column(scene.time, MILLI),
+            "segment": _column(scene.segment.astype(float), 1.0),
+            "q": [_column(angle, MILLI) for angle in scene.q.T],
+            "estimate": scene.estimate,
+            "contacts": scene.contacts,
+            "alarms": scene.alarms,
+            **{name: [*map(_column, own.T)] for name, own in measured.items() if own is not None},
+        }
+    )
+
+
+def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, str]], list[str]]:
+    """Return name and unit of each panel, and the labels of the first `lines` lines."""
+    parts = [match.groups() for match in map(LINE_COLUMN.fullmatch, columns) if match]
+    panels = [*dict.fromkeys((name, unit) for _, name, unit in parts)]
+    return panels, [*dict.fromkeys(label for label, *_ in parts)][:lines]
+
+
+def _column(values: Array, level: float | None = None) -> dict[str, Any]:
+    """Return values (N,) as levels above the lowest, and these as steps from each to the next.
+
+    level: the distance of levels, by default that of LEVELS between the ends, 0 if these are the
+    same. None stands for a value that is not finite.
+    """
+    known = np.isfinite(values)
+    low, high = (values[known].min(), values[known].max()) if known.any() else (0.0, 0.0)
+    if level is None:
+        level = float(f"{(high - low) / (LEVELS - 1):.6g}")
+    steps = np.full(len(values), None, object)
+    steps[known] = np.diff(np.round((values[known] - low) / (level or 1.0)), prepend=0).astype(int)
+    return {"low": float(f"{low:.6g}"), "level": level, "steps": steps.tolist()}
+
+
+def _packed(content: dict[str, Any]) -> str:
+    """Return JSON, compressed by zlib, as Base64."""
+    text = json.dumps(content, separators=(",", ":"), ensure_ascii=False)
+    return b64encode(zlib.compress(text.encode(), 9)).decode()

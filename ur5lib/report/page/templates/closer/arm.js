@@ -1,0 +1,215 @@
+// The arm at the time pointed at, drawn in parallel projection, with a line of time below.
+"use strict";
+
+const TALLEST = 380; // pixels
+const LINK = "#8a8f96", INK = "#404040";
+const ARROWS = { force: { colour: ESTIMATE, dashes: [], width: 4 }, sensed: { colour: "#000000", dashes: [3, 2], width: 2 } };
+const BAND95 = 1.96; // standard deviations, of 95 % of a normal distribution
+const ELLIPSE = Math.sqrt(-2 * Math.log(0.05)); // standard deviations, of 95 % of a plane's normal distribution
+const TURNS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
+
+class Arm {
+  constructor(packed, stretch) {
+    this.scene = new Scene(packed);
+    this.stretch = stretch;
+    this.room = this.scene.room();
+    [this.usualForce, this.largestTorque] = [this.scene.usualForce(), this.scene.largestTorque()];
+    this.element = this.build();
+    this.listen();
+  }
+
+  build() {
+    const { estimate, contacts, alarms, force, sensed, torque } = this.scene;
+    this.readings = {};
+    const reading = (name, ...label) => make("p", {}, ...label, (this.readings[name] = make("span")));
+    const readout = make("div", { className: "readout" }, reading("time"));
+    if (force) readout.append(reading("force", swatch(ARROWS.force), ` Force x, y, z by ${estimate}: `));
+    if (sensed) readout.append(reading("sensed", swatch(ARROWS.sensed), " Force sensor: "));
+    if (torque) readout.append(reading("torque", `External torque of joints 1 to ${torque.length}: `));
+    this.canvas = make("canvas", { tabIndex: 0, role: "application", ariaRoleDescription: "drawing of the arm" });
+    this.canvas.setAttribute("aria-label", "The arm at the time pointed at, its force and the torques of its joints");
+    this.button = make("button", { type: "button", onclick: () => this.stretch.play() });
+    this.slider = make("input", { type: "range", step: "any", ariaLabel: "Time" });
+    this.lanes = [];
+    if (contacts) this.lanes.push(lane("Contact by the force sensor", "contact", contacts));
+    if (alarms) this.lanes.push(lane(`Contact by ${estimate} (gate)`, "gate", alarms));
+    const line = make("div", { className: "timeline" }, this.slider, ...this.lanes.map((one) => one.element));
+    return make("div", { className: "arm" }, this.canvas, readout, this.button, line);
+  }
+
+  listen() {
+    const { canvas, stretch } = this;
+    canvas.onpointerdown = (event) => canvas.setPointerCapture(event.pointerId);
+    canvas.onpointermove = (event) => {
+      if (canvas.hasPointerCapture(event.pointerId)) this.turn(-0.01 * event.movementX, 0.01 * event.movementY);
+    };
+    this.slider.oninput = () => stretch.point(Number(this.slider.value));
+    this.element.onkeydown = (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || event.target === this.button) return;
+      if (event.shiftKey && event.key in TURNS) this.turn(...TURNS[event.key]);
+      else if (event.key === "ArrowLeft") this.step(-1);
+      else if (event.key === "ArrowRight") this.step(1);
+      else if (event.key === " ") stretch.play();
+      else return;
+      event.preventDefault();
+    };
+  }
+
+  turn(turn, tilt) {
+    const { view } = this.stretch;
+    view.turn += turn;
+    view.tilt = Math.min(Math.max(view.tilt + tilt, -Math.PI / 2), Math.PI / 2);
+    this.stretch.draw();
+  }
+
+  // Go to the row after the time pointed at, or to the one before.
+  step(way) {
+    const { times } = this.scene, { time } = this.stretch;
+    const further = times.filter((one) => way * (one - time) > 1e-6);
+    if (further.length) this.stretch.point(further.at(way > 0 ? 0 : -1));
+  }
+
+  draw() {
+    const { canvas, stretch, scene } = this, now = scene.at(stretch.time), sharp = window.devicePixelRatio;
+    canvas.style.height = `${Math.min(TALLEST, 0.75 * canvas.clientWidth)}px`;
+    [canvas.width, canvas.height] = [sharp * canvas.clientWidth, sharp * canvas.clientHeight]; // clears it, too
+    const pen = canvas.getContext("2d");
+    pen.setTransform(sharp, 0, 0, sharp, 0, 0);
+    pen.font = FONT;
+    pen.lineCap = pen.lineJoin = "round";
+    this.aim();
+    if (now) this.drawArm(pen, now);
+    this.drawScales(pen);
+    this.tell(now);
+    this.lanes.forEach((one) => one.draw(stretch));
+    Object.assign(this.slider, { min: stretch.from, max: stretch.to, value: stretch.time });
+    this.slider.setAttribute("aria-valuetext", `${stretch.time.toFixed(2)} s`);
+    this.button.textContent = stretch.playing ? "❚❚ Stop" : "▶ Play";
+  }
+
+  // Set the projection: the axes to the right and upwards of the picture, and its scale.
+  aim() {
+    const { turn, tilt } = this.stretch.view, [c, s] = [Math.cos(turn), Math.sin(turn)];
+    this.axes = [[-s, c, 0], [-Math.sin(tilt) * c, -Math.sin(tilt) * s, Math.cos(tilt)]];
+    this.scale = (0.45 * Math.min(this.canvas.clientWidth, this.canvas.clientHeight)) / this.room.radius; // pixels per m
+    this.perNewton = (0.5 * this.room.radius) / this.usualForce; // m of an arrow
+  }
+
+  // Where a point [m] is in the picture.
+  place(point) {
+    const [right, up] = applied(this.axes, added(point, this.room.middle, -1));
+    return [this.canvas.clientWidth / 2 + this.scale * right, this.canvas.clientHeight / 2 - this.scale * up];
+  }
+
+  drawArm(pen, { origins, axes, torque, force, std, sensed }) {
+    const points = origins.map((origin) => this.place(origin)), flange = origins.at(-1);
+    stroke(pen, origins.map(([x, y]) => this.place([x, y, 0])), "#e0e0e0", 3); // its shadow on the ground
+    stroke(pen, points, LINK, 5);
+    axes.forEach((axis, k) => {
+      const half = 0.035 * this.room.radius, ends = [-half, half].map((part) => this.place(added(origins[k], axis, part)));
+      stroke(pen, ends, INK, 12);
+      stroke(pen, ends, shade(torque ? Math.abs(torque[k]) / this.largestTorque : NaN), 9);
+    });
+    pen.fillStyle = INK;
+    pen.strokeStyle = "#ffffff";
+    pen.lineWidth = 3;
+    axes.forEach((_, k) => ["strokeText", "fillText"].forEach((write) => pen[write](k + 1, points[k][0] + 10, points[k][1] + 4)));
+    pen.fillRect(points.at(-1)[0] - 4, points.at(-1)[1] - 4, 8, 8);
+    if (force) this.drawArrow(pen, flange, force, ARROWS.force, std);
+    if (sensed) this.drawArrow(pen, flange, sensed, ARROWS.sensed);
+  }
+
+  // The force that acts on the flange, from there on; std: of its components, for the ellipse around its tip.
+  drawArrow(pen, flange, force, { colour, width, dashes }, std = null) {
+    const tip = this.tip(flange, force), start = this.place(flange), [x, y] = tip.map((one, i) => one - start[i]);
+    if (!(Math.hypot(x, y) > 2)) return;
+    if (std) this.drawEllipse(pen, tip, std, colour);
+    pen.setLineDash(dashes.map((dash) => 2 * dash));
+    stroke(pen, [start, tip], colour, width);
+    pen.setLineDash([]);
+    const way = Math.atan2(y, x), barb = (side) => [tip[0] - 11 * Math.cos(way + side), tip[1] - 11 * Math.sin(way + side)];
+    stroke(pen, [barb(0.45), tip, barb(-0.45)], colour, width);
+  }
+
+  tip(flange, force) {
+    return this.place(added(flange, applied(this.scene.upright, force), this.perNewton));
+  }
+
+  drawEllipse(pen, [x, y], std, colour) {
+    const { across, along, angle } = this.ellipse(std);
+    pen.beginPath();
+    pen.ellipse(x, y, across, along, angle, 0, 2 * Math.PI);
+    pen.fillStyle = `${colour}40`;
+    pen.fill();
+    pen.strokeStyle = colour;
+    pen.lineWidth = 1;
+    pen.stroke();
+  }
+
+  // Half-axes [pixels] and angle in the picture of the 95 % ellipse of a force: P diag(σ²) Pᵀ, P the projection.
+  ellipse(std) {
+    const [right, up] = product(this.axes, this.scene.upright).map((row) => row.map((one, i) => one * std[i]));
+    const [xx, xy, yy] = [dot(right, right), -dot(right, up), dot(up, up)]; // the picture's y points down
+    const middle = (xx + yy) / 2, half = Math.hypot((xx - yy) / 2, xy), factor = ELLIPSE * this.perNewton * this.scale;
+    const [across, along] = [middle + half, Math.max(middle - half, 0)].map((square) => factor * Math.sqrt(square));
+    return { across, along, angle: Math.atan2(2 * xy, xx - yy) / 2 };
+  }
+
+  drawScales(pen) {
+    const { clientWidth: wide, clientHeight: high } = this.canvas, newtons = roundNumber(this.usualForce);
+    const length = newtons * this.perNewton * this.scale;
+    pen.fillStyle = INK;
+    if (this.scene.force || this.scene.sensed) {
+      stroke(pen, [[12, high - 12], [12 + length, high - 12]], INK, 2);
+      pen.fillText(`${newtons} N`, 12, high - 18);
+    }
+    if (!this.scene.torque) return;
+    for (let i = 0; i < 60; i++) {
+      pen.fillStyle = shade(i / 59);
+      pen.fillRect(wide - 72 + i, high - 16, 1.5, 8);
+    }
+    pen.fillStyle = INK;
+    pen.textAlign = "right";
+    pen.fillText(`joints: external torque, 0 to ${this.largestTorque.toPrecision(2)} Nm`, wide - 12, high - 22);
+    pen.textAlign = "left";
+  }
+
+  // Write what is drawn.
+  tell(now) {
+    const { estimate, contacts, alarms } = this.scene, { time } = this.stretch;
+    const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, 1)).join(", ");
+    const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate];
+    const found = finders.filter(Boolean).join(" and by ");
+    const band = now?.std ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
+    this.readings.time.textContent =
+      `At ${time.toFixed(2)} s: ${now ? (found ? `contact by ${found}` : "no contact found") : "a gap in the recording"}.`;
+    if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band} N` : "–";
+    if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)} N` : "–";
+    if (this.readings.torque) this.readings.torque.textContent = now ? `${list(now.torque)} Nm` : "–";
+  }
+}
+
+// Marks on the line of time, under their name.
+function lane(name, kind, spans) {
+  const marks = spans.map(() => make("i")), track = make("div", { className: `lane ${kind}` }, ...marks);
+  const element = make("div", { role: "img" }, make("span", {}, name), track);
+  element.setAttribute("aria-label", `${name}: ${spans.map(([from, to]) => `${from.toFixed(1)} to ${to.toFixed(1)} s`).join(", ") || "never"}`);
+  const draw = ({ from, to }) => marks.forEach((mark, i) => {
+    const [start, end] = spans[i].map((time) => (100 * Math.min(Math.max(time - from, 0), to - from)) / (to - from));
+    Object.assign(mark.style, { left: `${start}%`, width: `${end - start}%` });
+  });
+  return { element, draw };
+}
+
+function stroke(pen, points, colour, width) {
+  pen.strokeStyle = colour;
+  pen.lineWidth = width;
+  pen.beginPath();
+  points.forEach((point) => pen.lineTo(...point));
+  pen.stroke();
+}
+
+// The colour of a share from 0 to 1, light to dark, also in grey; white where it is unknown.
+function shade(share) {
+  return Number.isNaN(share) ? "#ffffff" : `hsl(12 85% ${96 - 66 * Math.min(share, 1)}%)`;
+}

@@ -1,0 +1,114 @@
+// *Look closer*: a figure over time to zoom into, and the arm at the time pointed at. The report is
+// complete without it. It asks no server for anything.
+"use strict";
+
+const HELP = "Keys, once the figure is selected: arrows move, plus and minus zoom, Escape shows everything; once the " +
+  "arm is selected: arrows step, space plays, shift and arrows turn the arm. Mouse: drag across a stretch of time to see " +
+  "it alone, double-click for everything; the wheel zooms a selected figure; drag the arm to turn it. Two fingers zoom. " +
+  "Grey areas and panels of errors are in the picture only.";
+const COMMANDS = { // by key: the sign and name of its button, and what it does
+  "+": ["+", "Zoom in", (stretch) => stretch.zoom(1 / 1.25)],
+  "-": ["−", "Zoom out", (stretch) => stretch.zoom(1.25)],
+  ArrowLeft: ["←", "Earlier", (stretch) => stretch.move(-0.1)],
+  ArrowRight: ["→", "Later", (stretch) => stretch.move(0.1)],
+  Escape: ["Everything", "Show everything", (stretch) => stretch.show(stretch.first, stretch.last)],
+};
+const stretches = new Map(); // by recording
+
+class Look {
+  constructor(figure, data, scene) {
+    const { recording } = figure.dataset;
+    this.stretch = stretches.get(recording) ?? new Stretch();
+    stretches.set(recording, this.stretch);
+    let before = 0;
+    data.times = values(data.time, null).map((time) => (before = time ?? before)); // null in gaps
+    this.times = data.times;
+    this.arm = scene && new Arm(scene, this.stretch);
+    this.stretch.time ??= this.arm ? this.arm.scene.busiest() : (data.times[0] + data.times.at(-1)) / 2;
+    this.panels = data.panels.map((_, i) => new Panel(data, i, this.stretch));
+    this.panels.forEach(({ plot }) => listen(plot, this.stretch, (command) => this.carryOut(command)));
+    this.element = this.build(figure, data);
+    new ResizeObserver(() => this.resize()).observe(this.plots);
+  }
+
+  build(figure, data) {
+    // joints in rows, forces beside moments
+    const order = data.panels[0][0].startsWith("joint") ? this.panels.keys() : [0, 3, 1, 4, 2, 5];
+    const panels = [...order].map((i) => this.panels[i]);
+    const help = make("p", { className: "source", id: `${figure.id}-help`, textContent: HELP });
+    this.status = make("p", { className: "source", role: "status" });
+    this.plots = make("div", { className: "plots", tabIndex: 0, role: "application", ariaRoleDescription: "zoomable figure",
+      onkeydown: (event) => this.press(event) }, ...panels.map((panel) => panel.element));
+    this.plots.setAttribute("aria-label", figure.querySelector("img").alt);
+    this.plots.setAttribute("aria-describedby", help.id);
+    const lines = data.lines.map(({ label }, k) => [swatch(this.panels[0].lines[k]), ` ${label}`]);
+    if (data.band) lines.push(["95 % band"]);
+    const tools = make("div", { className: "tools" },
+      make("div", {}, ...Object.values(COMMANDS).map(([textContent, ariaLabel, command]) =>
+        make("button", { type: "button", textContent, ariaLabel, onclick: () => this.carryOut(command) }))),
+      group("Lines", lines.map((label, k) => choice(label, (show) => this.panels.forEach((panel) => panel.toggle(k, show))))),
+      group("Panels", panels.map((panel) => choice([panel.name], (show) => (panel.element.hidden = !show)))));
+    return make("div", { className: "closer" }, tools, ...(this.arm ? [this.arm.element] : []), this.plots, this.status, help);
+  }
+
+  press(event) {
+    const command = COMMANDS[event.key === "=" ? "+" : event.key];
+    if (!command || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    this.carryOut(command[2]);
+  }
+
+  // Carry out a command and tell what is shown then.
+  carryOut(command) {
+    const { stretch } = this;
+    command(stretch);
+    stretch.time = stretch.within(stretch.time);
+    const read = this.panels.filter((panel) => !panel.element.hidden).map((panel) => panel.told());
+    const [from, to, at] = [stretch.from, stretch.to, stretch.time].map((seconds) => seconds.toFixed(2));
+    this.status.textContent = `${from} s to ${to} s. At ${at} s: ${read.join("; ")}.`;
+  }
+
+  resize() {
+    const shown = this.panels.filter((panel) => panel.element.clientWidth > 0);
+    shown.forEach((panel) => panel.plot.setSize({ width: panel.element.clientWidth, height: HEIGHT }));
+    this.stretch.draw(); // once uPlot has its new size
+  }
+
+  draw() {
+    this.panels.forEach((panel) => panel.draw());
+    this.arm?.draw();
+  }
+}
+
+function group(name, choices) {
+  return make("fieldset", {}, make("legend", {}, name), ...choices);
+}
+
+function choice(label, onChange) {
+  const onchange = (event) => onChange(event.target.checked);
+  return make("label", {}, make("input", { type: "checkbox", checked: true, onchange }), " ", ...label);
+}
+
+// Offer a closer look at a figure that holds its lines.
+function offer(figure) {
+  const image = figure.querySelector("img");
+  const button = make("button", { type: "button", className: "look", textContent: "Look closer", ariaExpanded: "false" });
+  const scene = [...document.querySelectorAll("script[data-scene]")].find((one) => one.dataset.scene === figure.dataset.recording);
+  let made = null;
+  button.onclick = async () => {
+    const packed = [figure.querySelector("script"), ...(scene ? [scene] : [])].map((one) => unpacked(one.textContent));
+    made ??= Promise.all(packed).then((data) => new Look(figure, ...data));
+    const look = await made, open = button.ariaExpanded === "false";
+    button.ariaExpanded = String(open);
+    button.textContent = open ? "Back to the picture" : "Look closer";
+    image.classList.toggle("replaced", open);
+    if (open) image.after(look.element);
+    else look.element.remove();
+    if (open) look.stretch.add(look, look.times);
+    else look.stretch.remove(look);
+    (open ? look.plots : button).focus({ preventScroll: true });
+  };
+  figure.querySelector("figcaption").before(button);
+}
+
+if ("DecompressionStream" in window) document.querySelectorAll("figure[data-recording]").forEach(offer);

@@ -1,0 +1,126 @@
+// A figure over time, drawn by uPlot: a plot for each panel, with the values at the time pointed at.
+"use strict";
+
+const HEIGHT = 170; // pixels of a plot, with its times
+const ESTIMATE = "#009e73"; // of the leading estimate; its band is translucent
+const FONT = "12px 'Source Sans 3', 'Segoe UI', Helvetica, Arial, sans-serif";
+
+class Panel {
+  constructor(data, i, stretch) {
+    this.name = data.panels[i].join(" [") + "]";
+    this.stretch = stretch;
+    this.columns = data.columns.filter((_, column) => column % data.panels.length === i);
+    this.digits = digitsOf(Math.max(...this.columns.map(({ level }) => level)) || 1);
+    this.lines = data.lines.map(({ colours, dashes }) => ({ colour: colours[i] ?? colours[0], dashes }));
+    this.readings = this.lines.map(() => make("span"));
+    const read = this.lines.map((line, k) => make("span", {}, swatch(line), " ", this.readings[k]));
+    this.element = make("div", { className: "panel" }, make("p", {}, make("b", {}, this.name), ...read));
+    const table = [data.times, ...this.columns.map((column) => values(column, null))];
+    this.plot = new uPlot(this.options(data.band), table, this.element);
+  }
+
+  options(band) {
+    const lines = this.lines.map(({ colour, dashes }) => ({ stroke: colour, width: 1.2, dash: dashes.map((dash) => 2 * dash),
+      points: { show: false } }));
+    const edges = band ? [{}, {}].map(() => ({ points: { show: false } })) : [];
+    const axis = { font: FONT, stroke: "#404040", grid: { stroke: "#e4e4e4", width: 1 }, ticks: { show: false } };
+    const told = (unit) => (_, numbers) => numbers.map((one) => String(+one.toFixed(9)).replace("-", "−") + unit);
+    return {
+      width: 300,
+      height: HEIGHT,
+      padding: [6, 12, 0, 0],
+      legend: { show: false },
+      cursor: { y: false, points: { show: false }, drag: { x: false, y: false }, bind: UNBOUND },
+      scales: { x: { time: false } },
+      axes: [{ ...axis, size: 28, values: told(" s") }, { ...axis, size: 52, space: 25, values: told("") }],
+      series: [{}, ...lines, ...edges],
+      bands: band ? [{ series: [lines.length + 2, lines.length + 1], fill: `${ESTIMATE}40` }] : [],
+    };
+  }
+
+  draw() {
+    const { plot, stretch } = this, { from, to, time } = stretch;
+    if (this.from !== from || this.to !== to) {
+      [this.from, this.to] = [from, to];
+      plot.batch(() => plot.setScale("x", { min: from, max: to }));
+    }
+    plot.setCursor({ left: plot.valToPos(time, "x"), top: 0 }, false);
+    this.readings.forEach((reading, k) => (reading.textContent = this.text(k)));
+  }
+
+  // The value of a line at the time pointed at.
+  text(line) {
+    return withMinus(this.plot.data[line + 1][this.plot.valToIdx(this.stretch.time)], this.digits);
+  }
+
+  // The values of the lines that are shown.
+  told() {
+    const shown = this.lines.map((_, line) => line).filter((line) => this.plot.series[line + 1].show);
+    return `${this.name} ${shown.map((line) => this.text(line)).join(", ")}`;
+  }
+
+  // Show or hide a line, or the band (after the last line).
+  toggle(line, show) {
+    this.plot.setSeries(line + 1, { show });
+    if (line === this.lines.length) this.plot.setSeries(line + 2, { show });
+    else this.readings[line].parentElement.hidden = !show;
+  }
+}
+
+const UNBOUND = Object.fromEntries(
+  ["mousedown", "mouseup", "click", "dblclick", "mousemove", "mouseleave", "mouseenter"].map((name) => [name, () => null]),
+);
+
+// A short piece of a line, as the plots draw it.
+function swatch({ colour, dashes }) {
+  const drawing = make("span", { className: "swatch" });
+  drawing.innerHTML = `<svg width="26" height="6" aria-hidden="true"><path d="M0 3H26" stroke="${colour}" ` +
+    `stroke-width="2" stroke-dasharray="${dashes.map((dash) => 2 * dash).join(" ")}"/></svg>`;
+  return drawing;
+}
+
+// A mouse points, drags across a stretch, and zooms by its wheel; a finger points, two of them zoom.
+function listen(plot, stretch, carryOut) {
+  const { over } = plot, down = new Map(); // places of what is down, by pointer
+  const time = (place) => plot.posToVal(place, "x");
+  let start = null; // of a drag
+  const select = (place) =>
+    plot.setSelect({ left: Math.min(start, place), width: Math.abs(place - start), top: 0, height: over.clientHeight }, false);
+  const end = (event) => {
+    down.delete(event.pointerId);
+    if (start !== null) select(start);
+    start = null;
+  };
+  over.onpointerdown = (event) => {
+    down.set(event.pointerId, event.offsetX);
+    stretch.point(time(event.offsetX));
+    if (event.pointerType !== "mouse") return;
+    start = event.offsetX;
+    over.setPointerCapture(event.pointerId);
+  };
+  over.onpointermove = (event) => {
+    const [other] = [...down].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+    if (down.has(event.pointerId) && other !== undefined) {
+      const [before, after] = [down.get(event.pointerId), event.offsetX].map((place) => Math.max(Math.abs(place - other), 20));
+      stretch.zoom(before / after, time((event.offsetX + other) / 2));
+    }
+    if (down.has(event.pointerId)) down.set(event.pointerId, event.offsetX);
+    stretch.point(time(event.offsetX));
+    if (start !== null) select(event.offsetX);
+  };
+  over.onpointerup = (event) => {
+    const across = start === null ? 0 : Math.abs(event.offsetX - start);
+    if (across > 0.01 * over.clientWidth) {
+      const [from, to] = [start, event.offsetX].map(time).sort((a, b) => a - b);
+      carryOut(() => stretch.show(from, to));
+    }
+    end(event);
+  };
+  over.onpointercancel = end;
+  over.ondblclick = () => carryOut(() => stretch.show(stretch.first, stretch.last));
+  over.addEventListener("wheel", (event) => {
+    if (!document.activeElement.contains(over) || document.activeElement === document.body) return; // the page scrolls
+    event.preventDefault();
+    stretch.zoom(Math.exp(event.deltaY / 500), time(event.offsetX));
+  }, { passive: false });
+}
