@@ -1,11 +1,17 @@
 """Whether *Look closer* draws an arm where its kinematics and its forces say."""
 
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ur5lib.report.figures.scene import upright
+from tests.artefacts.documents import browser
+from ur5lib.finished import FinishedStudy
+from ur5lib.force.estimators import NEW
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.signals import Signals
+from ur5lib.report.figures.scene import shown_rows, upright
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
@@ -21,13 +27,43 @@ DRAWN = """([recording, time, [turn, tilt]]) => {
   const { origins, force, std, sensed } = arm.scene.at(time), flange = origins.at(-1);
   const points = origins.map((origin) => arm.place(origin));
   const tip = arm.tip(flange, force), pen = arm.canvas.getContext("2d");
-  const dot = [0, 1].map((i) => window.devicePixelRatio * (0.6 * tip[i] + 0.4 * points.at(-1)[i]));
+  const { data, width } = pen.getImageData(0, 0, arm.canvas.width, arm.canvas.height);
+  const start = points.at(-1), sharp = window.devicePixelRatio;
+  const colours = Array.from({ length: 40 }, (_, i) => {
+    const place = start.map((from, axis) => from + (0.2 + i / 100) * (tip[axis] - from));
+    const [x, y] = place.map((one) => Math.floor(sharp * one));
+    return [...data.slice(4 * (y * width + x), 4 * (y * width + x) + 3)];
+  });
   return { points, tip, sensed: sensed && arm.tip(flange, sensed), ellipse: arm.ellipse(std),
-    scale: arm.scale, perNewton: arm.perNewton,
+    scale: arm.scale, perNewton: arm.scene.perNewton,
     size: [arm.canvas.clientWidth, arm.canvas.clientHeight],
-    colour: [...pen.getImageData(...dot, 1, 1).data],
+    colours,
     text: arm.element.querySelector(".readout").innerText };
 }"""
+
+
+def check_arm(results: Path, recording: str) -> None:
+    """Where the tables of a recording say, at times of a small, a larger and a large force."""
+    study = FinishedStudy(results)
+    signals, forces = study.record(Signals, recording), study.record(Forces, recording)
+    sensor = SensorWrenches.read(results / "recordings" / recording / "sensor.parquet")
+    entry = study.recording(recording)
+    robot = study.arm(entry.robot).mounted(entry.gravity)
+    lead = next(name for name in NEW if name in forces.wrench)
+    force, std, sensed = forces.wrench[lead], forces.std[lead], sensor.wrench.get("compensated")
+    rows = shown_rows(signals.segment, signals.period)
+    size = np.linalg.norm(force[rows, :3], axis=1)
+    known = rows[np.argsort(size)][: np.isfinite(size).sum()]
+    with browser() as chromium:
+        page = chromium.new_page()
+        page.goto((results / "report.html").as_uri())
+        page.locator(f"figure[data-recording='{recording}'] .look").first.click()
+        page.wait_for_selector(".arm canvas")
+        for share, view in zip((0.5, 0.9, 0.98), VIEWS, strict=True):
+            row = known[int(share * len(known))]
+            felt = None if sensed is None else sensed[row, :3]
+            at = signals.time[row], signals.actual_q[row], force[row, :3], std[row, :3], felt
+            check_drawn(page, recording, robot, at, view)
 
 
 def check_drawn(
@@ -58,8 +94,8 @@ def check_drawn(
             np.testing.assert_allclose(np.array(drawn[tip]) - points[-1], arrow, atol=1.5)
     check_ellipse(drawn["ellipse"], per_newton * TWO_SIGMA * projection @ up @ np.diag(std))
     if np.hypot(*(np.array(drawn["tip"]) - points[-1])) > 40:
-        assert drawn["colour"][:3] == [0, 158, 115]
-    told = re.search(r"Force x, y, z by .*?: (.*), 95 % bands ± (.*) N", drawn["text"])
+        assert [0, 158, 115] in drawn["colours"]  # the sensor's arrow is above
+    told = re.search(r"Force x, y, z by .*?: (.*), 95 % bands ± (.*)\sN", drawn["text"])
     assert told is not None
     for text, known in zip(told.groups(), (force, 1.96 * std), strict=True):
         numbers = [float(number.replace("−", "-")) for number in text.split(", ")]

@@ -17,6 +17,7 @@ from tests.artefacts.documents import (
     check_structure,
     page_texts,
 )
+from tests.artefacts.drawn_arm import check_arm
 from tests.conftest import PROJECT, Workflow
 from tests.library.test_benchmarks import run_benchmark
 from ur5lib.cli import app
@@ -209,6 +210,10 @@ def test_the_report_is_short_and_leaves_the_rest_to_the_details(results: Path) -
     assert back
     assert {*links} <= ids[1]
     assert {*back} <= ids[0]
+
+
+def test_the_arm_is_drawn_as_its_tables_say(results: Path) -> None:
+    check_arm(results, "way_points_pushed")
 
 
 def test_the_notebook_runs(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:

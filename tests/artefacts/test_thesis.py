@@ -20,6 +20,7 @@ from tests.artefacts.documents import (
     check_structure,
     page_texts,
 )
+from tests.artefacts.drawn_arm import check_arm
 from tests.conftest import PROJECT
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import PUBLISHED
@@ -679,6 +680,11 @@ def test_the_report_holds_what_was_promised(thesis_results: Path, page: HtmlElem
     assert len(scripts) > 10
     assert sum(map(len, scripts)) < 300_000
     assert len(text.encode()) < 4_000_000
+
+
+@pytest.mark.parametrize("recording", WITH_SENSOR)
+def test_the_arm_is_drawn_as_its_tables_say(thesis_results: Path, recording: str) -> None:
+    check_arm(thesis_results, recording)
 
 
 def test_the_pdf_says_the_same(thesis_results: Path, torque: pd.DataFrame) -> None:

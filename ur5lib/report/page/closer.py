@@ -22,6 +22,7 @@ VENDORED = FOLDER / "vendored"
 SCRIPTS = ("numbers.js", "stretch.js", "plots.js", "scene.js", "arm.js", "look.js")
 LEVELS = 256  # to which values are rounded: about two for each dot of a panel on the screen
 MILLI = 1e-3  # s and rad, to which times and angles are rounded
+CENTI = 1e-2  # N and Nm, to which what is measured is rounded
 JOINT_DASHES = (4, 1.5)
 LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 
@@ -94,11 +95,11 @@ def _packed_scene(file: Path) -> str:
             "upright": scene.upright.tolist(),
             "time": _column(scene.time, MILLI),
             "segment": _column(scene.segment.astype(float), 1.0),
-            "q": [_column(angle, MILLI) for angle in scene.q.T],
+            "q": _columns(scene.q, MILLI),
             "estimate": scene.estimate,
             "contacts": scene.contacts,
             "alarms": scene.alarms,
-            **{name: [*map(_column, own.T)] for name, own in measured.items() if own is not None},
+            **{name: _columns(own, CENTI) for name, own in measured.items() if own is not None},
         }
     )
 
@@ -110,16 +111,22 @@ def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, s
     return panels, [*dict.fromkeys(label for label, *_ in parts)][:lines]
 
 
+def _columns(values: Array, level: float) -> list[dict[str, Any]]:
+    return [_column(component, level) for component in values.T]
+
+
 def _column(values: Array, level: float | None = None) -> dict[str, Any]:
     """Return values (N,) as levels above the lowest, and these as steps from each to the next.
 
-    level: the distance of levels, by default that of LEVELS between the ends, 0 if these are the
-    same. None stands for a value that is not finite.
+    level: to multiples of which values are rounded; by default, LEVELS are as far apart as the ends
+    allow, 0 if these are the same. None stands for a value that is not finite.
     """
     known = np.isfinite(values)
     low, high = (values[known].min(), values[known].max()) if known.any() else (0.0, 0.0)
     if level is None:
         level = float(f"{(high - low) / (LEVELS - 1):.6g}")
+    else:
+        low = level * np.round(low / level)
     steps = np.full(len(values), None, object)
     steps[known] = np.diff(np.round((values[known] - low) / (level or 1.0)), prepend=0).astype(int)
     return {"low": float(f"{low:.6g}"), "level": level, "steps": steps.tolist()}

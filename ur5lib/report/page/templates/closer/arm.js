@@ -1,7 +1,7 @@
 // The arm at the time pointed at, drawn in parallel projection, with a line of time below.
 "use strict";
 
-const TALLEST = 380; // pixels
+const TALLEST = 420, MARGIN = 32; // pixels
 const LINK = "#8a8f96", INK = "#404040";
 const ARROWS = { force: { colour: ESTIMATE, dashes: [], width: 4 }, sensed: { colour: "#000000", dashes: [3, 2], width: 2 } };
 const BAND95 = 1.96; // standard deviations, of 95 % of a normal distribution
@@ -13,7 +13,7 @@ class Arm {
     this.scene = new Scene(packed);
     this.stretch = stretch;
     this.room = this.scene.room();
-    [this.usualForce, this.largestTorque] = [this.scene.usualForce(), this.scene.largestTorque()];
+    this.largestTorque = this.scene.largestTorque();
     this.element = this.build();
     this.listen();
   }
@@ -69,14 +69,21 @@ class Arm {
     if (further.length) this.stretch.point(further.at(way > 0 ? 0 : -1));
   }
 
-  draw() {
-    const { canvas, stretch, scene } = this, now = scene.at(stretch.time), sharp = window.devicePixelRatio;
-    canvas.style.height = `${Math.min(TALLEST, 0.75 * canvas.clientWidth)}px`;
-    [canvas.width, canvas.height] = [sharp * canvas.clientWidth, sharp * canvas.clientHeight]; // clears it, too
+  resize() {
+    const { canvas } = this, sharp = window.devicePixelRatio;
+    [this.wide, this.high] = [canvas.clientWidth, Math.min(TALLEST, 0.75 * canvas.clientWidth)];
+    canvas.style.height = `${this.high}px`;
+    [canvas.width, canvas.height] = [sharp * this.wide, sharp * this.high];
     const pen = canvas.getContext("2d");
     pen.setTransform(sharp, 0, 0, sharp, 0, 0);
     pen.font = FONT;
     pen.lineCap = pen.lineJoin = "round";
+  }
+
+  draw() {
+    const { canvas, stretch, scene } = this, now = scene.at(stretch.time), pen = canvas.getContext("2d");
+    if (!this.wide) return; // hidden, as in print
+    pen.clearRect(0, 0, this.wide, this.high);
     this.aim();
     if (now) this.drawArm(pen, now);
     this.drawScales(pen);
@@ -91,32 +98,54 @@ class Arm {
   aim() {
     const { turn, tilt } = this.stretch.view, [c, s] = [Math.cos(turn), Math.sin(turn)];
     this.axes = [[-s, c, 0], [-Math.sin(tilt) * c, -Math.sin(tilt) * s, Math.cos(tilt)]];
-    this.scale = (0.45 * Math.min(this.canvas.clientWidth, this.canvas.clientHeight)) / this.room.radius; // pixels per m
-    this.perNewton = (0.5 * this.room.radius) / this.usualForce; // m of an arrow
+    const { wide, high } = this, { radius, half } = this.room;
+    const upwards = half * Math.cos(tilt) + radius * Math.abs(Math.sin(tilt));
+    this.scale = Math.min((wide / 2 - MARGIN) / radius, (high / 2 - MARGIN) / upwards); // pixels per m
   }
 
   // Where a point [m] is in the picture.
   place(point) {
     const [right, up] = applied(this.axes, added(point, this.room.middle, -1));
-    return [this.canvas.clientWidth / 2 + this.scale * right, this.canvas.clientHeight / 2 - this.scale * up];
+    return [this.wide / 2 + this.scale * right, this.high / 2 - this.scale * up];
   }
 
   drawArm(pen, { origins, axes, torque, force, std, sensed }) {
     const points = origins.map((origin) => this.place(origin)), flange = origins.at(-1);
     stroke(pen, origins.map(([x, y]) => this.place([x, y, 0])), "#e0e0e0", 3); // its shadow on the ground
+    this.drawAxes(pen);
     stroke(pen, points, LINK, 5);
-    axes.forEach((axis, k) => {
-      const half = 0.035 * this.room.radius, ends = [-half, half].map((part) => this.place(added(origins[k], axis, part)));
+    const rightOf = axes.map((axis, k) => { // where its number stands
+      const half = 0.035 * this.scene.reach, ends = [-half, half].map((part) => this.place(added(origins[k], axis, part)));
       stroke(pen, ends, INK, 12);
       stroke(pen, ends, shade(torque ? Math.abs(torque[k]) / this.largestTorque : NaN), 9);
+      return [Math.max(ends[0][0], ends[1][0]), points[k][1]];
     });
-    pen.fillStyle = INK;
-    pen.strokeStyle = "#ffffff";
-    pen.lineWidth = 3;
-    axes.forEach((_, k) => ["strokeText", "fillText"].forEach((write) => pen[write](k + 1, points[k][0] + 10, points[k][1] + 4)));
+    this.drawNumbers(pen, rightOf, origins);
     pen.fillRect(points.at(-1)[0] - 4, points.at(-1)[1] - 4, 8, 8);
     if (force) this.drawArrow(pen, flange, force, ARROWS.force, std);
     if (sensed) this.drawArrow(pen, flange, sensed, ARROWS.sensed);
+  }
+
+  // The numbers of joints; those in the same place stand side by side.
+  drawNumbers(pen, places, origins) {
+    const groups = [];
+    places.forEach(([x, y], k) => {
+      const last = groups.at(-1), joined = last && Math.hypot(...added(origins[k], origins[k - 1], -1)) < 1e-6;
+      if (joined) Object.assign(last, { text: `${last.text}, ${k + 1}`, x: Math.max(last.x, x) });
+      else groups.push({ text: k + 1, x, y });
+    });
+    groups.forEach(({ text, x, y }) => label(pen, text, [x, y], 8));
+    pen.fillStyle = INK;
+  }
+
+  // x, y and z of the base frame, in which forces are told.
+  drawAxes(pen) {
+    const { upright, reach } = this.scene, base = this.place([0, 0, 0]);
+    ["x", "y", "z"].forEach((name, i) => {
+      const end = this.place(upright.map((row) => 0.25 * reach * row[i]));
+      stroke(pen, [base, end], INK, 1);
+      label(pen, name, end, 2);
+    });
   }
 
   // The force that acts on the flange, from there on; std: of its components, for the ellipse around its tip.
@@ -132,7 +161,7 @@ class Arm {
   }
 
   tip(flange, force) {
-    return this.place(added(flange, applied(this.scene.upright, force), this.perNewton));
+    return this.place(added(flange, this.scene.arrow(force)));
   }
 
   drawEllipse(pen, [x, y], std, colour) {
@@ -150,14 +179,14 @@ class Arm {
   ellipse(std) {
     const [right, up] = product(this.axes, this.scene.upright).map((row) => row.map((one, i) => one * std[i]));
     const [xx, xy, yy] = [dot(right, right), -dot(right, up), dot(up, up)]; // the picture's y points down
-    const middle = (xx + yy) / 2, half = Math.hypot((xx - yy) / 2, xy), factor = ELLIPSE * this.perNewton * this.scale;
+    const middle = (xx + yy) / 2, half = Math.hypot((xx - yy) / 2, xy), factor = ELLIPSE * this.scene.perNewton * this.scale;
     const [across, along] = [middle + half, Math.max(middle - half, 0)].map((square) => factor * Math.sqrt(square));
     return { across, along, angle: Math.atan2(2 * xy, xx - yy) / 2 };
   }
 
   drawScales(pen) {
-    const { clientWidth: wide, clientHeight: high } = this.canvas, newtons = roundNumber(this.usualForce);
-    const length = newtons * this.perNewton * this.scale;
+    const { wide, high } = this, newtons = roundNumber(this.scene.usualForce);
+    const length = newtons * this.scene.perNewton * this.scale;
     pen.fillStyle = INK;
     if (this.scene.force || this.scene.sensed) {
       stroke(pen, [[12, high - 12], [12 + length, high - 12]], INK, 2);
@@ -183,9 +212,9 @@ class Arm {
     const band = now?.std ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
     this.readings.time.textContent =
       `At ${time.toFixed(2)} s: ${now ? (found ? `contact by ${found}` : "no contact found") : "a gap in the recording"}.`;
-    if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band} N` : "–";
-    if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)} N` : "–";
-    if (this.readings.torque) this.readings.torque.textContent = now ? `${list(now.torque)} Nm` : "–";
+    if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band}\u00a0N` : "–";
+    if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)}\u00a0N` : "–";
+    if (this.readings.torque) this.readings.torque.textContent = now ? `${list(now.torque)}\u00a0Nm` : "–";
   }
 }
 
@@ -207,6 +236,15 @@ function stroke(pen, points, colour, width) {
   pen.beginPath();
   points.forEach((point) => pen.lineTo(...point));
   pen.stroke();
+}
+
+// Text to the right of a place, on a white edge.
+function label(pen, text, [x, y], distance) {
+  pen.fillStyle = INK;
+  pen.strokeStyle = "#ffffff";
+  pen.lineWidth = 3;
+  pen.strokeText(text, x + distance, y + 4);
+  pen.fillText(text, x + distance, y + 4);
 }
 
 // The colour of a share from 0 to 1, light to dark, also in grey; white where it is unknown.

@@ -71,6 +71,7 @@ class Look {
   resize() {
     const shown = this.panels.filter((panel) => panel.element.clientWidth > 0);
     shown.forEach((panel) => panel.plot.setSize({ width: panel.element.clientWidth, height: HEIGHT }));
+    this.arm?.resize();
     this.stretch.draw(); // once uPlot has its new size
   }
 

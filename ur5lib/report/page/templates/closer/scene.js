@@ -14,6 +14,9 @@ class Scene {
     for (const name of ["q", "torque", "force", "std", "sensed"]) this[name] = unpackedColumns(packed[name]);
     [this.times, this.segment] = [packed.time, packed.segment].map((column) => values(column, NaN));
     this.rows = [...this.times.keys()];
+    this.usualForce = this.sizeOfMost([...this.sizes(this.force), ...this.sizes(this.sensed)]);
+    this.reach = Math.max(...this.rows.flatMap((row) => this.originsIn(row)).map((origin) => Math.hypot(...origin) || 0));
+    this.perNewton = (0.4 * this.reach) / this.usualForce; // m of an arrow
   }
 
   // What is known at a time, between two rows; null in a gap.
@@ -42,13 +45,28 @@ class Scene {
     return { origins, axes };
   }
 
-  // Middle and radius [m] of the ball in which the arm moves.
+  originsIn(row) {
+    return this.posture(this.q.map((column) => column[row])).origins;
+  }
+
+  arrow(force) {
+    return applied(this.upright, force).map((one) => this.perNewton * one);
+  }
+
+  // Ends of the arrows of a row, without those longer than most.
+  tipsIn(row, flange) {
+    const forces = [this.force, this.sensed].filter(Boolean).map((columns) => columns.map((column) => column[row]));
+    return forces.filter((force) => Math.hypot(...force) <= this.usualForce).map((force) => added(flange, this.arrow(force)));
+  }
+
+  // The upright cylinder [m] in which the arm and its arrows move: middle, radius, half its height.
   room() {
-    const points = this.rows.flatMap((row) => this.posture(this.q.map((column) => column[row])).origins);
-    const known = points.filter(([x]) => !Number.isNaN(x));
-    const end = (choose, i) => known.reduce((found, point) => choose(found, point[i]), known[0][i]);
-    const middle = [0, 1, 2].map((i) => (end(Math.min, i) + end(Math.max, i)) / 2);
-    return { middle, radius: known.reduce((found, point) => Math.max(found, Math.hypot(...added(point, middle, -1))), 0) };
+    const inRow = (row, origins) => [...origins, ...this.tipsIn(row, origins.at(-1))];
+    const points = this.rows.flatMap((row) => inRow(row, this.originsIn(row))).filter(([x]) => !Number.isNaN(x));
+    const ends = [0, 1, 2].map((i) => [Math.min, Math.max].map((end) => points.reduce((found, point) => end(found, point[i]), points[0][i])));
+    const middle = ends.map(([from, to]) => (from + to) / 2);
+    const radius = points.reduce((found, [x, y]) => Math.max(found, Math.hypot(x - middle[0], y - middle[1])), 0);
+    return { middle, radius, half: ends[2][1] - middle[2] };
   }
 
   // Sizes of a vector in each row, 0 where it is unknown.
@@ -56,10 +74,9 @@ class Scene {
     return columns ? this.rows.map((row) => Math.hypot(...columns.map((column) => column[row])) || 0) : [];
   }
 
-  // The size of force [N] that an arrow must have room for: few are larger.
-  usualForce() {
-    const sizes = [...this.sizes(this.force), ...this.sizes(this.sensed)].sort((a, b) => a - b);
-    return Math.max(sizes[Math.floor(0.99 * sizes.length)] ?? 0, 10);
+  // The size that few are larger than, at least 10 [N].
+  sizeOfMost(sizes) {
+    return Math.max(sizes.sort((a, b) => a - b)[Math.floor(0.99 * sizes.length)] ?? 0, 10);
   }
 
   largestTorque() {
@@ -68,7 +85,7 @@ class Scene {
 
   // The time of the largest force, or the middle.
   busiest() {
-    const sizes = this.sizes(this.force ?? this.sensed), middle = Math.floor(this.times.length / 2);
+    const sizes = this.sizes(this.sensed ?? this.force), middle = Math.floor(this.times.length / 2);
     return this.times[sizes.reduce((best, size, row) => (size > sizes[best] ? row : best), middle)];
   }
 }
