@@ -292,7 +292,9 @@ def export(
         str | None,
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
-    to: Annotated[str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json")] = "urdf",
+    to: Annotated[
+        str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json, sensor")
+    ] = "urdf",
     results: Annotated[
         Path | None, typer.Option(help="results of a study that identified it: results/<study>")
     ] = None,
@@ -300,7 +302,8 @@ def export(
         str, typer.Option(help="a recording of that study: with its payload and mounting")
     ] = "",
 ) -> None:
-    """Print an arm for other programs: as a model, or all known parameters (json)."""
+    """Print an arm for other programs: as a model, all known parameters (json), or the bias and
+    tool of its force sensor (sensor)."""
     from ur5lib.commands.exported import exported
 
     typer.echo(exported(robot, model, to, results, as_in))

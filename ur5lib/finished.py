@@ -7,6 +7,7 @@ from typing import TypeVar
 import pandas as pd
 
 from ur5lib.errors import InputError
+from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.table import Table
@@ -65,6 +66,10 @@ class FinishedStudy:
     def quality(self, recording: str) -> Quality:
         """Return the files and the timing of a recording."""
         return read_record(Quality, self._existing("recordings", recording, "quality.json"))
+
+    def judgement(self, recording: str) -> Judgement:
+        """Return what is judged of a recording."""
+        return read_record(Judgement, self._existing("recordings", recording, "judgement.json"))
 
     def payload(self, recording: str) -> Payload | None:
         """Return the payload of the arm."""

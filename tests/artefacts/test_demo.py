@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from typer.testing import CliRunner
 
 from benchmarks.leaderboard import QUICK
@@ -18,6 +19,7 @@ from tests.artefacts.documents import (
     page_texts,
 )
 from tests.artefacts.drawn_arm import check_arm
+from tests.compensated import check_formula
 from tests.conftest import PROJECT, Workflow
 from tests.library.test_benchmarks import run_benchmark
 from ur5lib.cli import app
@@ -247,6 +249,22 @@ def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
     assert len(known["torque_noise"]) == len(known["current_model"]) == 6
     quality = read_json(results / "recordings" / "excitation" / "quality.json")
     assert known["files"]["excitation"] == quality["read"]
+
+
+@pytest.mark.parametrize("name", ["way_points_pushed", "standstill_pushed"])
+def test_the_sensor_is_exported_with_its_formula(results: Path, name: str) -> None:
+    """At rest, weight is a part of the bias."""
+    text = exported("ur5", None, "sensor", results, "")
+    known = check_formula(text, results, name)
+    assert (known["mass"] is None) == (name == "standstill_pushed")
+    assert known["center_of_mass"] == dict.fromkeys("xyz")  # of no mass
+    assert known["reading"] == "ft"
+    alone = yaml.safe_load(exported("ur5", None, "sensor", results, name))
+    assert [one["recording"] for one in alone["recordings"]] == [name]
+    assert alone["spread"] is None
+    together = yaml.safe_load(text)["spread"]
+    assert together["recordings"] == ["way_points_pushed", "every_fault"]
+    assert together["bias"]["Fx"]["highest"] == pytest.approx(-5, abs=0.01)  # as simulated
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,10 @@ import pytest
 import yaml
 
 from tests.commands import Command
+from tests.compensated import check_formula
 from tests.conftest import Workflow, copy_project
+from ur5lib.commands.exported import exported
+from ur5lib.errors import InputError
 from ur5lib.records.premises import Premises
 from ur5lib.study.reading import read_study, study_text
 from ur5lib.tables import read_csv, read_json, read_record
@@ -20,6 +23,7 @@ from ur5lib.tables import read_csv, read_json, read_record
 pytestmark = pytest.mark.slow
 
 TOOL = {"mass": 1.2, "center_of_mass": [0, 0, 0.05], "tcp": [0, 0, 0.12, 0, 0, 0]}
+TOOL["inertia"] = [4e-3, 3e-3, 2e-3, 0, 0, 5e-4]
 WRIST = {"bias": [3, -3, 3, 0.1, -0.1, 0.1], "rotation_deg": [3, 0, 4], "scale": 0.9}
 PUSH = {"kind": "push", "start_s": 4, "seconds": 4, "force": [60, 30, -45]}
 
@@ -112,6 +116,16 @@ def test_the_wrist_sensor_is_compared_and_audited(results: Path) -> None:
         row = audit.loc[(quantity, *parts)]
         assert abs(row["value"] - truth) < 4 * row["std_error"]
         assert row["verdict"] != "right"
+
+
+def test_the_wrist_sensor_is_exported_with_its_formula(results: Path) -> None:
+    known = check_formula(exported("cell-2", None, "sensor", results, ""), results, "pushed")
+    assert known["reading"] == "ft_raw_wrench"
+    assert known["inertia"] == TOOL["inertia"]
+    assert known["temperature"] == 30.0  # of the stand
+    assert known["gravity"][2] > 9  # on a ceiling
+    with pytest.raises(InputError, match="no reading of a force sensor on ur30"):
+        exported("ur30", None, "sensor", results, "")
 
 
 def test_questions_are_answered_from_the_tables(

@@ -21,7 +21,9 @@ from tests.artefacts.documents import (
     page_texts,
 )
 from tests.artefacts.drawn_arm import check_arm
+from tests.compensated import check_formula
 from tests.conftest import PROJECT
+from ur5lib.commands.exported import exported
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import PUBLISHED
 from ur5lib.records.judgement import Judgement
@@ -100,6 +102,14 @@ def test_joints_tell_what_the_imu_feels(
     folder = thesis_results / "recordings" / recording
     judged = read_record(Judgement, folder / "judgement.json")
     assert recording not in judged.imu.calibrated_on
+
+
+def test_the_sensor_is_exported_with_its_formula(thesis_results: Path) -> None:
+    """Of a real sensor, beyond whose gauges only its own plate weighs."""
+    text = exported("ur5", None, "sensor", thesis_results, "")
+    known = check_formula(text, thesis_results, TABLE_6_1)
+    assert 0.05 < known["mass"]["low"] < known["mass"]["high"] < 0.15
+    assert known["start"] == "2013-12-10T15:24:57+00:00"
 
 
 def test_the_smoother_is_nearer_to_the_imu_than_a_plain_filter(study: FinishedStudy) -> None:

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from tests.library.test_from_urdf import made_up, saved
 from ur5lib.cli import app
+from ur5lib.commands.compensation import offset_of
 from ur5lib.commands.described import describe_urdf
 from ur5lib.commands.exported import exported, simulator_friction
 from ur5lib.commands.replay import inverse_dynamics
@@ -21,6 +22,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
+from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
@@ -226,6 +228,25 @@ def test_json_describes_an_arm_without_results() -> None:
     assert "base_parameters" not in known
 
 
+def offset(mass: float, moment_arm: Array) -> OffsetAccount:
+    """Errors of 0.01 kg and 0.001 kg m."""
+    known = {"bias": np.zeros(6), "bias_std": np.ones(6), "noise": np.ones(6), "agreeing": 1.0}
+    known |= {"rival": 0.0, "free": 1.0, "start_bias": np.zeros(6), "pull_at": np.zeros(3)}
+    errors = {"mass_std": 0.01, "moment_arm_std": np.full(3, 0.001)}
+    known |= errors | {"clock_std": 0.0, "inertia": None}
+    return OffsetAccount(mass=mass, moment_arm=moment_arm, **known)
+
+
+def test_a_centre_of_mass_has_the_errors_of_mass_and_moment() -> None:
+    mass, arm = 0.4, np.array([0.0, 0.01, 0.02])
+    centers = RANDOM.normal(arm, 0.001, (10_000, 3)) / RANDOM.normal(mass, 0.01, (10_000, 1))
+    found = [*offset_of(offset(mass, arm))["center_of_mass"].values()]
+    np.testing.assert_allclose([one["value"] for one in found], arm / mass)
+    half = [(one["high"] - one["low"]) / 2 for one in found]
+    np.testing.assert_allclose(half, 1.96 * centers.std(axis=0), rtol=0.05)
+    assert {*offset_of(offset(0.01, arm))["center_of_mass"].values()} == {None}
+
+
 def test_limits_are_those_of_the_joints() -> None:
     robot = load_robot(robot_path("ur5e"))
     model = mujoco.MjModel.from_xml_string(mjcf(robot, "maker", None))
@@ -237,10 +258,11 @@ def test_limits_are_those_of_the_joints() -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"to": "usd"}, "available: urdf, mjcf, sdf, isaac, json"),
+        ({"to": "usd"}, "available: urdf, mjcf, sdf, isaac, json, sensor"),
         ({"robot": "ur6"}, "no description"),
         ({"model": "Z"}, "no link model 'Z'"),
         ({"as_in": "pushed"}, "--results"),
+        ({"to": "sensor"}, "--results"),
         ({"results": Path("nowhere")}, "run snakemake"),
     ],
 )

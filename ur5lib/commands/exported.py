@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.commands.compensation import compensation
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
@@ -32,14 +33,15 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "sdf": sdf,
     "isaac": isaac,
 }
-FORMATS = (*WRITERS, "json")
+FORMATS = (*WRITERS, "json", "sensor")
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 FITTED_FIELDS = ("terms", "held", "band_moving", "band_rest", "contradicted")
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:
-    """Return an arm with one of its link models, by default the chosen or the identified one.
+    """Return an arm with one of its link models, by default the chosen or the identified one, or
+    what its force sensor reads without contact.
 
     results: of a study that identified it; as_in: recording of the study whose payload and mounting
     the arm has, empty for none. Raises InputError for unknown names and missing results.
@@ -47,6 +49,8 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
     study = None if results is None else FinishedStudy(results)
+    if to == "sensor":
+        return compensation(study, robot, as_in)
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:
         raise InputError("--as-in names a recording of a study; name its folder by --results")

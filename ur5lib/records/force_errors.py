@@ -6,6 +6,7 @@ from ur5lib.errors import Remark
 from ur5lib.force.contact_figures import ContactErrors
 from ur5lib.force.detection import Felt
 from ur5lib.force.sensor import Offset
+from ur5lib.robots.description import Six
 from ur5lib.timeseries.arrays import Array
 
 
@@ -13,10 +14,16 @@ from ur5lib.timeseries.arrays import Array
 class OffsetAccount(Offset):
     """What was subtracted from a force sensor's reading.
 
-    free: share of the samples that are free of contact; start_bias: (6,) [N, Nm], mean at the
-    start.
+    pull_at: (3,) [m], the point of frame 6 whose acceleration pulls on the tool: its centre of
+    mass, the sensor where that is unknown; clock_std: [s], error of the sensor's clock, over which
+    this pull is averaged; inertia: of the tool, xx yy zz xy xz yz [kg m²], None where it was
+    neglected; free: share of the samples that are free of contact; start_bias: (6,) [N, Nm], mean
+    at the start.
     """
 
+    pull_at: Array
+    clock_std: float
+    inertia: Six | None
     free: float
     start_bias: Array
 

@@ -17,7 +17,7 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
-from ur5lib.records.force_errors import ByPeriod, Compared, Figures, OffsetAccount
+from ur5lib.records.force_errors import ByPeriod, Compared, Figures
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
@@ -134,7 +134,6 @@ def beside_sensor(
     if LEADING in compared["compensated"]:
         estimated, _ = compared["compensated"][LEADING]
         opposite = opposite_axes(best[:, :3], estimated[:, :3], rotation)
-    account = vars(own) | {"free": float(own.free.mean()), "start_bias": reading.start_bias}
 
     def errors(wrench: Array, std: Array | None, reference: Array) -> ByPeriod:
         band = None if std is None else std[:, columns]
@@ -143,7 +142,7 @@ def beside_sensor(
 
     return replace(
         found,
-        offset=OffsetAccount(**account),
+        offset=reading.account(),
         offset_doubt=offset_doubt(own, reading.each),
         mounting_doubt=mounting_doubt(own, opposite),
         felt=sensed_contact(force, sensor.time),

@@ -7,10 +7,11 @@ import pandas as pd
 
 from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
 from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
-from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.description import Payload, Robot, Six
 from ur5lib.signals.end_effector import ToolMotion, expected_values, tool_motion
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array
@@ -24,18 +25,29 @@ class SensorReading:
     """A force sensor's reading (N, 6) [N, Nm], axes of frame 6, on the robot's clock.
 
     untouched: the part of bias, weight and inertia of its tool (N, 6); offset: bias and tool;
-    placed: the reading as in the thesis, by start stamps alone where it has a clock of its own;
-    start_bias: (6,), its mean at the start; own_clock: whether it has one; each: samples (N,) for
-    each of the sensor's own.
+    pull_at, clock_std, inertia: as in `OffsetAccount`; placed: the reading as in the thesis, by
+    start stamps alone where it has a clock of its own; start_bias: (6,), its mean at the start;
+    own_clock: whether it has one; each: samples (N,) for each of the sensor's own.
     """
 
     values: Array
     untouched: Array
     offset: SensorOffset
+    pull_at: Array
+    clock_std: float
+    inertia: Six | None
     placed: Array
     start_bias: Array
     own_clock: bool
     each: float = 1.0
+
+    def account(self) -> OffsetAccount:
+        """Return what is subtracted from the reading."""
+        known = {name: getattr(self, name) for name in ("pull_at", "clock_std", "inertia")}
+        free = float(self.offset.free.mean())
+        return OffsetAccount(
+            **vars(self.offset) | known | {"free": free, "start_bias": self.start_bias}
+        )
 
 
 def sensor_reading(
@@ -59,16 +71,20 @@ def sensor_reading(
     moment = np.zeros_like(values)
     if tool is not None:  # n = ... - I α - ω × I ω
         moment[:, 3:] = -expected_values(moved.gyration(tool.inertia), *known, clock_std)
-    origin, center = np.array(robot.mounting.force_sensor), np.zeros(3)
+    origin = place = np.array(robot.mounting.force_sensor)
+    pull = expected_values(moved.pull_at(place), *known, clock_std)
     for _ in range(ROUNDS):
-        pull = expected_values(moved.pull_at(origin + center), *known, clock_std)
         offset = fit_offset(values - moment, pull, signals.period)
-        center = within_reach(offset.center())
+        place = origin + within_reach(offset.center())
+        pull = expected_values(moved.pull_at(place), *known, clock_std)
     placed = values if by_stamps is None else in_frame_6(by_stamps, robot)
     return SensorReading(
         values,
         offset.reading(pull) + moment,
         offset,
+        place,
+        clock_std,
+        None if tool is None else tool.inertia,
         placed,
         start_bias=initial_bias(placed, signals.time, bias_window),
         own_clock=by_stamps is not None,

@@ -118,6 +118,11 @@ class Part(Strict):
         tool, load = self.known_tool(), self.declared_load()
         return load.joined(tool.payload() if tool else None) if load else tool and tool.payload()
 
+    def sensor_mounting(self) -> tuple[Vector3 | None, Vector3 | None]:
+        """Return position [m] and turn [°] of the force sensor; None: as described for the arm."""
+        mounting = getattr(getattr(self, "force_sensor", None), "mounting", None)
+        return (mounting.position_m, mounting.rotation_deg) if mounting else (None, None)
+
     def declared_load(self) -> Payload | None:
         """Return the payload that the study declares in addition to the tool."""
         return self.payload

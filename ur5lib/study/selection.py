@@ -183,11 +183,7 @@ class Selection:
 
     def sensor_mounting(self, name: str) -> list[list[float] | None]:
         """Return position [m] and turn [°] of a recording's force sensor; None: as described."""
-        sensor = getattr(self.entries[name], "force_sensor", None)
-        mounting = sensor.mounting if sensor else None
-        if mounting is None:
-            return [None, None]
-        return [mounting.position_m and [*mounting.position_m], [*mounting.rotation_deg]]
+        return [stated and [*stated] for stated in self.entries[name].sensor_mounting()]
 
     def date(self, name: str) -> str:
         """Return the date of a recording; empty where the study gives none."""

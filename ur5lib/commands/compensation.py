@@ -1,0 +1,190 @@
+"""`ur5 export --to sensor`: bias and tool of an arm's force sensor, and how to take them off."""
+
+import math
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+import yaml
+
+from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
+from ur5lib.records.force_errors import OffsetAccount
+from ur5lib.records.judgement import Value
+from ur5lib.records.quality import Quality
+from ur5lib.records.signals import Signals
+from ur5lib.records.table import WRENCH
+from ur5lib.robots.description import Robot
+from ur5lib.study.model import Recording
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
+
+Interval = dict[str, float]  # value, low, high
+AXES = ("x", "y", "z")
+DOUBTS = ("mounting", "offset", "zeroed")  # findings about a sensor
+HEAD = """\
+# Bias and tool of the force sensor of {robot}, by the samples in which nothing touches it.
+#
+# From a raw reading f [N], n [Nm] to the wrench of a contact, F [N], M [Nm]:
+#
+#   f6 = T f - bias_F - mass p
+#   n6 = T n - bias_n - first_moment x p + I alpha + omega x (I omega)
+#   F  = R f6
+#   M  = R (n6 + position x f6)
+#
+# F, M   what the environment does to the arm, axes of the base, moment about the origin of frame 6:
+#        the flange, without the tool centre point. f and n have this sign, too: the reading of the
+#        tool's weight points down.
+# f, n   the channel `reading`, in the sensor's axes; actual_TCP_force has the base's, so take R^T
+#        times its force and R^T times its torque instead
+# T      rotation matrix of the rotation vector turn_deg, from the sensor's axes to those of frame 6
+# R      rotation matrix of frame 6 in the base; position: the sensor's origin in frame 6 [m]
+# p      R^T (gravity - a) [m/s2], what pulls on each kilogram of the tool; a: acceleration of the
+#        point pull_at of frame 6, its centre of mass, in axes of the base, 0 at rest
+# I      inertia of the tool about its centre of mass, xx yy zz xy xz yz [kg m2], axes of frame 6;
+#        omega [rad/s], alpha [rad/s2]: rate of frame 6 in its own axes, and its derivative
+#
+# bias [N, Nm], first_moment [kg m] and center_of_mass [m], from the sensor's origin, are in axes of
+# frame 6; first_moment = mass center_of_mass. low and high are the 95 % interval in that recording.
+# null is unknown, and counts as 0 in the formula: without a mass [kg], the bias contains the weight
+# in the pose of that recording. The sensor's clock is known to clock_std [s]; p and the terms of I
+# are averaged over a Gaussian of that standard deviation.
+# So `compensated_Fx` to `compensated_nz` of the recording's sensor.parquet are computed.
+#
+# spread is how far the recordings with a known mass lie apart. A later bias may lie as far off, or
+# farther if the sensor was zeroed: use a recording that is near in time and in temperature [°C],
+# which is that of the last joint's motor.
+"""
+
+
+def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
+    """Return bias and tool of an arm's force sensor by recording, as YAML with the formula.
+
+    only: a recording, empty for all of the arm. Raises InputError without a study, and where no
+    recording has a force sensor.
+    """
+    if study is None:
+        raise InputError("--to sensor is what a study fitted; name its folder by --results")
+    arm, entries = study.arm(robot), study.configuration().recordings
+    chosen = [study.recording(only)] if only else [one for one in entries if not one.at_rest]
+    of_arm = [entry for entry in chosen if entry.arm.known_as == robot]
+    sensed = [part for entry in of_arm if (part := _recording(study, arm, entry))]
+    if not sensed:
+        raise InputError(
+            f"{study.folder} has no reading of a force sensor on {only or robot}; record one, and "
+            "run snakemake"
+        )
+    content = {"arm": robot, "recordings": sensed, "spread": spread(sensed)}
+    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
+    return HEAD.format(robot=robot) + text
+
+
+def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, Any] | None:
+    """Return what a recording tells of its sensor, and when it did; None without a sensor."""
+    judged, quality = study.judgement(entry.name), study.quality(entry.name)
+    if judged.offset is None:
+        return None
+    place = arm.with_force_sensor(*entry.sensor_mounting()).mounting
+    return {
+        "recording": entry.name,
+        "start": _start(quality, entry),
+        "duration_s": quality.duration_s,
+        "temperature": _last_temperature(study.record(Signals, entry.name)),
+        "remarks": [row["detail"] for row in judged.rows["quality"] if _is_doubt(row)],
+        "reading": _reading(quality),
+        "gravity": [*arm.mounted(entry.known_gravity()).gravity],
+        "position": [*place.force_sensor],
+        "turn_deg": [*place.force_sensor_turn_deg],
+        **offset_of(judged.offset),
+    }
+
+
+def offset_of(offset: OffsetAccount) -> dict[str, Any]:
+    """Return what was subtracted from a reading, each fitted value with its 95 % interval."""
+    inertia = offset.inertia and [*offset.inertia]
+    return {
+        "free_share": offset.free,
+        "bias": _named(WRENCH, offset.bias, offset.bias_std),
+        "mass": _interval(offset.mass, offset.mass_std),
+        "first_moment": _named(AXES, offset.moment_arm, offset.moment_arm_std),
+        "center_of_mass": _named(AXES, *_center(offset)),
+        "pull_at": offset.pull_at.tolist(),
+        "inertia": inertia,
+        "clock_std": offset.clock_std,
+    }
+
+
+def spread(recordings: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
+    """Return how far the values of recordings lie apart, of those with a known mass.
+
+    recordings: as of `compensation`. None with fewer than two.
+    """
+    weighed = [recording for recording in recordings if recording["mass"]]
+    if len(weighed) < 2:
+        return None
+    vectors = {"bias": WRENCH, "center_of_mass": AXES}
+    return {
+        "recordings": [recording["recording"] for recording in weighed],
+        "mass": _apart(recording["mass"] for recording in weighed),
+        **{
+            vector: {name: _apart(one[vector][name] for one in weighed) for name in names}
+            for vector, names in vectors.items()
+        },
+    }
+
+
+def _apart(intervals: Iterable[Interval | None]) -> dict[str, float] | None:
+    """Return the lowest and highest of some values, and their standard deviation."""
+    values = [one["value"] for one in intervals if one]
+    if len(values) < 2:
+        return None
+    std = float(np.std(values, ddof=1))
+    return {"lowest": min(values), "highest": max(values), "std": std}
+
+
+def _start(quality: Quality, entry: Recording) -> str | None:
+    """Return when a recording began, else its date; None where neither is known."""
+    if quality.start_epoch_s is None:
+        return None if entry.date is None else str(entry.date)
+    return datetime.fromtimestamp(quality.start_epoch_s, UTC).isoformat(timespec="seconds")
+
+
+def _last_temperature(signals: Signals) -> float | None:
+    """Return the mean temperature [°C] of the last joint, which is next to the sensor."""
+    known = signals.joint_temperatures
+    return None if known is None else float(np.nanmean(known[:, -1]))
+
+
+def _is_doubt(row: dict[str, Value]) -> bool:
+    """Return whether a row of findings is about the sensor's bias, or about the whole recording."""
+    return row["finding"] in DOUBTS or row["severity"] == "stop"
+
+
+def _reading(quality: Quality) -> str:
+    """Return the channel that was read: of a sensor in the arm's wrist, else `ft`."""
+    own = (f.values["name"] for f in quality.findings if f.finding == "wrist sensor" and not f.code)
+    return str(next(own, "ft"))
+
+
+def _center(offset: OffsetAccount) -> tuple[Array, Array]:
+    """Return the tool's centre of mass (3,) [m] and its error, NaN without a certain mass.
+
+    c = h / m, whose errors are independent: forces tell the mass, moments the first moment h.
+    """
+    if not abs(offset.mass) > NORMAL95 * offset.mass_std:
+        return np.full(3, np.nan), np.full(3, np.nan)
+    center = offset.moment_arm / offset.mass
+    return center, np.hypot(offset.moment_arm_std, center * offset.mass_std) / abs(offset.mass)
+
+
+def _named(names: Sequence[str], values: Array, errors: Array) -> dict[str, Interval | None]:
+    return {n: _interval(*pair) for n, *pair in zip(names, values, errors, strict=True)}
+
+
+def _interval(value: float, error: float) -> Interval | None:
+    """Return a value and its 95 % interval, None where it is unknown."""
+    if not math.isfinite(value):
+        return None
+    half = NORMAL95 * float(error)
+    return {"value": float(value), "low": float(value) - half, "high": float(value) + half}
