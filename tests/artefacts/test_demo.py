@@ -22,6 +22,7 @@ from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
 from tests.conftest import PROJECT, Workflow
 from tests.library.test_benchmarks import run_benchmark
+from tests.rigid import check_rigid
 from ur5lib.cli import app
 from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
@@ -228,6 +229,10 @@ def test_the_notebook_runs(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> N
         exec("".join(cell["source"]), known)
         assert cell["outputs"] == []  # what it shows is not committed
     assert len(known["errors"]) > 100  # type: ignore[arg-type]
+
+
+def test_identified_links_can_exist(results: Path) -> None:
+    check_rigid("ur5", None, results)
 
 
 def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:

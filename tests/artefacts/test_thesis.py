@@ -23,6 +23,7 @@ from tests.artefacts.documents import (
 from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
 from tests.conftest import PROJECT
+from tests.rigid import check_rigid
 from ur5lib.commands.exported import exported
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import PUBLISHED
@@ -102,6 +103,10 @@ def test_joints_tell_what_the_imu_feels(
     folder = thesis_results / "recordings" / recording
     judged = read_record(Judgement, folder / "judgement.json")
     assert recording not in judged.imu.calibrated_on
+
+
+def test_identified_links_can_exist(thesis_results: Path) -> None:
+    check_rigid("ur5", None, thesis_results)
 
 
 def test_the_sensor_is_exported_with_its_formula(thesis_results: Path) -> None:

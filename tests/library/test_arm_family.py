@@ -110,7 +110,7 @@ def by_pinocchio(robot: Robot, bodies: RigidBodies, given: Array) -> Array:
 
 
 def by_mujoco(robot: Robot, bodies: RigidBodies, given: Array) -> Array:
-    engine = mujoco.MjModel.from_xml_string(urdf(robot, bodies))
+    engine = mujoco.MjModel.from_xml_string(urdf(robot, bodies.rigid(1e-12)))  # no point masses
     engine.dof_armature[:], engine.opt.gravity[:] = bodies.rotor_inertia, robot.gravity
     engine.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     data, torques = mujoco.MjData(engine), []

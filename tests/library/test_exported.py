@@ -13,6 +13,7 @@ import yaml
 from typer.testing import CliRunner
 
 from tests.library.test_from_urdf import made_up, saved
+from tests.rigid import check_rigid
 from ur5lib.cli import app
 from ur5lib.commands.compensation import offset_of
 from ur5lib.commands.described import describe_urdf
@@ -24,10 +25,10 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
-from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.from_urdf import robot_from_urdf
-from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.inertia import rigid_bodies, written_bodies
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.timeseries.arrays import Array
 
@@ -68,7 +69,7 @@ def test_an_arm_of_seven_joints_is_exported(tmp_path: Path) -> None:
         (tmp_path / "arm.xml").write_text(text)
         found = inverse_dynamics(tmp_path / "arm.xml", states, GRAVITY)
         np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-3)
-    assert from_sdf(sdf(robot, "maker", None), 7).nv == 7
+    assert from_sdf(sdf(robot, bodies), 7).nv == 7
     with pytest.raises(InputError, match="7 degrees of freedom instead of 6"):
         inverse_dynamics(tmp_path / "arm.xml", motion(), GRAVITY)
 
@@ -116,7 +117,7 @@ def test_friction_is_that_of_all_joints() -> None:
 
 def test_urdf_has_the_same_friction() -> None:
     robot = load_robot(robot_path("ur5e"))
-    text = urdf(robot, rigid_bodies(robot, robot.chosen_model), FRICTION)
+    text = urdf(robot, written_bodies(robot, robot.chosen_model), FRICTION)
     model = mujoco.MjModel.from_xml_string(text)
     np.testing.assert_array_equal(model.dof_frictionloss, FRICTION.coulomb)
     np.testing.assert_array_equal(np.reshape(model.dof_damping, (6, -1))[:, 0], FRICTION.viscous)
@@ -129,7 +130,7 @@ def test_unknown_friction_is_left_out(unknown: int) -> None:
     bodies, others = rigid_bodies(robot, "maker"), {*JOINTS} - {f"joint_{unknown}"}
     for text, place in (
         (urdf(robot, bodies, friction), "dynamics"),
-        (sdf(robot, "maker", friction), "axis/dynamics"),
+        (sdf(robot, bodies, friction), "axis/dynamics"),
     ):
         joints = ElementTree.fromstring(text).iter("joint")
         assert {joint.get("name") for joint in joints if joint.find(place) is not None} == others
@@ -183,7 +184,7 @@ def mass_of(link: ElementTree.Element) -> pinocchio.Inertia:
 def test_sdf_has_the_same_torques(name: str) -> None:
     robot = load_robot(robot_path(name)).mounted(GRAVITY)
     robot = robot.carrying(Payload(mass=1.5, center_of_mass=(0.02, 0.0, 0.1)))
-    engine = from_sdf(sdf(robot, robot.chosen_model, None))
+    engine = from_sdf(sdf(robot, rigid_bodies(robot, robot.chosen_model)))
     engine.gravity.linear = GRAVITY
     data, states = engine.createData(), zip(*STATES, strict=True)
     torque = [pinocchio.rnea(engine, data, q, qd, qdd) for q, qd, qdd in states]
@@ -193,7 +194,7 @@ def test_sdf_has_the_same_torques(name: str) -> None:
 
 def test_sdf_has_limits_and_friction() -> None:
     robot = load_robot(robot_path("ur3e"))  # whose last joint turns without end
-    root = ElementTree.fromstring(sdf(robot, robot.chosen_model, FRICTION))
+    root = ElementTree.fromstring(sdf(robot, rigid_bodies(robot, robot.chosen_model), FRICTION))
     axes = [*root.iter("axis")]
     assert root.get("version") == "1.9"
     upper = [axis.findtext("limit/upper") for axis in axes]
@@ -205,6 +206,12 @@ def test_sdf_has_limits_and_friction() -> None:
 
 
 # Others
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_links_can_exist(name: str) -> None:
+    for model in load_robot(robot_path(name)).models:
+        check_rigid(name, model)
 
 
 def test_isaac_has_rotors_limits_and_friction() -> None:

@@ -6,7 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inertia import cylinder_inertia, rigid_bodies, shift_inertia, split_heights
+from ur5lib.robots.inertia import (
+    cylinder_inertia,
+    rigid_bodies,
+    rigid_inertia,
+    shift_inertia,
+    split_heights,
+    tensor,
+)
 
 # Diagonals printed in Equations 5.7 and 5.8 [kg m²].
 PRINTED_A_AND_B = [
@@ -48,6 +55,17 @@ def test_tensors_are_those_of_a_body(ur5: Robot, model: str) -> None:
         moments = np.linalg.eigvalsh(inertia)
         assert moments[0] > 0
         assert moments[2] <= moments[:2].sum() * (1 + 1e-12)
+
+
+@given(entries=st.lists(st.floats(-1, 1), min_size=6, max_size=6))
+def test_any_tensor_becomes_that_of_a_body(entries: list[float]) -> None:
+    given = tensor(entries)
+    rigid = rigid_inertia(given, 1e-5)
+    moments = np.linalg.eigvalsh(rigid)
+    assert moments[0] > 0
+    assert moments[2] < moments[:2].sum()
+    np.testing.assert_allclose(rigid - given, (rigid - given)[0, 0] * np.eye(3), atol=1e-15)
+    assert rigid_inertia(rigid, 1e-6) is rigid
 
 
 @given(mass=sizes, height=sizes, radius=sizes, share=st.floats(0.1, 0.9))

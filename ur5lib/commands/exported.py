@@ -20,7 +20,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.report.page.findings import in_words
 from ur5lib.robots.description import Robot, load_robot, no_description, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
-from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.inertia import rigid_bodies, written_bodies
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array
@@ -28,9 +28,9 @@ from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import DEAD_ZONE
 
 WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
-    "urdf": lambda arm, model, friction: urdf(arm, rigid_bodies(arm, model), friction),
+    "urdf": lambda arm, model, friction: urdf(arm, written_bodies(arm, model), friction),
     "mjcf": mjcf,
-    "sdf": sdf,
+    "sdf": lambda arm, model, friction: sdf(arm, written_bodies(arm, model), friction),
     "isaac": isaac,
 }
 FORMATS = (*WRITERS, "json", "sensor")

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import yaml
 
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies, rigid_inertia
+from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 SDF_VERSION = "1.9"
@@ -64,14 +64,13 @@ def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = Non
     return _xml(root)
 
 
-def sdf(robot: Robot, model: str, friction: JointFriction | None) -> str:
-    """Return an arm with one of its link models as an SDF model, fixed to the world.
+def sdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = None) -> str:
+    """Return an arm as an SDF model, fixed to the world.
 
     Names are those of the URDF: `joint_k` turns `link_k` about its z axis, and the
     Denavit-Hartenberg frame `frame_k` lies at the far end of the link. Gravity belongs to the
     world, in which an arm on a wall has to be turned. SDF has no element for rotor inertias.
     """
-    bodies = rigid_bodies(robot, model)
     root = Element("sdf", version=SDF_VERSION)
     arm = SubElement(root, "model", name=robot.name)
     SubElement(arm, "link", name="frame_0")
@@ -141,7 +140,7 @@ def _center(robot: Robot, bodies: RigidBodies, k: int) -> Array:
 
 def _inertia(bodies: RigidBodies, k: int) -> dict[str, str]:
     """Return the entries of the inertia tensor of link k by their names in URDF and SDF."""
-    full = rigid_inertia(bodies.inertia[k - 1])
+    full = bodies.inertia[k - 1]
     pairs = [(i, j) for i in range(3) for j in range(i, 3)]
     return {f"i{'xyz'[i]}{'xyz'[j]}": _text([full[i, j]]) for i, j in pairs}
 

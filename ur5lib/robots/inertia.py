@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ur5lib.robots.description import Cylinder, Payload, Pose, Robot
 from ur5lib.timeseries.arrays import Array
+
+WRITTEN_SHARE = 1e-5  # of an inertia, which survives rounding to six digits
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,11 @@ class RigidBodies:
     center_of_mass: Array
     inertia: Array
     rotor_inertia: Array
+
+    def rigid(self, share: float) -> "RigidBodies":
+        """Return the links with inertia tensors of rigid bodies; share: see `rigid_inertia`."""
+        raised = np.stack([rigid_inertia(inertia, share) for inertia in self.inertia])
+        return replace(self, inertia=raised)
 
 
 def cylinder_inertia(axis: str, mass: float, height: float, radius: float) -> Array:
@@ -100,17 +107,17 @@ def link_tail(pose: Pose) -> tuple[Array, Array]:
     return yaw @ pitch @ roll + 0.0, np.array(pose.position)
 
 
-def rigid_inertia(inertia: Array, share: float = 1e-12) -> Array:
-    """Return an inertia tensor that obeys the triangle inequality of a rigid body.
+def rigid_inertia(inertia: Array, share: float) -> Array:
+    """Return an inertia tensor (3, 3) that a rigid body can have; one that it can is left as it is.
 
-    Principal moments obey A + B >= C. For a flat plate A + B = C, which rounding can violate, and
-    MuJoCo rejects the link. In that case all moments are raised by `share` of their sum, or, for a
-    point mass, by `share` kg m².
+    Principal moments obey A + B >= C. A flat plate has A + B = C, which rounding can violate, and
+    simulators reject the link. Where A + B - C is less than `share` of their sum, or, of a point
+    mass, `share` kg m², all moments are raised by what it lacks.
     """
-    # A + B - C of principal moments with the largest, C
-    slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
-    margin = share * (np.trace(inertia) or 1.0)
-    return inertia if slack > margin else inertia + margin * np.eye(3)
+    moments = np.linalg.eigvalsh(inertia)
+    slack = moments[0] + moments[1] - moments[2]
+    margin = share * (np.abs(moments).sum() or 1.0)
+    return inertia if slack >= margin else inertia + (margin - slack) * np.eye(3)
 
 
 def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
@@ -129,6 +136,11 @@ def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
         rotor_inertia=np.array(links.rotor_inertias or np.zeros(len(masses))),
     )
     return bodies if links.payload is None else mount(bodies, links.payload)
+
+
+def written_bodies(robot: Robot, model: str) -> RigidBodies:
+    """Return the links of an arm as files for other programs have them, which may round."""
+    return rigid_bodies(robot, model).rigid(WRITTEN_SHARE)
 
 
 def mount(bodies: RigidBodies, payload: Payload) -> RigidBodies:

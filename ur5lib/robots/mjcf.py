@@ -6,11 +6,10 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Pose, Robot
 from ur5lib.robots.exports import JointFriction
-from ur5lib.robots.inertia import link_tail, rigid_bodies, rigid_inertia, tensor
+from ur5lib.robots.inertia import WRITTEN_SHARE, link_tail, rigid_bodies, rigid_inertia, tensor
 from ur5lib.timeseries.arrays import Array
 
 TOOL_BODY = "tool"
-ROUNDED_INERTIA_SHARE = 1e-5  # of an inertia, which survives rounding to six digits
 POINT_MASS_INERTIA = 1e-12  # kg m²
 
 
@@ -24,7 +23,7 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
     spec = mujoco.MjSpec()
     spec.modelname, spec.compiler.degree = robot.name, False
     spec.option.gravity = robot.gravity
-    add_arm(spec, robot, model, ROUNDED_INERTIA_SHARE)
+    add_arm(spec, robot, model, WRITTEN_SHARE)
     for k, (joint, ends) in enumerate(zip(spec.joints, robot.position_limits(), strict=True)):
         joint.name = f"joint_{k + 1}"
         joint.limited = np.isfinite(ends).all()

@@ -33,7 +33,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_yaml
 from ur5lib.robots.exports import urdf
-from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.inertia import rigid_bodies, written_bodies
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.sampling import THINNED_STEP, differentiate
@@ -85,7 +85,9 @@ def identify_model(
         found = Identification(refused=reason(error))
     found = replace(found, from_=[name for name, part in blocks.items() if part])
     name = "identified" if "identified" in robot.models else robot.chosen_model
-    return IdentifiedModel(robot_yaml(robot), urdf(robot, rigid_bodies(robot, name)), rotors, found)
+    return IdentifiedModel(
+        robot_yaml(robot), urdf(robot, written_bodies(robot, name)), rotors, found
+    )
 
 
 def with_unknown_links(
@@ -112,7 +114,7 @@ def with_unknown_links(
     except ValueError as error:
         robot, summary = arm, Identification(refused=reason(error))
     summary = replace(summary, from_=[run.samples.name for run in runs])
-    bodies = rigid_bodies(robot, robot.chosen_model)
+    bodies = written_bodies(robot, robot.chosen_model)
     return IdentifiedModel(robot_yaml(robot), urdf(robot, bodies), Rotors(), summary)
 
 
