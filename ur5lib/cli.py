@@ -347,7 +347,7 @@ def replay(
     results: Results,
     recording: Annotated[str, typer.Argument(help="one of its recordings")],
 ) -> None:
-    """Replay a model along a recording in MuJoCo, and compare its torques with the currents."""
+    """Replay a model along a recording in MuJoCo: errors of torque, and of angles in closed loop."""
     from ur5lib.commands.replay import replayed
 
     _print(replayed(file, results, recording))

@@ -154,13 +154,14 @@ def test_the_identified_arm_is_replayed_in_mujoco(
     options = ["--robot", "cell-2", "--to", "mjcf", "--results", results]
     (tmp_path / "arm.xml").write_text(run_ur5("export", *options, "--as-in", "fit_1").out)
     told = run_ur5("replay", tmp_path / "arm.xml", results, "fit_1").out
-    rows = {line[:40].strip(): line[40:].split() for line in told.splitlines()}
-    assert [*rows["torque error [Nm], joint"]] == [*"123456"]
-    error = {name: [float(value) for value in row] for name, row in rows.items()}
-    ours, maker = error["arm.xml"], error["maker's model (maker)"]
-    assert all(x < 0.5 * y for x, y in zip(ours, maker, strict=True))
-    predicted = error["this study's prediction"]
-    assert sum(ours) < 1.5 * sum(predicted)
+    rows = [(line[:40].strip(), line[40:].split()) for line in told.splitlines()]
+    assert rows[0] == ("torque error [Nm], joint", [*"123456"])
+    assert rows[5] == ("error in closed loop [deg], joint", [*"123456"])
+    for (_, ours), (label, maker) in (rows[1:3], rows[6:8]):
+        assert label == "maker's model (maker)"
+        assert all(float(x) < 0.5 * float(y) for x, y in zip(ours, maker, strict=True))
+    torque, predicted = ([float(value) for value in rows[k][1]] for k in (1, 3))
+    assert sum(torque) < 1.5 * sum(predicted)
 
 
 def test_the_study_that_was_run_can_be_run_again(results: Path) -> None:

@@ -1,6 +1,8 @@
-"""`ur5 replay`: the torques of a model file along a recording, compared with its currents."""
+"""`ur5 replay`: a model file beside a recording: its torques, and its motion in closed loop."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
+from copy import copy
 from pathlib import Path
 
 import mujoco
@@ -14,17 +16,22 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
-from ur5lib.timeseries.arrays import Array
+from ur5lib.robots.mjcf import mjcf
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.segments import DEAD_ZONE, by_segment
+from ur5lib.timeseries.segments import DEAD_ZONE, by_segment, unbroken
 
 DISABLED_FLAGS = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
 LOWPASS_ORDER, CUTOFF_HZ = 4, 2.0  # Hz; above, measured currents are mostly noise
+# rad, s: those of the UR5e in MuJoCo Menagerie, 2000 Nm/rad and 400 Nm s/rad on joints of 150 Nm
+SERVO_RANGE, SERVO_TIME = 0.075, 0.2
+SIMULATION_STEP = 0.002  # s, at most
 
 
 def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
-    """Yield lines of a table: root mean square errors [Nm] of low-passed torques in motion against
-    the torque of the currents, by a model file, the maker's model and the study's prediction.
+    """Yield lines of two tables of root mean square errors in motion: of low-passed torques [Nm]
+    against the torque of the currents, by a model file, the maker's model and the study's
+    prediction; and of the joints' angles [deg], of both models in closed loop.
 
     file: MJCF or URDF of the arm, as MuJoCo reads them, with the recording's payload; results:
     results/<study>; name: of the recording. Raises InputError for missing results.
@@ -39,43 +46,116 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
         raise InputError(f"no current was predicted on {name}; see the report of {results}")
     fit = friction.fit_for(name)
     measured = motor_torque(fit, signals.actual_current)
-    maker, gravity = arm.chosen_model, arm.mounted(recording.known_gravity()).gravity
+    loaded = arm.carrying(study.payload(name)).mounted(recording.known_gravity())
+    gravity, maker = np.array(loaded.gravity), f"maker's model ({arm.chosen_model})"
+    model = read_model(file, gravity, len(arm.joints))
     compared = {
-        file.name: inverse_dynamics(file, motion, np.array(gravity)),
-        f"maker's model ({maker})": torques.measured[maker] + torques.payload_torque,
+        file.name: inverse_dynamics(model, motion),
+        maker: torques.measured[arm.chosen_model] + torques.payload_torque,
         "this study's prediction": motor_torque(fit, currents.predicted_current),
         "zero": np.zeros_like(measured),
     }
-    rate = 1 / signals.period
-    still = np.abs(motion.qd) < DEAD_ZONE
-    yield f"{'torque error [Nm], joint':<40}" + "".join(f"{k:>9}" for k in arm.joint_numbers)
+    rate, moving = 1 / signals.period, np.abs(motion.qd) >= DEAD_ZONE
+    yield _row("torque error [Nm], joint", [str(k) for k in arm.joint_numbers])
     for label, torque in compared.items():
         error = by_segment(
             zero_phase_lowpass, measured - torque, signals.segment, rate, LOWPASS_ORDER, CUTOFF_HZ
         )
-        error[still] = np.nan
-        with np.errstate(invalid="ignore"):  # NaN for a joint that rests throughout
-            rms = np.sqrt(np.nansum(error**2, axis=0) / np.isfinite(error).sum(axis=0))
-        yield f"{label:<40}" + "".join(f"{value:>9.3f}" for value in rms)
+        yield _rms(label, error, moving)
+    described = mujoco.MjModel.from_xml_string(mjcf(loaded, arm.chosen_model, None))
+    yield _row("error in closed loop [deg], joint", [str(k) for k in arm.joint_numbers])
+    for label, one in {file.name: model, maker: described}.items():
+        error = deviation(one, motion, measured, np.array(arm.torque_limits()), signals.period)
+        yield _rms(label, np.degrees(error), moving)
 
 
-def inverse_dynamics(file: Path, motion: Motion, gravity: Array) -> Array:
-    """Return the inverse dynamics (N, n) [Nm] of a model file along a motion, by MuJoCo.
+def _row(label: str, cells: Sequence[str]) -> str:
+    return f"{label:<40}" + "".join(f"{cell:>9}" for cell in cells)
+
+
+def _rms(label: str, error: Array, moving: Mask) -> str:
+    """Return a row of root mean square errors, of (N, n), in motion: NaN for a joint that rests."""
+    square = np.where(moving, error**2, np.nan)
+    with np.errstate(invalid="ignore"):
+        rms = np.sqrt(np.nansum(square, axis=0) / np.isfinite(square).sum(axis=0))
+    return _row(label, [f"{value:.3f}" for value in rms])
+
+
+def read_model(file: Path, gravity: Array, joints: int) -> mujoco.MjModel:
+    """Return a model file as MuJoCo reads it, without contacts and limits.
 
     gravity: (3,) [m/s²], base frame. Raises InputError where MuJoCo cannot read the file, or the
-    model does not have the motion's n joints.
+    model does not have so many joints.
     """
     try:
         model = mujoco.MjModel.from_xml_path(str(file))
     except ValueError as error:
         raise InputError(f"{file} cannot be read by MuJoCo ({error}); name MJCF or URDF") from error
-    if model.nv != motion.q.shape[1]:
-        raise InputError(f"{file} has {model.nv} degrees of freedom instead of {motion.q.shape[1]}")
+    if model.nv != joints:
+        raise InputError(f"{file} has {model.nv} degrees of freedom instead of {joints}")
     model.opt.disableflags |= DISABLED_FLAGS
     model.opt.gravity = gravity  # a URDF has none
+    return model
+
+
+def inverse_dynamics(model: mujoco.MjModel, motion: Motion) -> Array:
+    """Return the inverse dynamics (N, n) [Nm] of a model along a motion."""
     data, torque = mujoco.MjData(model), np.empty_like(motion.q)
     states = zip(motion.q, motion.qd, motion.qdd, strict=True)
     for row, (data.qpos, data.qvel, data.qacc) in zip(torque, states, strict=True):
         mujoco.mj_inverse(model, data)
         row[:] = data.qfrc_inverse
     return torque
+
+
+def deviation(
+    model: mujoco.MjModel, motion: Motion, torque: Array, torque_max: Array, period: float
+) -> Array:
+    """Return how far a simulated arm is from a motion (N, n) [rad] that the same torque drives.
+
+    A servo adds kp (q - q̂) + kd (q̇ - q̇̂): it gives torque_max at SERVO_RANGE, and kd / kp is
+    SERVO_TIME. The arm starts on each unbroken stretch of the motion, and stays there if the model
+    is right.
+
+    torque: (N, n) [Nm], of the motors; torque_max: (n,) [Nm]; period: [s] between samples.
+    """
+    steps = math.ceil(period / SIMULATION_STEP)
+    stiffness = torque_max / SERVO_RANGE
+    servo = copy(model)
+    servo.opt.disableflags |= DISABLED_FLAGS
+    servo.opt.timestep = period / steps
+    servo.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    servo.dof_damping.reshape(model.nv, -1)[:, 0] += SERVO_TIME * stiffness
+    result = np.full_like(motion.q, np.nan)
+    known: Mask = np.all(np.isfinite(np.hstack([motion.q, motion.qd, torque])), axis=1)
+    for stretch in unbroken(motion.segment, known):
+        if known[stretch.start]:
+            q, qd = motion.q[stretch], motion.qd[stretch]
+            moments = np.arange(len(q) * steps) / steps
+            # MuJoCo's velocities belong to the middle between two positions.
+            driving = _at(moments, torque[stretch] + stiffness * q)
+            driving += SERVO_TIME * stiffness * _at(moments + 0.5 / steps, qd)
+            result[stretch] = _simulated(servo, q[0], qd[0], driving, stiffness)[::steps] - q
+    return result
+
+
+def _at(moments: Array, values: Array) -> Array:
+    """Return values (N, n) between samples, linearly, at moments (M,) in numbers of samples."""
+    return np.transpose([np.interp(moments, np.arange(len(values)), one) for one in values.T])
+
+
+def _simulated(
+    model: mujoco.MjModel, q: Array, qd: Array, torque: Array, stiffness: Array
+) -> Array:
+    """Return the angles (M, n) [rad] of an arm under torques (M, n) [Nm] less stiffness q, step by
+    step.
+
+    q, qd: (n,) at the start; stiffness: (n,) [Nm/rad].
+    """
+    data, result = mujoco.MjData(model), np.empty_like(torque)
+    data.qpos, data.qvel = q, qd
+    for row, applied in zip(result, torque, strict=True):
+        row[:] = data.qpos
+        data.qfrc_applied = applied - stiffness * data.qpos
+        mujoco.mj_step(model, data)
+    return result
