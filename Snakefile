@@ -61,9 +61,3 @@ rule all:
 rule figures:
     input:
         lambda wildcards: expand(rules.draw_figures.output, recording=RECORDINGS),
-
-
-# The report's figures as PDF of the width of a paper's column.
-rule paper:
-    input:
-        [as_wide_as_a_column(path) for path in outputs_in("figures") if path.endswith(".svg")],

@@ -342,12 +342,26 @@ def convert(
 
 
 @app.command()
+def figure(
+    results: Results,
+    figure: Annotated[str, typer.Argument(help="one in its folder figures, as pushed/torques")],
+    width: Annotated[str, typer.Option(help="width in millimetres")] = "88mm",
+    font_size: Annotated[float, typer.Option(help="size of all letters [points]")] = 8,
+    format: Annotated[str, typer.Option(help="file format: pdf, svg, png")] = "pdf",
+) -> None:
+    """Draw a figure of a study as a paper needs it, and print its file."""
+    from ur5lib.study.paper_figure import paper_figure
+
+    typer.echo(paper_figure(results, figure, width, font_size, format))
+
+
+@app.command()
 def replay(
     file: Annotated[Path, typer.Argument(help="model of the arm: MJCF or URDF")],
     results: Results,
     recording: Annotated[str, typer.Argument(help="one of its recordings")],
 ) -> None:
-    """Replay a model along a recording in MuJoCo: errors of torque, and of angles in closed loop."""
+    """Replay a model along a recording in MuJoCo: errors of torque, and of angles in a loop."""
     from ur5lib.commands.replay import replayed
 
     _print(replayed(file, results, recording))

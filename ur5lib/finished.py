@@ -13,6 +13,7 @@ from ur5lib.records.quality import Quality
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.study.model import Recording, Study
+from ur5lib.study.paper_figure import paper_figure
 from ur5lib.study.reading import read_study
 from ur5lib.tables import read_csv, read_record, read_table, read_units
 
@@ -134,6 +135,15 @@ class FinishedStudy:
         frame = read_table(path).set_index("time")
         frame.attrs["units"] = read_units(path)
         return frame
+
+    def figure(
+        self, name: str, width: str = "88mm", font_size: float = 8, format: str = "pdf"
+    ) -> Path:
+        """Return the file of a figure as a paper needs it, e.g. of "pushed/forces_estimated".
+
+        font_size: of all letters [points]; format: pdf, svg or png.
+        """
+        return paper_figure(self.folder, name, width, font_size, format)
 
     def start(self, recording: str) -> float | None:
         """Return time zero of a recording in seconds since 1970; None where unknown."""

@@ -49,7 +49,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "report": BASE
     | METHODS - {"signals"}
     | {"excitation", "records", "thesis", "tidy", "workspace"},
-    "study": BASE | {"lab.recorder", "lab.stand", "recordings", "records", "thesis"},
+    "study": BASE | {"lab.recorder", "lab.stand", "recordings", "records", "thesis", "workspace"},
     "finished": BASE | {"records", "study"},
     "commands": BASE
     | METHODS

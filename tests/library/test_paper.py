@@ -1,18 +1,19 @@
-"""Figures for a paper: as wide as a column, with their fonts."""
+"""Figures for a paper: as wide as their file's name says, with letters of that size, as vectors."""
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pypdfium2
 import pytest
+from PIL import Image
 from pypdf import PdfReader
 
 from ur5lib.report.figures.charts import calibration_panels, residual_panels, scatter_panels
 from ur5lib.report.figures.house_style import Drawing, save
 from ur5lib.report.figures.traces import CURRENT_PANELS, WRENCH_PANELS, Traces, draw_traces
 
-COLUMN = 88.0  # mm
-SMALLEST = 6.0  # points
+NAMES = ["forces", "currents", "residuals", "friction", "calibration"]
 
 
 def drawing(name: str) -> Drawing:
@@ -35,16 +36,20 @@ def drawing(name: str) -> Drawing:
     return draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT_PANELS)
 
 
-@pytest.mark.parametrize("name", ["forces", "currents", "residuals", "friction", "calibration"])
-def test_figures_fit_a_column_with_their_fonts(name: str, tmp_path: Path) -> None:
-    for copy in ("a", "b"):
-        save(drawing(name), tmp_path / f"{copy}.pdf")
-    assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
-    assert not (tmp_path / "a.csv").exists()
-    (page,) = PdfReader(tmp_path / "a.pdf").pages
-    assert float(page.mediabox.width) / 72 * 25.4 == pytest.approx(COLUMN, abs=0.1)
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("width", "size"), [(88, 6.5), (88, 8), (180, 9)])
+def test_figures_have_the_width_and_the_letters_of_their_name(
+    name: str, width: float, size: float, tmp_path: Path
+) -> None:
+    first, again = (tmp_path / f"{copy}_{width}mm_{size:g}pt.pdf" for copy in "ab")
+    for path in (first, again):
+        save(drawing(name), path)
+    assert first.read_bytes() == again.read_bytes()
+    assert not first.with_suffix(".csv").exists()
+    (page,) = PdfReader(first).pages
+    assert float(page.mediabox.width) / 72 * 25.4 == pytest.approx(width, abs=0.1)
     assert len(page.images) == 0
-    text = pypdfium2.PdfDocument(tmp_path / "a.pdf")[0].get_textpage()
+    text = pypdfium2.PdfDocument(first)[0].get_textpage()
     boxes = np.array([text.get_rect(i) for i in range(text.count_rects())])
     assert boxes.min() >= 0, "no text is cut"
     assert (boxes.max(axis=0)[2:] <= page.mediabox.upper_right).all()
@@ -53,6 +58,16 @@ def test_figures_fit_a_column_with_their_fonts(name: str, tmp_path: Path) -> Non
     for font in fonts:
         described = font["/DescendantFonts"][0].get_object()["/FontDescriptor"].get_object()
         assert "/FontFile2" in described, "TrueType, embedded"
-    sizes: list[float] = []
-    page.extract_text(visitor_text=lambda *told: sizes.append(told[-1]))
-    assert min(size for size in sizes if size) >= 0.7 * SMALLEST  # indices are smaller
+    sizes: dict[str, float] = {}
+    page.extract_text(visitor_text=lambda text, *told: sizes.update({text.strip(): told[-1]}))
+    of_letters = {round(found / size, 2) for text, found in sizes.items() if text}
+    assert 1 in of_letters
+    assert of_letters <= {1, 0.7}  # of indices
+
+
+def test_a_png_has_the_pixels_of_print_and_an_svg_its_width(tmp_path: Path) -> None:
+    for ending in ("png", "svg"):
+        save(drawing("currents"), tmp_path / f"a_88mm_8pt.{ending}")
+    assert Image.open(tmp_path / "a_88mm_8pt.png").width == pytest.approx(88 / 25.4 * 600, abs=1)
+    root = ElementTree.parse(tmp_path / "a_88mm_8pt.svg").getroot()
+    assert float(root.get("width", "").removesuffix("pt")) == pytest.approx(88 / 25.4 * 72, abs=0.1)

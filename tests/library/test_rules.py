@@ -41,7 +41,7 @@ study = ConfigSettings(configfiles=[Path(sys.argv[1])])
 with SnakemakeApi() as api:
     workflow = api.workflow(ResourceSettings(cores=1), study, snakefile=Path("Snakefile"))._workflow
     for rule in workflow.rules:
-        if "code" in rule.params.keys():
+        if "code" in rule.params.keys() and not rule.name.startswith("paper_"):  # as its drawing's
             print(json.dumps([rule.name, {kind: [*getattr(rule, kind).keys()] for kind in KINDS}]))
 """
 KINDS = ("input", "output", "params")
@@ -57,11 +57,10 @@ DECLARED = re.findall(r"^ *rule (\w+):", TEXT, re.MULTILINE)
 OF_ARMS = {"health", "health_changes", "observability", "next_recordings", "repetition"}  # tables
 RULES = [rule for rule in DECLARED if f'code=code("{rule}' in TEXT]
 RULES += ["calibrate_imu_without_each", "describe_arm", "simulate_recording_simulated"]
-RULES += [f"{rule}_for_paper" for rule in RULES if rule.startswith("draw_")]
 
 
 def step_of(rule: str) -> str:
-    """The step that a rule runs: on other recordings, or for other outputs, it has a name more."""
+    """The step that a rule runs: on other recordings, it has a name more."""
     return max((name for name in STEPS if rule.startswith(name)), key=len)
 
 

@@ -19,7 +19,9 @@ from tests.commands import time_limit
 from tests.conftest import PROJECT, STUDY, Workflow
 from tests.library.test_hostile import BOMBS
 from tests.stored_files import made_up_channels, write_npz
+from ur5lib.errors import InputError
 from ur5lib.jobs.code import imported_modules
+from ur5lib.study.paper_figure import paper_figure
 from ur5lib.study.turn import take_turn
 from ur5lib.tables import read_csv, read_table
 
@@ -138,16 +140,34 @@ def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path
     assert all(f'"{category}"' in report for category in ("Figures", "Tables", "Report"))
 
 
-def test_figures_of_a_paper_are_drawn_on_demand(workflow: Workflow) -> None:
-    """Its figures by the steps of the report's, so that they show the same."""
-    drawn = jobs("draw_figures") | DRAWINGS
-    expected = {f"{rule}_for_paper": count for rule, count in drawn.items()}
-    expected |= {"paper": 1}
-    assert workflow.plan("paper") == expected
-    made = "results/small/paper/figures/filters.pdf"
-    assert workflow.run(made).returncode == 0
+def test_a_figure_for_a_paper_is_drawn_of_the_results_as_they_are(workflow: Workflow) -> None:
+    """Nothing else is made, even if it is missing."""
+    (workflow.folder / "results" / "small" / "report.html").unlink()
+    before = {*workflow.folder.glob("results/**/*")}
+    asked = ["figure", "results/small", "pushed/torques", "--width", "120mm", "--font-size", "7"]
+    made = "results/small/paper/pushed/torques_120mm_7pt.pdf"
+    assert workflow.ur5(*asked).strip() == made
     assert (workflow.folder / made).read_bytes().startswith(b"%PDF")
-    assert workflow.plan("paper").keys() == expected.keys() - {"draw_filters_for_paper"}
+    after = {path for path in workflow.folder.glob("results/**/*") if path.is_file()}
+    assert sorted(path.suffix for path in after - before) == [".log", ".pdf", ".tsv"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"figure": "pushed/torque"}, "did you mean `pushed/torques`"),
+        ({"width": "3in"}, "in millimetres, as 88mm"),
+        ({"width": "8mm"}, "--width 8: state 40 to 400"),
+        ({"font_size": 80}, "--font-size 80: state 4 to 20"),
+        ({"format": "eps"}, "available: pdf, svg, png"),
+    ],
+)
+def test_a_figure_that_cannot_be_drawn_is_refused(
+    built_workflow: Workflow, changed: dict, message: str
+) -> None:
+    asked = {"results": built_workflow.folder / "results" / "small", "figure": "pushed/torques"}
+    with pytest.raises(InputError, match=message):
+        paper_figure(**asked | changed)
 
 
 # What reruns, and what does not
@@ -451,7 +471,9 @@ def test_every_rule_of_a_loop_runs_a_step() -> None:
     assert len(given) == 2
     for rule in given:
         assert "**traces(" in rule
-        assert re.search(r"run_step\((rule|\"\w+\"), input, output, params, log\)", rule)
+        assert re.search(
+            r"run_step\((rule|\"\w+\"|\w+\[rule\]), input, output, params, log\)", rule
+        )
         assert "code(" in rule or "drawing.params" in rule
 
 

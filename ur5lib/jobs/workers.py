@@ -44,7 +44,6 @@ class Worker:
         self.process.wait()
 
 
-FOR_PAPER = "_for_paper"  # suffix of a rule that runs another rule's step, with other outputs
 MUCH_READ = 500e6  # B: half an hour of an arm at 500 Hz
 FAILED: list[str] = []  # the errors of this run's steps, a sentence each
 IDLE: queue.LifoQueue[Worker] = queue.LifoQueue()
@@ -61,13 +60,13 @@ def run_step(
     params: Mapping[str, Setting],
     log: Mapping[str, str],
 ) -> None:
-    """Run a step in a warm process; `<step>_for_paper` runs `<step>`.
+    """Run a step in a warm process.
 
     Raises StepError with one sentence if it fails. Threads may call it at the same time.
     """
     files = names(input), names(output), names(params)
     try:
-        run_job(Job(step.removesuffix(FOR_PAPER), *files, log["log"], log["benchmark"]))
+        run_job(Job(step, *files, log["log"], log["benchmark"]))
     except StepError as error:
         FAILED.append(str(error))
         raise

@@ -1,26 +1,37 @@
-# The report's figures for a paper, made by `snakemake paper` alone: drawn by the same steps as PDF
-# of the width of a column.
-def as_wide_as_a_column(figure):
-    """Return the path of a figure for a paper, as wide as its columns, by that of the report's."""
-    return figure.replace(f"{RESULTS}/figures", f"{RESULTS}/paper/figures").replace(".svg", ".pdf")
+# One figure as a paper needs it, made by `ur5 figure` alone: drawn by the same step as the report's.
+# Its file's name states width and size of letters, by which it is laid out.
+STEP_OF_PAPER = {}  # rule: the step that draws its figure
+
+
+def for_paper(figure):
+    """Return the path of a figure for a paper, by that of the report's."""
+    path = figure.replace(f"{RESULTS}/figures", f"{RESULTS}/paper").removesuffix(".svg")
+    return path + r"_{width,[\d.]+}mm_{size,[\d.]+}pt.{format,\w+}"
 
 
 for drawing in [step for step in workflow.rules if step.name.startswith("draw_")]:
+    for figure, path in drawing.output.items():
+        if path.endswith(".svg"):
+            STEP_OF_PAPER[f"paper_{figure}"] = drawing.name
 
-    rule:
-        name:
-            f"{drawing.name}_for_paper"
-        input:
-            **dict(drawing.input.items()),
-        output:
-            **{
-                name: as_wide_as_a_column(figure)
-                for name, figure in drawing.output.items()
-                if figure.endswith(".svg")
-            },
-        log:
-            **traces(f"{drawing.name}_for_paper", *map("{{{}}}".format, drawing.wildcard_names)),
-        params:
-            **dict(drawing.params.items()),
-        run:
-            run_step(rule, input, output, params, log)
+            rule:
+                name:
+                    f"paper_{figure}"
+                input:
+                    **dict(drawing.input.items()),
+                output:
+                    **{figure: for_paper(path)},
+                log:
+                    **traces(
+                        f"paper_{figure}",
+                        "_".join(
+                            map(
+                                "{{{}}}".format,
+                                [*drawing.wildcard_names, "width", "size", "format"],
+                            )
+                        ),
+                    ),
+                params:
+                    **dict(drawing.params.items()),
+                run:
+                    run_step(STEP_OF_PAPER[rule], input, output, params, log)
