@@ -4,25 +4,37 @@ They are read back by the formats' own libraries.
 """
 
 import json
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
+import pinocchio
 import pytest
+from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from google.protobuf.json_format import ParseDict
 from mcap.reader import make_reader
 from scipy.io import loadmat
+from scipy.spatial.transform import Rotation
 
-from ur5lib.commands.convert import EXPORTED_TABLES, channels, write_recordings
+from ur5lib.commands.convert import EXPORTED_TABLES, LAYOUTS, channels, write_recordings
+from ur5lib.commands.foxglove import METRES_PER_NEWTON, from_x_axis
+from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.tables import columns, write_json, write_table
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.robots.description import load_robot, robot_path, robot_yaml
+from ur5lib.tables import columns, write_json, write_table, write_text
 
 START = 1_700_000_000.25
 TIME = 0.008 * np.arange(5)
 WRENCH = [f"Fmap_{axis}" for axis in ("Fx", "Fy", "Fz", "nx", "ny", "nz")]
 UNITS = dict.fromkeys([*WRENCH, *columns("predicted_current")], "N, Nm")
 
+Known = TypeVar("Known")
 
 Tables = dict[str, pd.DataFrame]  # `time` as index, units in attrs["units"]
 
@@ -62,6 +74,9 @@ def from_mcap(path: Path) -> tuple[Tables, np.ndarray]:
     with path.open("rb") as stream:
         for schema, channel, message in make_reader(stream).iter_messages():
             assert schema is not None
+            stamps.append(message.log_time)
+            if not schema.name.startswith("ur5lib."):
+                continue
             name = channel.topic.removeprefix("/")
             known = json.loads(schema.data)["properties"]
             units[name] = {key: value["description"] for key, value in known.items()}
@@ -69,7 +84,6 @@ def from_mcap(path: Path) -> tuple[Tables, np.ndarray]:
             for key, value in row.items():
                 assert isinstance(value, bool) == (known[key]["type"] == "boolean")
             rows.setdefault(name, []).append(row | {"time": 1e-9 * message.log_time})
-            stamps.append(message.log_time)
     tables = {name: pd.DataFrame(its).set_index("time") for name, its in rows.items()}
     for name, table in tables.items():
         table.attrs["units"] = {"time": "s"} | units[name]
@@ -91,9 +105,19 @@ def assert_as_in_study(tables: Tables, study: FinishedStudy, name: str, start: f
         np.testing.assert_allclose(found, expected.to_numpy(float), rtol=1e-10, atol=1e-11)
 
 
+STUDY = """\
+study: mine
+title: Two recordings
+recordings:
+  - {name: pushed, robot: ur5, format: thesis-csv, folder: raw/pushed, role: contact}
+  - {name: free, robot: ur5, format: thesis-csv, folder: raw/free, role: fit}
+"""
+
+
 @pytest.fixture
-def results(tmp_path: Path) -> Path:
+def results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Two recordings: one with forces that are partly unknown, one of which nothing is known."""
+    monkeypatch.chdir(tmp_path)
     random = np.random.default_rng(8)
     head = {"time": TIME, "segment": np.zeros(5, dtype=int)}
     q, wrench = random.normal(size=(5, 6)), random.normal(size=(5, 6))
@@ -106,13 +130,23 @@ def results(tmp_path: Path) -> Path:
         for table in EXPORTED_TABLES:
             path = folder / "recordings" / name / f"{table}.parquet"
             write_table(pd.DataFrame(own.get(table, head)), path, UNITS)
+        (tmp_path / "raw" / name).mkdir(parents=True)
+        flange_kinematics_of(q).write(folder / "recordings" / name / "kinematics.parquet")
     write_table(pd.DataFrame(signals), folder / "recordings" / "free" / "signals.parquet")
+    write_text(STUDY, folder / "configuration.yaml")
+    arm = robot_yaml(load_robot(robot_path("ur5")))
+    write_text(arm, folder / "parameters" / "ur5" / "arm.yaml")
     write_json({"start_epoch_s": START}, folder / "recordings" / "pushed" / "quality.json")
     return folder
 
 
+def flange_kinematics_of(q: np.ndarray) -> Kinematics:
+    return Kinematics.of(TIME, *flange_kinematics(load_robot(robot_path("ur5")), q))
+
+
 def exported(results: Path, to: str) -> Path:
-    (path,) = write_recordings(results, ["pushed"], to)
+    path, *layouts = write_recordings(results, ["pushed"], to)
+    assert [one.name for one in layouts] == ([*LAYOUTS] if to == "mcap" else [])
     return path
 
 
@@ -139,10 +173,93 @@ def test_mcap_has_the_study_s_numbers(results: Path) -> None:
     assert (np.diff(stamps) >= 0).all()
 
 
+def test_mcap_has_the_messages_that_foxglove_draws(results: Path) -> None:
+    """As its own schemas read them: the arm, its joints' angles, and the force at its flange."""
+    read = messages(exported(results, "mcap"))
+    ((_, description),) = read["/robot_description"]
+    arm = pinocchio.buildModelFromXML(description["data"])
+    study = FinishedStudy(results)
+    q, force = study.signals("pushed"), study.forces("pushed")[WRENCH[:3]].to_numpy()
+    flange = study.record(Kinematics, "pushed").origin
+    states, scenes = read["/joint_states"], read["/arrow_Fmap"]
+    assert len(states) == len(scenes) == len(TIME)
+    for sample, (stamp, state) in enumerate(states):
+        joints = parsed(state, JointStates).joints
+        assert [joint.name for joint in joints] == [*arm.names][1:]
+        assert [joint.position for joint in joints] == [*q[columns("actual_q")].iloc[sample]]
+        assert state["timestamp"] == {"sec": stamp // 10**9, "nsec": stamp % 10**9}
+    for sample, (_, scene) in enumerate(scenes):
+        (entity,) = parsed(scene, SceneUpdate).entities
+        assert entity.frame_id == arm.frames[1].name
+        if sample == 1:  # unknown
+            assert not entity.arrows
+            continue
+        (arrow,) = entity.arrows
+        place, turn = arrow.pose.position, arrow.pose.orientation
+        np.testing.assert_allclose([place.x, place.y, place.z], flange[sample])
+        along = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).apply([1, 0, 0])
+        length = arrow.shaft_length + arrow.head_length
+        np.testing.assert_allclose(along * length / METRES_PER_NEWTON, force[sample], atol=1e-12)
+
+
+def messages(path: Path) -> dict[str, list[tuple[int, Any]]]:
+    """Stamps [ns] and contents of all messages by topic."""
+    read: dict[str, list[tuple[int, Any]]] = {}
+    with path.open("rb") as stream:
+        for _, channel, message in make_reader(stream).iter_messages():
+            row = message.log_time, json.loads(message.data)
+            read.setdefault(channel.topic, []).append(row)
+    return read
+
+
+def parsed(message: dict[str, Any], kind: type[Known]) -> Known:
+    """A message as Foxglove's schema reads it, which refuses what it does not know.
+
+    Protobuf writes times as text.
+    """
+    return ParseDict(json.loads(json.dumps(message), object_hook=as_protobuf_time), kind())
+
+
+def as_protobuf_time(value: dict[str, Any]) -> Any:
+    if value.keys() != {"sec", "nsec"}:
+        return value
+    if not any(value.values()):
+        return "0s"  # a duration
+    return f"{datetime.fromtimestamp(value['sec'], UTC):%Y-%m-%dT%H:%M:%S}.{value['nsec']:09}Z"
+
+
+@pytest.mark.parametrize("direction", [*np.vstack([np.eye(3), -np.eye(3)]), [0.6, 0, -0.8]])
+def test_an_arrow_is_turned_from_the_x_axis(direction: np.ndarray) -> None:
+    (turn,) = from_x_axis(np.array([direction]))
+    np.testing.assert_allclose(Rotation.from_quat(turn).apply([1, 0, 0]), direction, atol=1e-12)
+
+
+def test_layouts_plot_what_the_file_has(results: Path) -> None:
+    folder, read = exported(results, "mcap").parent, messages(exported(results, "mcap"))
+    topics = {f"{topic}.{key}" for topic in read for key in read[topic][0][1]}
+    layout = json.loads((folder / "foxglove_layout.json").read_text())
+    panels = layout["configById"]
+    paths = [path["value"] for panel in panels.values() for path in panel.get("paths", [])]
+    assert {"/forces.Fmap_Fx", "/signals.actual_q_5"} <= {*paths} <= topics
+    assert names_in(layout["layout"]) == [*panels]
+    scene = panels["3D!arm"]
+    arm = scene["layers"]["arm"]
+    assert {arm["topic"], arm["jointStatesTopic"]} <= read.keys()
+    curves = ElementTree.parse(folder / "plotjuggler_layout.xml").iter("curve")
+    assert [curve.get("name") for curve in curves] == [path.replace(".", "/") for path in paths]
+
+
+def names_in(layout: Any) -> list[str]:
+    """The panels of a layout, from the first to the last."""
+    if isinstance(layout, str):
+        return [layout]
+    return names_in(layout["first"]) + names_in(layout["second"])
+
+
 def test_stamps_count_from_the_start_where_that_is_unknown(results: Path) -> None:
-    (path,) = write_recordings(results, ["free"], "mcap")
+    path, *_ = write_recordings(results, ["free"], "mcap")
     _, stamps = from_mcap(path)
-    np.testing.assert_allclose(1e-9 * stamps, TIME)
+    np.testing.assert_allclose(1e-9 * np.unique(stamps), TIME)
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,11 @@ import numpy as np
 import pandas as pd
 from mcap.writer import Writer
 
+from ur5lib.commands.foxglove import Stream, drawn
+from ur5lib.commands.layouts import foxglove_layout, plotjuggler_layout
 from ur5lib.errors import InputError, unknown
 from ur5lib.finished import FinishedStudy
-from ur5lib.tables import write_aside, write_csv
+from ur5lib.tables import write_aside, write_csv, write_text
 
 CSV_DIGITS = 12
 EXPORTED_TABLES = ("signals", "motion", "currents", "forces", "sensor")
@@ -25,10 +27,12 @@ COLUMN_INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
 class RecordingTables:
     """A recording's tables by name.
 
-    start: time zero in seconds since 1970, None where unknown; tables: those that are not empty,
-    with the common index `time` [s], and the columns' units in `attrs["units"]`.
+    study: that it is of; start: time zero in seconds since 1970, None where unknown; tables: those
+    that are not empty, with the common index `time` [s], and the columns' units in
+    `attrs["units"]`.
     """
 
+    study: FinishedStudy
     name: str
     start: float | None
     tables: dict[str, pd.DataFrame]
@@ -87,11 +91,12 @@ def _structure(table: pd.DataFrame) -> dict[str, np.ndarray | dict[str, str]]:
 
 
 def write_mcap(contents: RecordingTables, path: Path) -> None:
-    """Write a topic for each table, e.g. /forces, and a JSON message for each sample and table.
+    """Write a topic for each table, e.g. /forces, and a JSON message for each sample and table; and
+    what Foxglove's 3D panel draws.
 
-    A message has a number for each column, without unknown values. The topic's JSON schema has the
-    units. Time stamps count from 1970, or from the recording's start if its date is unknown.
-    Raises InputError where the file cannot be written.
+    A message of a table has a number for each column, without unknown values. The topic's JSON
+    schema has the units. Time stamps count from 1970, or from the recording's start if its date is
+    unknown. Raises InputError where the file cannot be written.
     """
 
     def write(aside: Path) -> None:
@@ -105,24 +110,33 @@ def write_mcap(contents: RecordingTables, path: Path) -> None:
 
 
 def _write_messages(writer: Writer, contents: RecordingTables) -> None:
-    """Write the samples of all tables in the order of their time stamps, as players expect."""
-    topics = [_add_topic(writer, name, table) for name, table in contents.tables.items()]
-    rows = [_messages(table) for table in contents.tables.values()]
+    """Write the samples of all topics in the order of their time stamps, as players expect."""
     table = next(iter(contents.tables.values()))
     stamps = [round(1e9 * (time + (contents.start or 0.0))) for time in table.index]
-    for number, (stamp, *messages) in enumerate(zip(stamps, *rows, strict=True)):
+    streams = [_stream(name, table) for name, table in contents.tables.items()]
+    streams += drawn(contents.study, contents.name, contents.tables, stamps)
+    topics = [_add_topic(writer, stream) for stream in streams]
+    # the streams have a message a sample, or no end
+    rows = zip(stamps, *(stream.messages for stream in streams), strict=False)
+    for number, (stamp, *messages) in enumerate(rows):
         for topic, message in zip(topics, messages, strict=True):
-            writer.add_message(topic, stamp, message, stamp, number)
+            if message is not None:
+                writer.add_message(topic, stamp, message, stamp, number)
 
 
-def _add_topic(writer: Writer, name: str, table: pd.DataFrame) -> int:
-    """Add a table's topic, in whose schema each column's description is its unit."""
+def _add_topic(writer: Writer, stream: Stream) -> int:
+    schema = json.dumps(stream.schema).encode()
+    number = writer.register_schema(stream.schema_name, "jsonschema", schema)
+    return int(writer.register_channel(stream.topic, "json", number))
+
+
+def _stream(name: str, table: pd.DataFrame) -> Stream:
+    """Return a table as a topic, in whose schema each column's description is its unit."""
     kinds = {column: "boolean" if table[column].dtype == bool else "number" for column in table}
     units = table.attrs["units"]
     properties = {c: {"type": kind, "description": units[c]} for c, kind in kinds.items()}
-    schema = json.dumps({"type": "object", "properties": properties}).encode()
-    number = writer.register_schema(f"ur5lib.{name}", "jsonschema", schema)
-    return int(writer.register_channel(f"/{name}", "json", number))
+    schema = {"type": "object", "properties": properties}
+    return Stream(f"/{name}", f"ur5lib.{name}", schema, _messages(table))
 
 
 def _messages(table: pd.DataFrame) -> Iterator[bytes]:
@@ -139,10 +153,18 @@ WRITERS: dict[str, tuple[str, Callable[[RecordingTables, Path], None]]] = {
 }
 
 
+# file beside the MCAP files: what it holds
+LAYOUTS = {
+    "foxglove_layout.json": foxglove_layout,
+    "plotjuggler_layout.xml": plotjuggler_layout,
+}
+
+
 def write_recordings(
     results: Path, names: list[str], to: str, into: Path | None = None
 ) -> Iterator[Path]:
-    """Write recordings of a study, and yield the path of each: <into>/<recording>.<to>.
+    """Write recordings of a study, and yield the path of each: <into>/<recording>.<to>. MCAP has
+    layouts for Foxglove and PlotJuggler beside it.
 
     results: results/<study>; names: of its recordings, none for all; to: a key of `WRITERS`; into:
     the folder, by default `exported` among the results. CSV is a folder itself. Raises InputError
@@ -151,9 +173,16 @@ def write_recordings(
     if to not in WRITERS:
         raise unknown("format", to, WRITERS)
     study, (ending, write) = FinishedStudy(results), WRITERS[to]
+    folder, seen = into or results / "exported", dict[str, dict[str, None]]()
     for name in names or study.recordings:
         frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}
         filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
-        path = (into or results / "exported") / f"{name}{ending}"
-        write(RecordingTables(name, study.start(name), filled), path)
+        path = folder / f"{name}{ending}"
+        write(RecordingTables(study, name, study.start(name), filled), path)
+        for table, frame in filled.items():
+            seen.setdefault(table, {}).update(dict.fromkeys(frame))
         yield path
+    if to == "mcap":
+        for file, layout in LAYOUTS.items():
+            write_text(layout(seen), folder / file)
+            yield folder / file

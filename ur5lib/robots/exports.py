@@ -12,6 +12,7 @@ from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 SDF_VERSION = "1.9"
+STICK_RADIUS = 0.03  # m
 ISAAC_HEAD = """\
 # Fields of ImplicitActuatorCfg in Isaac Lab 2, for the joints of `ur5 export --to urdf`.
 # Units: Nm, rad/s, kg m2, Nm s/rad; friction is in Nm since Isaac Sim 5.
@@ -39,17 +40,20 @@ def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = Non
     """Return an arm as URDF, with friction as `dynamics` of its joints.
 
     The base is `frame_0`; for k = 1 to n, `joint_k` turns `link_k`, which has the mass, and its
-    Denavit-Hartenberg frame `frame_k` lies at the far end of the link. URDF has no element for
-    rotor inertias: set them as `model.armature` in Pinocchio and `model.dof_armature` in MuJoCo.
+    Denavit-Hartenberg frame `frame_k` lies at the far end of the link. Viewers draw each link as a
+    stick. URDF has no element for rotor inertias: set them as `model.armature` in Pinocchio and
+    `model.dof_armature` in MuJoCo.
     """
     root = Element("robot", name=robot.name)
     SubElement(root, "link", name="frame_0")
     for k, pose in zip(robot.joint_numbers, robot.link_poses(), strict=True):
-        inertial = SubElement(SubElement(root, "link", name=f"link_{k}"), "inertial")
+        link = SubElement(root, "link", name=f"link_{k}")
+        inertial = SubElement(link, "inertial")
         center, rpy = _center(robot, bodies, k), _text(pose.rpy)
         SubElement(inertial, "origin", xyz=_text(center), rpy=rpy)
         SubElement(inertial, "mass", value=_text([bodies.mass[k - 1]]))
         SubElement(inertial, "inertia", _inertia(bodies, k))
+        _add_stick(link, pose.position)
         limit = _limit(robot, k)
         kind = "revolute" if "upper" in limit else "continuous"
         joint = _urdf_joint(root, f"joint_{k}", kind, f"frame_{k - 1}", f"link_{k}")
@@ -124,6 +128,18 @@ def _urdf_joint(root: Element, name: str, kind: str, parent: str, child: str) ->
     SubElement(joint, "parent", link=parent)
     SubElement(joint, "child", link=child)
     return joint
+
+
+def _add_stick(link: Element, end: Sequence[float]) -> None:
+    """Add what viewers draw of a link: a cylinder from its near end to its far end (3,) [m]."""
+    x, y, z = end
+    length = math.hypot(x, y, z)
+    if length > 0:
+        visual = SubElement(link, "visual")
+        rpy = 0.0, math.acos(z / length), math.atan2(y, x)
+        SubElement(visual, "origin", xyz=_text([x / 2, y / 2, z / 2]), rpy=_text(rpy))
+        size = {"radius": _text([STICK_RADIUS]), "length": _text([length])}
+        SubElement(SubElement(visual, "geometry"), "cylinder", size)
 
 
 def _sdf_joint(arm: Element, name: str, kind: str, parent: str, child: str) -> Element:
