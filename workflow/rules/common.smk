@@ -161,10 +161,8 @@ def drawn_by(rule, of=""):
 
     of: the wildcard of the recordings or arms that each is drawn for, none for the whole study.
     """
-    pictures = (
-        block for block in contents().blocks() if isinstance(block, Picture) and block.rule == rule
-    )
-    names = dict.fromkeys(block.figure for block in pictures)
+    pictures = (block for block in contents().blocks() if isinstance(block, Picture))
+    names = dict.fromkeys(block.figure for block in pictures if block.rule == rule)
     folder = f"{RESULTS}/figures/{of}" if of else f"{RESULTS}/figures"
     figures = {
         name: report(
