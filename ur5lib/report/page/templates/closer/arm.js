@@ -74,6 +74,7 @@ class Arm {
     [this.wide, this.high] = [canvas.clientWidth, Math.min(TALLEST, 0.75 * canvas.clientWidth)];
     canvas.style.height = `${this.high}px`;
     [canvas.width, canvas.height] = [sharp * this.wide, sharp * this.high];
+    this.drawn = null;
     const pen = canvas.getContext("2d");
     pen.setTransform(sharp, 0, 0, sharp, 0, 0);
     pen.font = FONT;
@@ -81,17 +82,24 @@ class Arm {
   }
 
   draw() {
-    const { canvas, stretch, scene } = this, now = scene.at(stretch.time), pen = canvas.getContext("2d");
+    const { stretch, slider } = this, { from, to, time, view, playing } = stretch;
     if (!this.wide) return; // hidden, as in print
+    const drawn = [time, view.turn, view.tilt].join();
+    if (drawn !== this.drawn) this.drawPicture();
+    this.drawn = drawn;
+    this.lanes.forEach((one) => one.draw(stretch));
+    Object.assign(slider, { min: from, max: to, value: time });
+    slider.setAttribute("aria-valuetext", `${time.toFixed(2)} s`);
+    write(this.button, playing ? "❚❚ Stop" : "▶ Play");
+  }
+
+  drawPicture() {
+    const now = this.scene.at(this.stretch.time), pen = this.canvas.getContext("2d");
     pen.clearRect(0, 0, this.wide, this.high);
     this.aim();
     if (now) this.drawArm(pen, now);
     this.drawScales(pen);
     this.tell(now);
-    this.lanes.forEach((one) => one.draw(stretch));
-    Object.assign(this.slider, { min: stretch.from, max: stretch.to, value: stretch.time });
-    this.slider.setAttribute("aria-valuetext", `${stretch.time.toFixed(2)} s`);
-    this.button.textContent = stretch.playing ? "❚❚ Stop" : "▶ Play";
   }
 
   // Set the projection: the axes to the right and upwards of the picture, and its scale.

@@ -28,6 +28,11 @@ function roundNumber(number) {
   return power * [5, 2, 1].find((size) => size * power <= number * (1 + 1e-9));
 }
 
+// Change a text where it differs, since each change costs a layout.
+function write(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 function make(name, properties = {}, ...children) {
   const element = Object.assign(document.createElement(name), properties);
   element.append(...children);

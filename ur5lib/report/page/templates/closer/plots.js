@@ -45,7 +45,7 @@ class Panel {
       plot.batch(() => plot.setScale("x", { min: from, max: to }));
     }
     plot.setCursor({ left: plot.valToPos(time, "x"), top: 0 }, false);
-    this.readings.forEach((reading, k) => (reading.textContent = this.text(k)));
+    this.readings.forEach((reading, k) => write(reading, this.text(k)));
   }
 
   // The value of a line at the time pointed at.
