@@ -87,7 +87,7 @@ def main() -> None:
     values = [*compared(fit.estimate(places), places, fit)]
     header = ["of", "value", "ours, 95 %", "published", "inside"]
     text = markdown(header, [value.row() for value in values])
-    text += "\n" + "".join(wrist_residuals(arm, run))
+    text = f"{text.rstrip()}\n\n" + "".join(wrist_residuals(arm, run))
     print(text)
     if given.page:
         write_text(replaced(PAGE.read_text(), TITLE, text), PAGE)

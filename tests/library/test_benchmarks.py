@@ -13,7 +13,7 @@ from typing import IO
 
 import pytest
 
-from tests.conftest import PROJECT
+from tests.conftest import PROJECT, shared_folder
 
 PRINTED = {  # what each prints at least
     "dynamics": ["inverse dynamics, UR5", "inertia matrix, UR5", "pinocchio", "peak memory"],
@@ -39,6 +39,11 @@ OF_A_BUILT_STUDY = {
     "leaderboard",
     "worth",
 }  # in tests/artefacts/test_demo.py
+
+OF_PUBLIC_RECORDINGS = {  # folder in ../shared, and what each prints at least
+    "torque_from_motion": ("kuka-kr300/benchmark-10hz", ["linear map", "| ours |", "process"]),
+    "published_friction": ("staubli-tx40", ["| joint 6 | rotor", "With it, the residual"]),
+}
 
 
 def run_benchmark(name: str, folder: Path, *arguments: str) -> str:
@@ -72,7 +77,7 @@ def printing_to(file: IO[str]) -> Iterator[None]:
 
 def test_every_benchmark_is_run() -> None:
     files = {path.stem for path in (PROJECT / "benchmarks").glob("*.py")}
-    assert files == set(PRINTED) | ELSEWHERE | OF_A_BUILT_STUDY
+    assert files == {*PRINTED, *OF_PUBLIC_RECORDINGS} | ELSEWHERE | OF_A_BUILT_STUDY
 
 
 @pytest.mark.thorough
@@ -81,6 +86,16 @@ def test_every_benchmark_is_run() -> None:
 def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
     printed = run_benchmark(name, PROJECT)
     assert all(text in printed for text in PRINTED[name]), printed
+
+
+@pytest.mark.thorough
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OF_PUBLIC_RECORDINGS)
+def test_a_benchmark_of_public_recordings_prints_its_table(name: str) -> None:
+    shared, texts = OF_PUBLIC_RECORDINGS[name]
+    folder = shared_folder(shared, "docs/benchmark.md names their source")
+    printed = run_benchmark(name, PROJECT, "--folder", str(folder))
+    assert all(text in printed for text in texts), printed
 
 
 @pytest.mark.thorough
