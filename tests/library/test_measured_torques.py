@@ -15,6 +15,7 @@ from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.torque_rows import MeasuredRun
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.friction import friction_direction
+from ur5lib.steps.identify_model import with_fitted
 from ur5lib.timeseries.arrays import Array
 
 SMOOTH = Smoother(4, 2.0)
@@ -71,6 +72,12 @@ def test_links_are_bodies_that_hold_in_other_postures(arm: Robot) -> None:
     assert (smallest_eigenvalues(fitted.parameters) > 0).all()
     found, true = unseen_gravity(arm, fitted.parameters)
     assert np.abs(found - true).max() < 0.03 * np.abs(true).max()
+
+
+def test_links_from_recordings_tell_nothing_against_them(arm: Robot) -> None:
+    """Nor against others: friction, which is in these torques, is not gravity's."""
+    assert arm.tells_gravity()
+    assert not with_fitted(arm, fit_arm(arm, runs(arm), SMOOTH)).tells_gravity()
 
 
 def test_a_counterbalance_is_no_link(arm: Robot) -> None:

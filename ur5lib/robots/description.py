@@ -246,12 +246,13 @@ class Robot(Strict):
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
     limit, 1 to n; drives: how its controller counts; links: `unknown` where masses, centres and
-    inertias are placeholders, which the recordings replace; weight: of all links together, at most
-    [kg]; friction_terms: of its gears, beside the usual ones (`ur5lib.robots.friction`);
-    presliding: [rad], over which their friction reverses, None: as a UR's; balanced_joints: on
-    which a spring or a counterbalance acts, 1 to n; wrist_sensor: whether a force sensor is built
-    into its flange; calibration: of one individual arm, frame k as the turned joint k carries it,
-    in place of `denavit_hartenberg`, which an arm described from its URDF has not.
+    inertias are placeholders, which the recordings replace, `fitted` where they have; weight: of
+    all links together, at most [kg]; friction_terms: of its gears, beside the usual ones
+    (`ur5lib.robots.friction`); presliding: [rad], over which their friction reverses, None: as a
+    UR's; balanced_joints: on which a spring or a counterbalance acts, 1 to n; wrist_sensor: whether
+    a force sensor is built into its flange; calibration: of one individual arm, frame k as the
+    turned joint k carries it, in place of `denavit_hartenberg`, which an arm described from its
+    URDF has not.
     """
 
     name: str
@@ -262,7 +263,7 @@ class Robot(Strict):
     motors: dict[str, Motor]
     endless_joints: list[int] | None = None
     drives: Drives = Drives()
-    links: Literal["known", "unknown"] = "known"
+    links: Literal["known", "unknown", "fitted"] = "known"
     weight: Positive | None = None
     friction_terms: list[Literal["root", "square"]] = Field(default_factory=list)
     presliding: Positive | None = None
@@ -347,8 +348,8 @@ class Robot(Strict):
         ]
 
     def tells_gravity(self) -> bool:
-        """Return whether its description says what its joints bear at rest: its links are known,
-        and no counterbalance bears a part.
+        """Return whether its description says what its joints bear at rest: its links are known
+        apart from its recordings, and no counterbalance bears a part.
         """
         return self.links == "known" and not self.balanced_joints
 

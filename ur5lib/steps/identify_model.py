@@ -139,7 +139,7 @@ def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
     model = identified_model(arm, fitted.parameters, MEASURED_DESCRIPTION)
     return arm.model_copy(
         update={
-            "links": "known",
+            "links": "fitted",
             "masses": model.masses,
             "models": {"identified": model},
             "chosen_model": "identified",
