@@ -139,8 +139,8 @@ def import_(
         typer.echo(f"{study} written; next: ur5 check {study}")
     else:
         typer.echo(as_entries(imported), nl=False)
-        names = " ".join(map(str, files))
-        typer.echo(f"next: ur5 import {names} --write mine.yaml", err=True)
+        named = " ".join([*map(str, files), *([f"--robot {robot}"] if robot else [])])
+        typer.echo(f"next: ur5 import {named} --write mine.yaml", err=True)
     if imported.refused:
         raise InputError("\n".join(["not imported:", *imported.refused]))
 

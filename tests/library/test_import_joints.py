@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -91,6 +92,22 @@ def test_arrays_of_a_franka(log: dict[str, Array], tmp_path: Path) -> None:
     names = {"actual_q": "q", "actual_qd": "dq", "actual_torque": "tau_J", "time": "t"}
     assert found.entry["channels"] == {c: f"state/{name}" for c, name in names.items()}
     assert any("velocity of state/q (7 joints move)" in line for line in found.comments)
+
+
+def test_turns_of_motors_are_no_degrees_of_joints(log: dict[str, Array], tmp_path: Path) -> None:
+    """Nor does gravity, at such angles, turn a torque round or name another arm."""
+    arm = yaml.safe_load(Path("robots/mine.yaml").read_text())
+    for motor in arm["motors"].values():
+        motor["gear_ratio"] = 100.0
+    arm |= {"name": "geared", "drives": {"positions": "motor", "torques": "motor"}}
+    Path("robots/geared.yaml").write_text(yaml.safe_dump(arm))
+    names = [f"motor_{kind}_{k}" for kind in ("angle", "torque") for k in range(1, 8)]
+    rows = np.column_stack([100 * log["q"], log["tau_J"] / 100])
+    counted = pd.DataFrame(dict(zip(names, rows.T, strict=True))).assign(time=log["t"])
+    counted.to_csv("run.csv", index=False)
+    (found,) = import_files([Path("run.csv")], UserStatement(robot="geared"))
+    assert "units" not in found.entry
+    assert [line for line in found.comments if "explains" in line or "sign" in line] == []
 
 
 def test_columns_without_names(log: dict[str, Array]) -> None:

@@ -12,6 +12,7 @@ from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
 from ur5lib.checks.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents, ImportEvidence
+from ur5lib.importing.identity import tells_columns
 from ur5lib.importing.spellings import named_unit
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -105,7 +106,7 @@ def name_efforts(
 
     blocks: by their names in `means`, which have the joints in order, None without a motion.
     """
-    telling = arm if arm and arm.tells_gravity() else None
+    telling = arm if arm and tells_columns(arm) else None
     scores = {
         name: unit_scores(means, name, telling) if means and telling else {} for name in blocks
     }

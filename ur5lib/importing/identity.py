@@ -21,7 +21,7 @@ from ur5lib.checks.readings import (
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings.rosbag import JOINT_NAMES
-from ur5lib.robots.description import Robot, robot_names
+from ur5lib.robots.description import Drives, Robot, robot_names
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
@@ -82,7 +82,12 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
 def arms_of(file: FileContents) -> list[str]:
     """Return the described arms with as many joints as a file, whose gravity may tell them."""
     arms = {name: described(name) for name in robot_names()}
-    return [n for n, arm in arms.items() if len(arm.joints) == file.joints and arm.tells_gravity()]
+    return [n for n, arm in arms.items() if len(arm.joints) == file.joints and tells_columns(arm)]
+
+
+def tells_columns(arm: Robot) -> bool:
+    """Return whether gravity on an arm's joints tells a file's columns, which are of these."""
+    return arm.tells_gravity() and arm.drives == Drives()
 
 
 def fitting(

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.checks.checked import described
 from ur5lib.checks.torques import DEGREES_PER_RADIAN
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import ColumnBlock
@@ -20,6 +21,7 @@ from ur5lib.importing.clocks import (
 )
 from ur5lib.importing.contents import FileContents, block_widths
 from ur5lib.importing.spellings import named_unit, names_command
+from ur5lib.robots.drives import turns_matrix
 from ur5lib.timeseries.arrays import Array
 
 MIN_CORRELATION = 0.9  # of a slope with its velocity
@@ -214,7 +216,7 @@ def _timed(
     if file.stated.rate:
         return file, file.stated.rate, False
     if velocity is None and are_postures(
-        position.rows / (DEGREES_PER_RADIAN if _in_degrees(position) else 1)
+        position.rows / (DEGREES_PER_RADIAN if _in_degrees(file, position) else 1)
     ):
         file.evidence.check.append(
             "still: true: without a clock, and each row far from the next, the rows are taken for "
@@ -278,8 +280,11 @@ def _nearest(ratio: float) -> float:
     )
 
 
-def _in_degrees(position: ColumnBlock) -> bool:
+def _in_degrees(file: FileContents, position: ColumnBlock) -> bool:
+    """Return whether joints would turn farther than any, were positions in radians."""
     reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
+    if file.stated.robot:  # whose controller may count turns of the motors
+        reached = reached / np.abs(np.diagonal(turns_matrix(described(file.stated.robot))))
     return (
         float(np.median(reached)) > MAX_JOINT_ANGLE or float(np.max(reached)) > 5 * MAX_JOINT_ANGLE
     )
@@ -290,7 +295,7 @@ def _units(
 ) -> dict[str, str]:
     """Return the units of positions and velocities that are not SI, as stated, named, or shown."""
     evidence, stated = file.evidence, file.stated.units.get("actual_q")
-    named, looks_like_degrees = named_unit(position.names[0]), _in_degrees(position)
+    named, looks_like_degrees = named_unit(position.names[0]), _in_degrees(file, position)
     degrees = (stated or named or ("deg" if looks_like_degrees else "rad")) == "deg"
     if not (stated or named) and looks_like_degrees:
         evidence.proven.append(f"{position.title} in degrees: no joint turns by as many radians")

@@ -20,7 +20,7 @@ from ur5lib.importing.efforts import (
     is_opposite,
     name_efforts,
 )
-from ur5lib.importing.identity import arms_of, identified
+from ur5lib.importing.identity import arms_of, identified, tells_columns
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.wrenches import CONTACT_FORCE, change, proven_frame, wrench_blocks
 from ur5lib.recordings.entries import OPPOSITE_SIGN
@@ -123,6 +123,7 @@ def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
     """Turn the efforts of the opposite sign, in the blocks and in their means."""
     stated = file.stated.robot
     arms = [described(name) for name in ([stated] if stated else arms_of(file))]
+    arms = [*filter(tells_columns, arms)]
     for name, block in efforts.items():
         if arms and is_opposite(means, name, arms):
             efforts[name] = block.scaled(-1.0)
