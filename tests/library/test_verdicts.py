@@ -282,6 +282,14 @@ def test_a_standstill_does_not_distinguish_models() -> None:
     assert said(judge_links(study())) == f"not determined: {say('models.no torques')}"
 
 
+def test_links_found_from_measured_torques_are_said_to_be() -> None:
+    results = study(parameters=[{"robot": "ur5", "determined": "yes"}])
+    found = replace(results, placeholders=frozenset({"ur5"}))
+    assert said(judge_links(found)).startswith("not determined: The links were found")
+    assert "the measured torques" in " ".join(identified(found))
+    assert "the controller's torques" in " ".join(identified(results))
+
+
 def test_equal_models_have_no_nearest() -> None:
     assert findings(study(torque_mae=torques({"A": 0.1, "B": 0.1}))) == [say("models.same")]
 

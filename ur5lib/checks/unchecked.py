@@ -122,7 +122,8 @@ def _currents(checked: Checked) -> Iterator[Finding]:
     if not bearing and TARGET_CURRENT not in means.currents:
         yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
     if checked.answers is None:
-        yield _note("currents not checked")
+        sensed = checked.arm.senses_torque()
+        yield _note("torques not checked" if sensed else "currents not checked")
         return
     brakes = friction_in_errors(means, checked.loaded) if checked.driven else {}
     unproven = [j for j in joints if brakes.get(j, 0.0) < MIN_ERRORS_OF_FRICTION]

@@ -52,7 +52,8 @@ class Results:
 
     study: the configuration; tables: by name; figures: the folder of figures; drawn: recordings
     with figures; left_out: for each omitted section, a sentence with the reason; other_arms: those
-    that are no UR arms; sensed: whether torques that all arms sense take the currents' place.
+    that are no UR arms; placeholders: those whose links are found from their measured torques;
+    sensed: whether torques that all arms sense take the currents' place.
     """
 
     study: Mapping[str, Any]
@@ -64,6 +65,7 @@ class Results:
     versions: Mapping[str, str] = field(default_factory=dict)
     left_out: Sequence[str] = ()
     other_arms: frozenset[str] = frozenset()
+    placeholders: frozenset[str] = frozenset()
     sensed: bool = False
 
     @classmethod
@@ -89,6 +91,7 @@ class Results:
             commit=commit(),
             versions=versions(),
             other_arms=frozenset(arm.name for arm in arms if not arm.denavit_hartenberg),
+            placeholders=frozenset(arm.name for arm in arms if arm.links == "unknown"),
             sensed=bool(arms) and all(arm.senses_torque() for arm in arms),
         )
 

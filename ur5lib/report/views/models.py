@@ -52,7 +52,9 @@ def identified(results: Results) -> Iterator[str]:
     """Report how many parameters of an arm the recordings determine."""
     for robot, parameters in results.tables["parameters"].groupby("robot", sort=False):
         determined = int((parameters["determined"] == "yes").sum())
-        yield say("models.identified", robot=robot, determined=determined, count=len(parameters))
+        words = {"determined": determined, "count": len(parameters)}
+        measured = robot in results.placeholders
+        yield say("models.identified", robot=robot, measured=measured, **words)
         if determined < len(parameters):
             yield say("models.undetermined")
         yield say("models.files", robot=robot)
@@ -146,6 +148,11 @@ def decided(results: Results) -> pd.DataFrame:
     return of_each_arm(results, of_arm)
 
 
+def found_from_torques(results: Results) -> list[str]:
+    """Return the arms whose links were found from measured torques."""
+    return [one for one in results.listed("parameters", "robot") if one in results.placeholders]
+
+
 def judge_links(results: Results) -> Verdict:
     """Judge the link model that is best on most joints by its worst joint, below 2 Hz: gravity,
     which is most of that, is known far better than by half.
@@ -154,6 +161,7 @@ def judge_links(results: Results) -> Verdict:
     if compared is None:
         unknown = results.tables["torque_mae"].dropna(subset="mae").empty
         reason = "no torques" if unknown else "at rest"
+        reason = "from measured torques" if unknown and found_from_torques(results) else reason
         return Verdict(LINKS_TOPIC, "not determined", say(f"models.{reason}"))
     against = beside_zero(results, compared)
     rows = against.rows
