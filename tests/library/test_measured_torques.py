@@ -89,7 +89,7 @@ def test_a_counterbalance_is_no_link(arm: Robot) -> None:
 
 
 def test_terms_of_gears_are_those_that_they_have(arm: Robot) -> None:
-    assert "square" in fit_arm(arm, runs(arm, gears=12.0), SMOOTH).terms
+    assert "velocity_square" in fit_arm(arm, runs(arm, gears=12.0), SMOOTH).terms
 
 
 def test_one_short_motion_is_too_little(arm: Robot) -> None:

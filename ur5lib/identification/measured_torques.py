@@ -34,7 +34,7 @@ from ur5lib.robots.inertia import link_tail, shift_inertia
 from ur5lib.timeseries.arrays import Array, Mask
 
 BASE_TERMS = ("coulomb", "viscous")  # those that need no link model
-GEAR_TERMS = ("root", "square")  # which gears have, or not
+GEAR_TERMS = ("velocity_root", "velocity_square")  # which gears have, or not
 SHORTER_PRESLIDING = (3e-5, 1e-5)  # rad, of gears that are stiffer, or encoders finer, than a UR's
 FOLDS = 5
 # What a term takes at least off the squared error on unseen paths, of all joints or, of a balance,

@@ -265,7 +265,7 @@ class Robot(Strict):
     drives: Drives = Drives()
     links: Literal["known", "unknown", "fitted"] = "known"
     weight: Positive | None = None
-    friction_terms: list[Literal["root", "square"]] = Field(default_factory=list)
+    friction_terms: list[Literal["velocity_root", "velocity_square"]] = Field(default_factory=list)
     presliding: Positive | None = None
     balanced_joints: list[int] = Field(default_factory=list)
     masses: PerLink[Positive]

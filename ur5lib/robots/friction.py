@@ -83,8 +83,8 @@ TERMS = {
         parts=("sin", "cos"),
     ),
     # lubricated gears: friction grows less, or more, than in proportion to speed
-    "root": Term(lambda motion: [np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)]),
-    "square": Term(lambda motion: [np.abs(motion.qd) * motion.qd]),
+    "velocity_root": Term(lambda motion: [np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)]),
+    "velocity_square": Term(lambda motion: [np.abs(motion.qd) * motion.qd]),
     # a spring or a counterbalance, as a mass that no link has
     "balance": Term(
         lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
@@ -93,7 +93,7 @@ TERMS = {
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
 # Of gears of other makers, chosen for an arm by paths that no fit has seen.
-OPTIONAL_TERMS = ("root", "square", "coupled", "balance")
+OPTIONAL_TERMS = ("velocity_root", "velocity_square", "coupled", "balance")
 
 
 def _shaft_columns(motion: JointMotion) -> list[Array]:
