@@ -21,6 +21,7 @@ PRINTED = {  # what each prints at least
     "smoothing": ["200 samples", "this library", "loop, Pinocchio"],
     "motion": ["Fourier series", "within the 95 % band", "with an IMU", "bridged"],
     "long_recording": ["1 min", "processor time", "wall s"],
+    "abb_like": ["1 seeds", "in band", "of least squares"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "slow_presses": ["1 seeds", "with an untouched span", "twenty lines"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
