@@ -23,8 +23,10 @@ def test_the_version_is_that_of_the_newest_changes() -> None:
 
 def test_the_package_names_authors_and_keywords_of_the_citation() -> None:
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
-    for key in ("authors", "keywords", "license"):
+    for key in ("authors", "keywords"):
         assert project[key] == CITATION[key]
+    # of the project's own files, and of uPlot's, which the package holds
+    assert project["license"] == f"{CITATION['license']} AND MIT"
 
 
 def test_archive_and_paper_name_title_authors_and_licence_of_the_citation() -> None:
