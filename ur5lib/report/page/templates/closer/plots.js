@@ -17,6 +17,10 @@ class Panel {
     this.element = make("div", { className: "panel" }, make("p", {}, make("b", {}, this.name), ...read));
     const table = [data.times, ...this.columns.map((column) => values(column, null))];
     this.plot = new uPlot(this.options(data.band), table, this.element);
+    new IntersectionObserver((entries) => {
+      this.onScreen = entries.at(-1).isIntersecting;
+      stretch.draw();
+    }).observe(this.element);
   }
 
   options(band) {
@@ -40,6 +44,7 @@ class Panel {
 
   draw() {
     const { plot, stretch } = this, { from, to, time } = stretch;
+    if (!this.onScreen) return;
     if (this.from !== from || this.to !== to) {
       [this.from, this.to] = [from, to];
       plot.batch(() => plot.setScale("x", { min: from, max: to }));
