@@ -148,9 +148,13 @@ def decided(results: Results) -> pd.DataFrame:
     return of_each_arm(results, of_arm)
 
 
-def found_from_torques(results: Results) -> list[str]:
-    """Return the arms whose links were found from measured torques."""
-    return [one for one in results.listed("parameters", "robot") if one in results.placeholders]
+def without_targets(results: Results) -> str:
+    """Return why no link model is compared with the controller's, where it told no torques."""
+    found = results.rows("parameters", robot=[*results.placeholders])
+    if found.empty:
+        return say("models.no torques")
+    determined = int((found["determined"] == "yes").sum())
+    return say("models.from measured torques", determined=determined, count=len(found))
 
 
 def judge_links(results: Results) -> Verdict:
@@ -160,9 +164,8 @@ def judge_links(results: Results) -> Verdict:
     compared = compare(results)
     if compared is None:
         unknown = results.tables["torque_mae"].dropna(subset="mae").empty
-        reason = "no torques" if unknown else "at rest"
-        reason = "from measured torques" if unknown and found_from_torques(results) else reason
-        return Verdict(LINKS_TOPIC, "not determined", say(f"models.{reason}"))
+        reason = without_targets(results) if unknown else say("models.at rest")
+        return Verdict(LINKS_TOPIC, "not determined", reason)
     against = beside_zero(results, compared)
     rows = against.rows
     loads = results.rows("quality", finding=GIVEN_LOAD, recording=[*rows["recording"].unique()])
