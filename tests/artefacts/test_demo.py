@@ -56,6 +56,7 @@ def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
 @pytest.mark.parametrize(
     ("name", "given", "texts"),
     [
+        ("counterbalance", ["demo"], ["| demo | ur5 | 3 |", "| none |"]),
         ("leave_out", [], ["alarms a minute", "friction differs by"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
     ],

@@ -36,6 +36,7 @@ ELSEWHERE = {  # run by tests of their own, here and in tests/
     "excitation_loop",  # artefacts/test_next_recording.py
 }
 OF_A_BUILT_STUDY = {
+    "counterbalance",
     "leave_out",
     "leaderboard",
     "worth",
