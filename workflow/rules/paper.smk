@@ -13,6 +13,8 @@ for drawing in [step for step in workflow.rules if step.name.startswith("draw_")
     for figure, path in drawing.output.items():
         if path.endswith(".svg"):
             STEP_OF_PAPER[f"paper_{figure}"] = drawing.name
+            names = [*drawing.wildcard_names, "width", "size", "format"]
+            job = "_".join(map("{{{}}}".format, names))
 
             rule:
                 name:
@@ -22,15 +24,7 @@ for drawing in [step for step in workflow.rules if step.name.startswith("draw_")
                 output:
                     **{figure: for_paper(path)},
                 log:
-                    **traces(
-                        f"paper_{figure}",
-                        "_".join(
-                            map(
-                                "{{{}}}".format,
-                                [*drawing.wildcard_names, "width", "size", "format"],
-                            )
-                        ),
-                    ),
+                    **traces(f"paper_{figure}", job),
                 params:
                     **dict(drawing.params.items()),
                 run:
