@@ -9,7 +9,12 @@ import pytest
 
 from tests.conftest import shared_folder
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import identify, prior_width, stack
+from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.measured_torques import FittedArm, fit_arm
+from ur5lib.identification.samples import CurrentSamples
+from ur5lib.identification.torque_rows import MeasuredRun
 from ur5lib.robots.description import Robot
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.timeseries.arrays import Array, Labels
@@ -22,6 +27,9 @@ MASSES = (4.0, 4.0, 3.0, 3.0, 2.0, 1.5, 0.5)  # kg: guesses, around which the pr
 # lengths [m] and angles between axes [degrees] as the scripts of the recordings' repositories have
 XMATE = (0.3415, 0, 0.394, 0, 0.366, 0, 0.2503), (-90, 90, -90, 90, -90, 90, 0)
 MED = (0.34, 0, 0.4, 0, 0.4, 0, 0.126), (-90, 90, 90, -90, -90, 90, 0)
+NO_LABELS = np.zeros(100_000, np.int64)
+WEIGHT = 30.0  # kg, about that of both arms
+Recorded = tuple[Robot, float, tuple[Array, Array, Array]]  # arm, period [s], q, q̇ and torque
 REST = 644  # first samples of the KUKA, at rest
 
 
@@ -30,24 +38,57 @@ def recordings() -> Path:
     return shared_folder("seven-joints", "they are a Rokae's and a KUKA's recordings")
 
 
+def xmate(recordings: Path) -> Recorded:
+    names = (f"excit_{name}_record.txt" for name in ("ang", "vel", "torque"))
+    data = [np.loadtxt(recordings / "rokae-xmate7" / name) for name in names]
+    return guessed(*XMATE), 0.001, (data[0], data[1], data[2])
+
+
+def med(recordings: Path) -> Recorded:
+    """Nobody noted the 10 ms between its samples."""
+    table = pd.read_csv(recordings / "kuka-lbr-med" / "measurements.csv")
+    q, torque = (table.filter(regex=rf"^{name}_\d").to_numpy() for name in ("q", "tau"))
+    return guessed(*MED), 0.01, (q, np.gradient(q, 0.01, axis=0), torque)
+
+
 def test_torques_of_an_xmate_are_predicted(recordings: Path) -> None:
     """The second half by the first, within a tenth of what a constant leaves."""
-    names = (f"excit_{name}_record.txt" for name in ("ang", "vel", "torque"))
-    q, qd, torque = (np.loadtxt(recordings / "rokae-xmate7" / name) for name in names)
-    half = np.arange(len(q)) * 2 // len(q)
-    ours, constant = errors(guessed(*XMATE), 0.001, (q, qd, torque), half, [1])
+    robot, period, data = xmate(recordings)
+    half = np.arange(len(data[0])) * 2 // len(data[0])
+    ours, constant = errors(robot, period, data, half, [1])
     assert ours < 0.1 * constant
 
 
 def test_torques_of_a_kuka_are_predicted(recordings: Path) -> None:
-    """Each fifth of the motion by the rest; nobody noted the 10 ms between its samples."""
-    table = pd.read_csv(recordings / "kuka-lbr-med" / "measurements.csv")
-    q, torque = (table.filter(regex=rf"^{name}_\d").to_numpy() for name in ("q", "tau"))
-    moved = np.arange(len(q)) - REST
+    """Each fifth of the motion by the rest."""
+    robot, period, data = med(recordings)
+    moved = np.arange(len(data[0])) - REST
     fifth = np.where(moved < 0, -1, moved * 5 // moved[-1]).clip(-1, 4)
-    data = q, np.gradient(q, 0.01, axis=0), torque
-    ours, constant = errors(guessed(*MED), 0.01, data, fifth, range(5))
+    ours, constant = errors(robot, period, data, fifth, range(5))
     assert ours < 0.1 * constant
+
+
+def fitted_arm(robot: Robot, period: float, data: tuple[Array, ...]) -> FittedArm:
+    """As of an arm whose links are unknown, but for their weight."""
+    q, qd, torque = data
+    motion, still = smooth_encoders(period * np.arange(len(q)), NO_LABELS[: len(q)], q, qd), 0 * q
+    moved = motion.q, motion.motor_qd, still, torque
+    samples = CurrentSamples("run", period, NO_LABELS[: len(q)], *moved)
+    regressor = LinkModel(robot, "guess").regressor
+    known = robot.model_copy(update={"weight": WEIGHT})
+    return fit_arm(known, [MeasuredRun(samples, motion.qdd, regressor)], Smoother(*CUTOFF))
+
+
+def test_no_counterbalance_is_invented(recordings: Path) -> None:
+    assert fitted_arm(*xmate(recordings)).balanced == []
+
+
+def test_torques_of_the_opposite_sign_are_no_bodies(recordings: Path) -> None:
+    """Those of the KUKA are the links' on its motors, and no counterbalance is taken for it."""
+    with pytest.raises(RefusalError, match="foreign bodies"):
+        fitted_arm(*med(recordings))
+    robot, period, (q, qd, torque) = med(recordings)
+    assert fitted_arm(robot, period, (q, qd, -torque)).balanced == []
 
 
 def errors(

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import (
     PARAMETERS_PER_JOINT,
     InertialEstimate,
@@ -41,6 +42,9 @@ FOLDS = 5
 # of the one on which it acts; and by how many standard errors over the folds.
 MIN_SHARE_BY_GEARS, MIN_SHARE_BY_BALANCE = 0.02, 0.05
 MIN_DEVIATIONS = 2.0
+# Squared error with bodies over that with any numbers: of a joint whose counterbalance is found, at
+# most; of others of a right arm, at most (a UR3 whose currents lack its rotors has 3.4).
+MAX_ERROR_OF_BALANCED, MAX_ERROR_OF_BODIES = 1.5, 10.0
 # A centre of mass lies between its link's joints, or beside them by a share of the arm's length.
 CENTER_MARGIN_SHARE = 0.12
 STANDARD_GRAVITY = 9.81  # m/s²
@@ -65,13 +69,15 @@ class FittedArm(NamedTuple):
 def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: Smoother) -> FittedArm:
     """Return the links, rotors and terms that torques show; terms that are described are kept.
 
-    Raises RefusalError where there are too few rows, or no bodies explain the torques.
+    Raises RefusalError where there are too few rows, or no bodies explain the torques, as of the
+    opposite sign.
     """
     known = [*BASE_TERMS, *(["coupled"] if robot.drives.coupling else [])]
     fit = fit_of_presliding(robot, runs, known, smooth)
     gears: list[str] = [*robot.friction_terms] or fit.gear_terms(known)
     balanced = [*robot.balanced_joints] or fit.balanced_joints([*known, *gears])
     places = fit.rows.places([*known, *gears], balanced)
+    fit.expect_bodies(places)
     estimate = fit.estimate(places)
     as_bodies = with_bodies(estimate.parameters, estimate.spread, fit.size, fit.bounds)
     values = {"without constraint": estimate.parameters, "consistent": as_bodies}
@@ -171,9 +177,24 @@ class ArmFit:
                 if joint not in chosen and is_less(free[:, joint - 1], errors[:, joint - 1], share)
             }
             best = min(trials, key=lambda joint: float(trials[joint].sum()), default=None)
-            if best is None or not is_less(trials[best][:, best - 1], errors[:, best - 1], share):
+            if best is None or ratio(trials[best], free)[best - 1] > MAX_ERROR_OF_BALANCED:
+                return chosen
+            if not is_less(trials[best][:, best - 1], errors[:, best - 1], share):
                 return chosen
             chosen, errors = [*chosen, best], trials[best]
+
+    def expect_bodies(self, places: Sequence[int]) -> None:
+        """Raise RefusalError where bodies leave far more of joints than any numbers would."""
+        any_numbers, bodies = (self.unseen_errors(places, own) for own in (None, self.bounds))
+        far = 1 + np.flatnonzero(ratio(bodies, any_numbers) > MAX_ERROR_OF_BODIES)
+        if len(far):
+            raise RefusalError("foreign bodies", joints=[str(joint) for joint in far])
+
+
+def ratio(errors: Array, others: Array) -> Array:
+    """Return how many times squared errors (F, n) of folds and joints are as large as others."""
+    times: Array = errors.sum(axis=0) / others.sum(axis=0)
+    return times
 
 
 def is_less(trial: Array, errors: Array, share: float) -> bool:
