@@ -32,7 +32,7 @@ def simulated_section(path: Path) -> dict[str, Any] | None:
 
 def detection_tables(folders: Sequence[Path]) -> str:
     """Return, for each study, its contacts at a force sensor, and its alarms where none is."""
-    tables = ("forces.detections", "forces.alarms")
+    tables = ("detection.classes", "detection.alarms")
     bodies = [shown_table(table, judged(folder)) for folder in folders for table in tables]
     texts = [(body.header, [[cell.text for cell in row] for row in body.rows]) for body in bodies]
     return "\n\n".join(markdown(header, rows) for header, rows in texts if rows)

@@ -109,8 +109,11 @@ def test_identified_links_can_exist(thesis_results: Path) -> None:
     check_rigid("ur5", None, thesis_results)
 
 
-def test_the_sensor_is_exported_with_its_formula(thesis_results: Path) -> None:
+def test_the_sensor_is_exported_with_its_formula(
+    thesis_results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Of a real sensor, beyond whose gauges only its own plate weighs."""
+    monkeypatch.chdir(thesis_results.parents[1])
     text = exported("ur5", None, "sensor", thesis_results, "")
     known = check_formula(text, thesis_results, TABLE_6_1)
     assert 0.05 < known["mass"]["low"] < known["mass"]["high"] < 0.15
@@ -698,7 +701,10 @@ def test_the_report_holds_what_was_promised(thesis_results: Path, page: HtmlElem
 
 
 @pytest.mark.parametrize("recording", WITH_SENSOR)
-def test_the_arm_is_drawn_as_its_tables_say(thesis_results: Path, recording: str) -> None:
+def test_the_arm_is_drawn_as_its_tables_say(
+    thesis_results: Path, recording: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(thesis_results.parents[1])
     check_arm(thesis_results, recording)
 
 
