@@ -177,7 +177,7 @@ def test_what_its_controller_tells_is_fitted() -> None:
     )
     motion = motion_record(signals, smooth_encoders(time, segment, *states[:2]))
     known = {"sines": signals}, {"sines": motion}, {"sines": None}
-    found = identify_model(robot, *known, Butterworth(4, 10.0))
+    found = identify_model(robot, *known, Butterworth(4, 10.0), Butterworth(4, 2.0))
     assert found.summary.refused is None
     fitted = Robot.model_validate(yaml.safe_load(found.arm))
     off = LinkModel(fitted, "identified").inverse_dynamics(*states) - torque
