@@ -5,11 +5,13 @@ import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from lxml import etree
 from lxml.html import fromstring
 
 from tests.artefacts.documents import stated
@@ -107,6 +109,21 @@ def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path
     assert image.get("alt") == HOSTILE
     assert image.get("src").startswith("data:image/svg+xml,%3C?xml")
     assert "▼ 0.5" in page.text_content()  # a mark is more than a colour
+
+
+def test_a_figure_in_the_page_is_its_file_without_what_nobody_sees(
+    document: Document, picture: Path
+) -> None:
+    """Smaller, with all drawn parts, and what these refer to."""
+    (image,) = fromstring(html_page(document)).iter("img")
+    shown = etree.fromstring(unquote(image.get("src").split(",", 1)[1]).encode())
+    file = etree.parse(picture).getroot()
+    drawn = [[*one.iter("{*}path", "{*}use", "{*}image")] for one in (file, shown)]
+    assert len(drawn[0]) == len(drawn[1]) > 10
+    text = etree.tostring(shown).decode()
+    assert len(text) < 0.9 * picture.stat().st_size
+    names = {one.get("id") for one in shown.iter("{*}*")}
+    assert {*re.findall(r"(?:url\(|href=\")#([\w-]+)", text)} <= names
 
 
 def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) -> None:
