@@ -82,7 +82,7 @@ SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
 PAGE_WIDTH = 7.2  # inches, of A4 between margins
 LABEL_DISTANCE = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
 IMAGE_DPI = 130  # of images inside a figure
-PALETTE_SIZE = 256  # of such an image: a third of the size of one with all colours
+PALETTE_SIZE = 64  # of such an image: a fourth of the size of one with all colours
 EMBEDDED_IMAGE = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
 PRINTED = re.compile(
     r"_([\d.]+)mm_([\d.]+)pt$"
