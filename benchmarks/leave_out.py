@@ -301,12 +301,13 @@ class Fold:
         rows = []
         for own in tested:
             forces = Forces.read(self.own(own, "forces.parquet"))
+            q = Motion.read(own.file("motion.parquet")).q
             minute = forces.period / 60
             for name in forces.log_odds:
                 # Where no fitted recording has this estimate, contact is what is the likelier.
                 found = alarms_by_odds(forces, name, thresholds.get(name, 0.0))
                 lasted = sum(last - first for first, last in found.raised) * minute
-                stated = [strongest(span, forces.time, found) for span in found.raised]
+                stated = [strongest(span, forces.time, q, found) for span in found.raised]
                 most = max((np.abs(s.force / s.force_std).max() for s in stated), default=0.0)
                 rows.append(
                     [own.name, name, len(stated), len(found.evidence) * minute, lasted, most]

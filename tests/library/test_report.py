@@ -257,7 +257,7 @@ def test_a_recording_without_contacts_is_told_too() -> None:
 def alarm(start: float, force: list[float], **more: Any) -> dict[str, Any]:
     """An alarm of 1 s, its largest force in the middle."""
     times = {"start": start, "end": start + 1, "peak": start + 0.5}
-    return times | {"force": force, "force_std": [1, 2, 3]} | more
+    return times | {"force": force, "force_std": [1, 2, 3], "q": [0.0, 1.0]} | more
 
 
 def test_contacts_without_a_sensor_are_told_with_their_force() -> None:

@@ -16,7 +16,14 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.baseline import bars, error_bar, state
-from ur5lib.report.views.contacts import claim, felt_while_fitted, judge_force, noticed, scores
+from ur5lib.report.views.contacts import (
+    claim,
+    felt_while_fitted,
+    judge_force,
+    noticed,
+    scores,
+    widest_band,
+)
 from ur5lib.report.views.currents import (
     farthest_in_time,
     judge_constants,
@@ -705,6 +712,7 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
         "Fx_std": 1.0,
         "Fy_std": 5.0,
         "Fz_std": 2.0,
+        "posture_deg": "0.0 -90.0 90.0",
     }
     results = study(
         detection=[about | {"alarms_per_min": 1.0}], contact_errors=sensed, contacts=[about | alarm]
@@ -714,6 +722,8 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
     assert (row["weakest"], row["band"], row["axis"], row["band_s"]) == (20.0, 9.8, "y", 4.0)
     cells = shown_table("detection.noticed", results)
     assert "± 10 along y at 4.0 s" in [cell.text for cell in cells.rows[0]]
+    (told,) = widest_band(results)
+    assert "pushed at 4.0 s, with the joints at 0.0 -90.0 90.0°" in told.replace("\u00a0", " ")
 
 
 # Drawings, first figure, next steps

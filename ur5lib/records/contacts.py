@@ -9,8 +9,8 @@ from ur5lib.timeseries.arrays import Array
 @dataclass(frozen=True)
 class Alarm:
     """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
-    deviation; whether it is a contact or a load, and the mass of a load [kg]; whether the torques
-    exclude that the contact is at the flange.
+    deviation, and the joints (n,) [rad] there; whether it is a contact or a load, and the mass of a
+    load [kg]; whether the torques exclude that the contact is at the flange.
     """
 
     start: float
@@ -18,6 +18,7 @@ class Alarm:
     peak: float
     force: Array
     force_std: Array
+    q: Array
     kind: Literal["contact", "load"] = "contact"
     load_mass: float | None = None
     load_mass_std: float | None = None

@@ -35,7 +35,7 @@ def draw_figures(
     # each figure reads its signals anew, so that none holds those of another
     return {
         "packets": figures.packet_figure(signals.anew()),
-        "torques": figures.torque_figure(signals.anew(), torques, arm.chosen_model),
+        "torques": figures.torque_figure(signals.anew(), torques, arm),
         "currents": figures.current_figure(signals.anew(), currents, arm.senses_torque()),
         "accelerations": figures.acceleration_figure(accelerations),
         "accelerations_published": figures.euler_figure(accelerations, felt, modelled),

@@ -87,18 +87,19 @@ def all_alarms(
 def detected(
     found: Mapping[str, Alarms],
     sensor: SensorWrenches,
+    q: Array,
     thresholds: Mapping[str, float],
     named: Named,
 ) -> dict[str, Detected]:
     """Return the alarms of each estimate, and their comparison with the sensor.
 
-    named: returns an alarm with its kind, a contact or a load.
+    q: (N, n) [rad]; named: returns an alarm with its kind, a contact or a load.
     """
     return {
         name: Detected(
             **vars(matched(own.raised, sensor)),
             threshold=thresholds[name],
-            raised=[named(span, strongest(span, sensor.time, own)) for span in own.raised],
+            raised=[named(span, strongest(span, sensor.time, q, own)) for span in own.raised],
             time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
             free_time_in_alarm=free_time_in_alarm(own, sensor),
@@ -152,13 +153,13 @@ def load_finder(evidence: Evidence) -> Named:
     return named
 
 
-def strongest(span: Span, time: Array, own: Alarms) -> Alarm:
-    """Return an alarm with the largest force in it."""
+def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
+    """Return an alarm with the largest force in it; time: (N,) [s], q: (N, n) [rad]."""
     part = slice(*span)
     force, std, seconds = own.wrench[part, :3], own.std[part, :3], time[part]
     peak = int(np.argmax(np.nan_to_num(np.linalg.norm(force, axis=1))))
     times = float(seconds[0]), float(seconds[-1]), float(seconds[peak])
-    return Alarm(*times, force[peak], std[peak])
+    return Alarm(*times, force[peak], std[peak], q[part][peak])
 
 
 def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:

@@ -70,7 +70,7 @@ def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Det
     """
     forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
     alarms = all_alarms(forces, published_forces(evidence), thresholds)
-    contacts = detected(alarms, sensor, thresholds, load_finder(evidence))
+    contacts = detected(alarms, sensor, evidence.motion.q, thresholds, load_finder(evidence))
     problem = fmap_problem(evidence.motion, currents, evidence.residuals)
     if problem is None or LEADING not in contacts:
         return contacts

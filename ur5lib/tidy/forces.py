@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import Audit, Compared
 from ur5lib.thesis.reference import Published
@@ -90,7 +92,9 @@ def fixed_threshold(detection: dict[str, Detected]) -> Iterator[Row]:
 
 
 def contacts(detection: dict[str, Detected]) -> Iterator[Row]:
-    """Yield each alarm: times, largest force, mass of a load, whether the flange is excluded."""
+    """Yield each alarm: times, largest force and the posture there, mass of a load, whether the
+    flange is excluded.
+    """
     for estimate, found in detection.items():
         for alarm in found.raised:
             yield vars(alarm) | {
@@ -98,6 +102,7 @@ def contacts(detection: dict[str, Detected]) -> Iterator[Row]:
                 **{f"{name}_s": getattr(alarm, name) for name in ("start", "end", "peak")},
                 **dict(zip(FORCES, alarm.force, strict=True)),
                 **dict(zip(STDS, alarm.force_std, strict=True)),
+                "posture_deg": " ".join(f"{angle:.1f}" for angle in np.degrees(alarm.q)),
             }
 
 

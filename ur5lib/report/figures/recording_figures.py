@@ -73,14 +73,18 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state
     return draw_lines(signals, lines, joint_quantity(*STATE_AXES[state]))
 
 
-def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
-    """Return Figures 5.11 and 5.12: the chosen model against the controller's torque."""
-    motion = "target" if model in torques.target else "measured"
-    modelled = getattr(torques, motion)[model]
-    lines: OptionalLines = {
-        "controller's target_moment": (signals.target_moment, "measured"),
-        f"Model {model}, {motion} motion": (modelled, "joint"),
+def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
+    """Return Figures 5.11 and 5.12: the chosen model, and the fullest, with rotors, against the
+    controller's torque.
+    """
+    lines: dict[str, tuple[Array | None, str]] = {
+        "controller's target_moment": (signals.target_moment, "measured")
     }
+    models = dict.fromkeys((robot.chosen_model, robot.fullest_model()))
+    for model, style in zip(models, ("first", "second"), strict=False):
+        motion = "target" if model in torques.target else "measured"
+        name = f"Model {model}" if model[0].isupper() else model
+        lines[f"{name}, {motion} motion"] = getattr(torques, motion)[model], style
     return draw_lines(signals, lines, TORQUE_PANELS)
 
 

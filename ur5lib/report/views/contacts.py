@@ -199,18 +199,25 @@ def _noticed_on(results: Results, recording: str) -> dict[str, object]:
     """Return the contacts at the sensor, those without an alarm of their own, and the widest band.
 
     missed: their starts [s]; weakest: peak of the weakest that is found [N]; band: half its width
-    [N] along `axis` at `band_s`, of the largest force of an alarm.
+    [N] along `axis` at `band_s` in a posture, of the largest force of an alarm.
     """
     alarms = results.rows("contacts", recording=recording, estimate=LEADING)
     sensed = results.rows("contact_errors", recording=recording, estimate=LEADING, component="norm")
     found = [contact for _, contact in match(_spans(alarms), _spans(sensed))]
     missed = sensed.drop(sensed.index[found])["start_s"]
-    stds = alarms.melt("peak_s", FORCE_STDS, "column", "std").dropna(subset="std")
+    stds = alarms.melt(["peak_s", "posture_deg"], FORCE_STDS, "column", "std").dropna(subset="std")
     noticed = {"contacts": len(sensed), "found": len(found), "missed": [*missed]}
     noticed |= {"weakest": sensed["peak"].iloc[found].min(), "band": math.nan}
     for row in stds.sort_values("std")[-1:].itertuples():
         noticed |= {"band": NORMAL95 * row.std, "axis": row.column[1], "band_s": row.peak_s}
+        noticed |= {"posture": row.posture_deg}
     return noticed
+
+
+def widest_band(results: Results) -> Iterator[str]:
+    """Say in which posture the band of a contact's largest force is widest."""
+    for row in noticed(results).sort_values("band").dropna(subset="band")[-1:].itertuples():
+        yield say("contacts.widest band", row=row)
 
 
 def _spans(rows: pd.DataFrame) -> list[Span]:
