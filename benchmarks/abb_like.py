@@ -2,10 +2,10 @@
 
 As in docs/robots.md, its user knows axes, weight, gears and how the controller counts, but neither
 links nor friction. Each seed draws all of them, a log of six Fourier motions, cut into recordings
-to fit, and two logs along other paths: of the same day, with friction that differs by 3 %, and of
-another season, by 10 %, as the bands allow for. Printed are, by joint, the shares of low-passed
-torque inside the 95 % band of its prediction, and the error relative to the torque's standard
-deviation, beside that of least squares over links, rotors, offsets and friction.
+to fit, and logs along other paths: of the same day, with friction that differs by 3 %, and of other
+seasons, by 10 %, as the bands allow for. Printed are, by joint, the shares of low-passed torque
+inside the 95 % band of its prediction, and the error relative to the torque's standard deviation,
+beside that of least squares over links, rotors, offsets and friction.
 """
 
 import tempfile
@@ -43,8 +43,9 @@ from ur5lib.tables import write_table
 from ur5lib.timeseries.arrays import Array
 
 SEEDS, FITTED, FEWEST = 20, 6, 3  # motions, each a recording
+UNSEEN_LOGS = 4  # of each seed, that day and in other seasons
 COLUMNS = ["time", "actual_q", "actual_torque"]
-UNSEEN = {"same day": RUN_TO_RUN_STD, "another season": SEASONAL_STD}
+UNSEEN = {"same day": RUN_TO_RUN_STD, "other seasons": SEASONAL_STD}
 ANGLES_HZ, SLOW = 10.0, 0.02  # Hz, rad/s: of least squares
 
 
@@ -52,15 +53,17 @@ def main() -> None:
     """Print the figures of all seeds."""
     seeds, quick = asked(__doc__, SEEDS)
     torch.set_num_threads(1)
-    motions = FEWEST if quick else FITTED
-    rows = pd.DataFrame([row for seed in range(seeds) for row in figures(seed, motions)])
-    print(f"{seeds} seeds, {PERIOD * motions:g} s to fit and {2 * PERIOD:g} s along other paths")
+    motions, logs = (FEWEST, 1) if quick else (FITTED, UNSEEN_LOGS)
+    rows = pd.DataFrame([row for seed in range(seeds) for row in figures(seed, motions, logs)])
+    print(
+        f"{seeds} seeds, {PERIOD * motions:g} s to fit, {logs} logs of {2 * PERIOD:g} s of each day"
+    )
     table = rows.pivot_table("value", "quantity", "joint", aggfunc=in_words, sort=False)
     print(table.to_string())
 
 
 def in_words(values: pd.Series) -> str:
-    """Return the mean over the seeds, and the least and most."""
+    """Return the mean over all logs, and the least and most."""
     return f"{values.mean():.3f} ({values.min():.2f} to {values.max():.2f})"
 
 
@@ -85,13 +88,14 @@ class Fit(NamedTuple):
     loads: Mapping[str, PayloadEstimate]
 
 
-def figures(seed: int, motions: int) -> Iterator[dict[str, Any]]:
-    """Yield what is counted of one seed."""
+def figures(seed: int, motions: int, unseen: int) -> Iterator[dict[str, Any]]:
+    """Yield what is counted of one seed; unseen: number of logs of each day."""
     made = MadeUpArm(seed)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        logs = {"fit": (motions, RUN_TO_RUN_STD)} | {day: (2, std) for day, std in UNSEEN.items()}
-        write_files(made, seed, folder, logs)
+        days = {f"{day} {k}": day for day in UNSEEN for k in range(unseen)}
+        logs = {"fit": (motions, RUN_TO_RUN_STD)}
+        write_files(made, seed, folder, logs | {log: (2, UNSEEN[days[log]]) for log in days})
         arm = described(made, folder)
         cuts = {
             f"part {k}": {"from_s": k * PERIOD, "to_s": (k + 1) * PERIOD} for k in range(motions)
@@ -99,13 +103,12 @@ def figures(seed: int, motions: int) -> Iterator[dict[str, Any]]:
         fit = fitted(
             arm, {part: taken(arm, folder, "fit", part, cut) for part, cut in cuts.items()}
         )
-        for day in UNSEEN:
-            found = predicted(fit, taken(arm, folder, day, day, {}))
-            scores = found.summary.scores["fitted"]
+        for log, day in days.items():
+            scores = predicted(fit, taken(arm, folder, log, log, {})).summary.scores["fitted"]
+            size = np.sqrt(scores.rmse_lowpassed**2 / (1 - scores.r2))
             yield from by_joint(f"in band, {day}", scores.coverage)
-        size = np.sqrt(scores.rmse_lowpassed**2 / (1 - scores.r2))
-        yield from by_joint("NRMSE, another season", scores.rmse_lowpassed / size)
-        yield from by_joint("of least squares", least_squares(made, folder, "fit", day))
+            yield from by_joint(f"NRMSE, {day}", scores.rmse_lowpassed / size)
+            yield from by_joint(f"of least squares, {day}", least_squares(made, folder, "fit", log))
 
 
 def by_joint(quantity: str, values: Array) -> Iterator[dict[str, Any]]:
