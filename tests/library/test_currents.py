@@ -36,6 +36,7 @@ from ur5lib.identification.currents import (
     CurrentFit,
     band,
     breakaway_torque,
+    dry_friction,
     friction_current,
     load_loss,
     parameters,
@@ -384,6 +385,15 @@ def test_breakaway_is_the_friction_that_turns_with_direction(fitted: CurrentFit)
     slippery = replace(first.estimate, coefficients=first.estimate.coefficients * [1, 1, 0, 0, 0])
     fit = replace(fitted, joints=(replace(first, estimate=slippery),))
     np.testing.assert_allclose(breakaway_torque(fit), 0.1)
+
+
+def test_a_joint_that_turns_with_a_coupled_motor_has_its_dry_friction_too() -> None:
+    """Own dry friction that noise makes negative takes nothing away from it."""
+    values = np.array([1.0, 0.0, -0.5, 7.0, 7.0, -2.0, 7.0, 7.0])
+    assert dry_friction((*BASE_TERMS, "coupled"), values) == 2.0
+    values[2] = 3.0
+    assert dry_friction((*BASE_TERMS, "coupled"), values) == 5.0
+    assert dry_friction(BASE_TERMS, values[:5]) == 3.0
 
 
 def test_a_load_costs_its_torque_times_the_loss(fitted: CurrentFit) -> None:

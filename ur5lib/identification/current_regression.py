@@ -15,6 +15,7 @@ from ur5lib.identification.currents import (
     CurrentFit,
     JointFit,
     constants_doubt,
+    dry_friction,
     torque_constants,
     unseen_difference,
 )
@@ -211,7 +212,7 @@ def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimat
     coefficients = estimate.coefficients
     residual, path, moving = left_out_residuals(samples, prior), samples.path, samples.moving
     # usual errors are relative to Coulomb friction [A]
-    coulomb = max(0.0, float(coefficients[2]))
+    coulomb = dry_friction(samples.terms, coefficients)
     in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING_ERROR * coulomb)
     at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING_ERROR * coulomb)
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1

@@ -123,10 +123,19 @@ def breakaway_torque(fit: CurrentFit) -> Array:
     Without its load-dependent part; at least MIN_BREAKAWAY_TORQUE.
     """
     coulomb = [
-        physical_values(joint.estimate.coefficients)[joint.names().index("coulomb")]
+        dry_friction(joint.terms, physical_values(joint.estimate.coefficients))
         for joint in fit.joints
     ]
     return np.maximum(np.array(coulomb), MIN_BREAKAWAY_TORQUE)
+
+
+def dry_friction(terms: tuple[str, ...], values: Array) -> float:
+    """Return the Coulomb friction of a joint and of the coupled motor's shaft that it turns with.
+
+    values: (P,), constant, offset and friction's coefficients [A] or [Nm], as the result.
+    """
+    friction = dict(zip(coefficient_names(terms), values[2:].tolist(), strict=True))
+    return max(0.0, friction["coulomb"]) + abs(friction.get("coupled_coulomb", 0.0))
 
 
 def predict(fit: CurrentFit, record: CurrentSamples) -> Array:
