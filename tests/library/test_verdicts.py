@@ -457,7 +457,7 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
         (
             "seen",
             "False alarms in 1.0 minutes of validate recordings without an undeclared load: 0.5 a "
-            "minute, of past currents alone 3.0.",
+            "minute, from past currents alone 3.0.",
         ),
         ("fitted", "No validate recording without an undeclared load shows how many alarms"),
     ],
@@ -484,7 +484,7 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     judged = Results({"recordings": roles}, tables, Path())
     evidence = judge_force(judged).evidence
     assert "in 2.0 minutes" in evidence
-    assert "3.0 a minute, of past currents alone 1.5" in evidence
+    assert "3.0 a minute, from past currents alone 1.5" in evidence
 
 
 # No recording to fit
@@ -712,7 +712,7 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
         "Fx_std": 1.0,
         "Fy_std": 5.0,
         "Fz_std": 2.0,
-        "posture_deg": "0.0 -90.0 90.0",
+        "posture_deg": "0.2 -90.0 90.0",
     }
     results = study(
         detection=[about | {"alarms_per_min": 1.0}], contact_errors=sensed, contacts=[about | alarm]
@@ -723,7 +723,15 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
     cells = shown_table("detection.noticed", results)
     assert "± 10 along y at 4.0 s" in [cell.text for cell in cells.rows[0]]
     (told,) = widest_band(results)
-    assert "pushed at 4.0 s, with the joints at 0.0 -90.0 90.0°" in told.replace("\u00a0", " ")
+    assert "pushed at 4.0 s, with the joints at 0, −90, 90 °" in told.replace("\u00a0", " ")
+
+
+def test_every_alarm_on_a_recording_without_contact_is_false() -> None:
+    told = {"estimate": "Fmap", "alarms_per_min": 1.5}
+    found = [told | {"recording": name} for name in ROLES]
+    found[2] |= {"false_alarms_per_min": 0.5}
+    rows = noticed(study(detection=found)).set_index("role")
+    assert rows["false_alarms_per_min"].to_dict() == {"fit": 1.5, "validate": 1.5, "contact": 0.5}
 
 
 # Drawings, first figure, next steps

@@ -102,7 +102,7 @@ def contacts(detection: dict[str, Detected]) -> Iterator[Row]:
                 **{f"{name}_s": getattr(alarm, name) for name in ("start", "end", "peak")},
                 **dict(zip(FORCES, alarm.force, strict=True)),
                 **dict(zip(STDS, alarm.force_std, strict=True)),
-                "posture_deg": " ".join(f"{angle:.1f}" for angle in np.degrees(alarm.q)),
+                "posture_deg": " ".join(f"{angle:z.1f}" for angle in np.degrees(alarm.q)),
             }
 
 

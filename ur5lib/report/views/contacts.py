@@ -189,10 +189,16 @@ def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def noticed(results: Results) -> pd.DataFrame:
-    """Return by recording which contacts are found, alarms, the widest band, smallest pushes."""
+    """Return by recording which contacts are found, alarms, the widest band, smallest pushes.
+
+    Each alarm on a recording to fit or to validate is false.
+    """
     rows = results.rows("detection", estimate=LEADING).drop_duplicates("recording")
     parts = [{**row, **_noticed_on(results, row["recording"])} for row in rows.to_dict("records")]
-    return pd.DataFrame(parts).assign(role=rows["recording"].map(results.roles()).to_numpy())
+    roles = rows["recording"].map(results.roles()).to_numpy()
+    found = pd.DataFrame(parts).assign(role=roles)
+    false = found["alarms_per_min"].where(roles != "contact", found["false_alarms_per_min"])
+    return found.assign(false_alarms_per_min=false)
 
 
 def _noticed_on(results: Results, recording: str) -> dict[str, object]:
