@@ -514,6 +514,24 @@ def test_contacts_in_a_recording_to_fit_are_told() -> None:
     assert not felt_while_fitted(study(contacts=[contact | {"recording": "pushed"}]))
 
 
+def test_alarms_at_the_usual_rate_do_not_doubt_a_role() -> None:
+    """Of sixty recordings with an alarm each, none is touched; one with six more is."""
+    names = [f"free_{k}" for k in range(60)]
+    results = study()
+    entries = [{"name": name, "robot": "ur5", "role": "fit"} for name in names]
+    lengths = pd.DataFrame({"recording": names, "duration_s": 60.0})
+    alarm = {"estimate": "Fmap", "kind": "contact"}
+    for further, doubted in ((0, []), (6, ["free_7"])):
+        contacts = pd.DataFrame(
+            [alarm | {"recording": name} for name in names + ["free_7"] * further]
+        )
+        tables = results.tables | {"recordings": lengths, "contacts": contacts}
+        assert (
+            felt_while_fitted(replace(results, study={"recordings": entries}, tables=tables))
+            == doubted
+        )
+
+
 def test_without_a_search_no_contact_is_denied() -> None:
     assert findings(study(RESTING)) == [say("findings.unsearched")]
     quiet = SENSED | {"largest_force_n": 2.0, "contacts": 0, "share_in_contact": 0.0}

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.special import gammainc
 
 from ur5lib.force.contact_wrench import (
     BREAKAWAY_SHARE,
@@ -30,6 +31,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 FORCE_TOPIC = "Force in contact"
 STATIC_ESTIMATE = "static"  # the estimate without any fit
+MAX_CHANCE_OF_ALARMS = 0.05  # of as many in a recording, at the rate of the others
 
 
 def undetermined_moments(results: Results) -> Iterator[str]:
@@ -52,9 +54,18 @@ def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
 
 
 def felt_while_fitted(results: Results) -> list[str]:
-    """Return the recordings of the role fit on which contacts are found, by a fit without them."""
-    contacts = results.rows("contacts", estimate=LEADING, kind="contact")
-    return results.with_role("fit", contacts["recording"])
+    """Return the recordings of the role fit on which more contacts are found, by a fit without
+    them, than the rate of alarms on the arm's other ones lets expect.
+    """
+    found = results.rows("contacts", estimate=LEADING, kind="contact")["recording"].value_counts()
+    lengths = results.tables["recordings"].set_index("recording")["duration_s"]
+    fitted = results.with_role("fit")
+    rows = pd.DataFrame({"arm": results.arms(), "alarms": found, "seconds": lengths}).loc[fitted]
+    rows = rows.fillna({"alarms": 0})
+    others = rows.groupby("arm")[["alarms", "seconds"]].transform("sum") - rows
+    expected = (others["alarms"] / others["seconds"]).fillna(0) * rows["seconds"]
+    chance = gammainc(rows["alarms"], expected)  # of as many or more, by Poisson
+    return [*rows.index[chance < MAX_CHANCE_OF_ALARMS]]
 
 
 def counted(results: Results) -> Iterator[str]:
