@@ -17,6 +17,7 @@ from ur5lib.thesis.published_constants import CurrentTorque
 from ur5lib.timeseries.arrays import Array
 
 DRAWN_STEP = 0.1  # s between the samples that are drawn
+BAR_HEIGHT = 0.16  # inches, with the space to the next
 CURRENT_AXIS, TORQUE_AXIS = ("i_{} [A]", "A"), ("sensed τ_{} [Nm]", "Nm")  # label and unit
 KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours
     "prior_share": ("other arms and the maker", "#BBBBBB"),
@@ -28,6 +29,13 @@ PARAMETER_SYMBOLS = {
     "torque_constant": "k",
     "offset": "b",
     "coulomb": "Coulomb",
+    "velocity_root": "root",
+    "velocity_square": "square",
+    "balance_sin": "spring sin",
+    "balance_cos": "spring cos",
+    "coupled_coulomb": "shaft Coulomb",
+    "coupled_viscous": "shaft viscous",
+    "coupled_rotor": "shaft rotor",
 }  # on a narrow axis
 
 
@@ -74,8 +82,9 @@ def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
     if not parameters:
         return nothing_to_draw()
     data = pd.DataFrame([asdict(row) for row in parameters])[["joint", "name", *KNOWLEDGE_SOURCES]]
-    rows = -(-data["joint"].nunique() // 3)
-    with house_style(1.3 * rows + 0.3, rows, 3, sharex=True) as (figure, panels):
+    rows, most = -(-data["joint"].nunique() // 3), data.groupby("joint").size().max()
+    height = rows * (BAR_HEIGHT * most + 0.5) + 0.3
+    with house_style(height, rows, 3, sharex=True) as (figure, panels):
         axes = panels.flat
         for empty in axes[data["joint"].nunique() :]:
             empty.set_visible(False)

@@ -3,6 +3,7 @@
 Most are filters of the templates in `sentences.yaml` and `contents.yaml`.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from datetime import date
 
@@ -11,6 +12,7 @@ import pandas as pd
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 VISIBLE_DIFFERENCE = 5e-5  # visible with four decimals
+FIGURES_OF_ERRORS = 3
 
 
 def capital(text: str) -> str:
@@ -66,9 +68,14 @@ def counted(count: int) -> str:
 
 
 def error(value: float, std: float, digits: int, unit: str = "") -> str:
-    """Format a value with its standard error and its unit; a dash for NaN."""
+    """Format a value with its standard error and its unit; a dash for NaN.
+
+    digits: after the point, fewer of an error of more than three figures.
+    """
     if pd.isna(value):
         return "–"
+    if std > 0:
+        digits = min(digits, max(0, FIGURES_OF_ERRORS - 1 - math.floor(math.log10(std))))
     return _with_unit(f"{fixed(value, digits)} ± {rounded(std, digits)}", unit)
 
 
