@@ -87,7 +87,9 @@ SHOWN = [
         {"title": "First", "blocks": [{"sentences": "overview.pages"}]},
         next(one for one in contents().report(False) if one.title == "Overview by month"),
         {"title": "Runs", "blocks": [{"table": "recordings.a",
-         "caption": "", "columns": {"run": "recording"}}]},
+         "caption": "", "columns": {"run": "recording"}},
+         {"table": "current_rmse.b", "caption": "", "columns": {"joint": "joint", "on": "recording"}},
+        ]},
     )
 ]  # fmt: skip
 
@@ -100,11 +102,13 @@ def document() -> Document:
 def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Document) -> None:
     tables = {block.label: block for block in document.blocks() if isinstance(block, TableBlock)}
     assert "recordings.a" not in tables
+    assert "current_rmse.b" in tables  # its rows are joints
     cells = [cell for row in tables["quality.by_month-arm_1"].rows for cell in row]
     assert {cell.link for cell in cells} == {"", f"runs/{LOST}.html"}
     few = compose(SHOWN, made(MOST_ROWS))
     assert [block.label for block in few.blocks() if isinstance(block, TableBlock)] == [
-        "recordings.a"
+        "recordings.a",
+        "current_rmse.b",
     ]
 
 

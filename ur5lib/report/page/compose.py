@@ -224,10 +224,8 @@ def _single(
             if items:
                 yield replace(declared, items=items)
         case DeclaredTable():
-            columns = declared.columns.values()
-            by_recording = "recording" in {*declared.lines, *declared.across, *columns}
-            listed = results.many and not name and by_recording
-            body = Body([], []) if listed else body_of(declared, results, name)
+            left_out = results.many and not name and declared.by_recording
+            body = Body([], []) if left_out else body_of(declared, results, name)
             if body.rows:
                 yield _table(declared, body, results, name)
         case Picture():

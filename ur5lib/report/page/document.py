@@ -138,6 +138,11 @@ class DeclaredTable(FromContents):
     marked: str = ""
 
     @property
+    def by_recording(self) -> bool:
+        """Whether its rows, which the first column names, or its cells are of single recordings."""
+        return "recording" in {*self.lines, *self.across, *[*self.columns.values()][:1]}
+
+    @property
     def results(self) -> str:
         """Return the name of the table of results that it shows."""
         return self.table.partition(".")[0]
