@@ -88,7 +88,8 @@ SHOWN = [
         next(one for one in contents().report(False) if one.title == "Overview by month"),
         {"title": "Runs", "blocks": [{"table": "recordings.a",
          "caption": "", "columns": {"run": "recording"}},
-         {"table": "current_rmse.b", "caption": "", "columns": {"joint": "joint", "on": "recording"}},
+         {"table": "current_rmse.b",
+          "caption": "", "columns": {"joint": "joint", "on": "recording"}},
         ]},
     )
 ]  # fmt: skip
