@@ -19,11 +19,11 @@ from ur5lib.timeseries.arrays import Array
 DRAWN_STEP = 0.1  # s between the samples that are drawn
 BAR_HEIGHT = 0.16  # inches, with the space to the next
 CURRENT_AXIS, TORQUE_AXIS = ("i_{} [A]", "A"), ("sensed τ_{} [Nm]", "Nm")  # label and unit
-KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours
-    "prior_share": ("other arms and the maker", "#BBBBBB"),
-    "arm_share": ("other days", "#0072B2"),
-    "day_share": ("other recordings of the day", "#56B4E9"),
-    "run_share": ("the one recording that tells most", "#E69F00"),
+KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours, darker in turn
+    "prior_share": ("other arms and the maker", "#E0E0E0"),
+    "arm_share": ("other days", "#E69F00"),
+    "day_share": ("other recordings of the day", "#0072B2"),
+    "run_share": ("the one recording that tells most", "#222222"),
 }
 PARAMETER_SYMBOLS = {
     "torque_constant": "k",
