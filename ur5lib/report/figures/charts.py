@@ -48,7 +48,8 @@ def scatter_panels(
                 axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOT_STYLE)
             labels = (label.format(joint + 1) for label in axes)
             xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", label) for label in labels)
-            axis.set(xlabel=xlabel, ylabel=ylabel)
+            axis.set(ylabel=ylabel)
+            axis.set_xlabel(xlabel, loc="left")  # on the right is the power of the numbers
     columns = {axes[0]: x, axes[1]: y} | ({} if fitted is None else {f"fitted {axes[1]}": fitted})
     data = {
         name.format(j + 1): column[:, j]
