@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from ur5lib.errors import InputError, perhaps, unknown
+from ur5lib.errors import InputError, perhaps, some, unknown
 from ur5lib.strict import read_yaml
 from ur5lib.workspace.places import SNAKEFILE
 
@@ -50,9 +50,11 @@ def expect_figure(results: Path, figure: str) -> None:
         for path in results.glob("figures/**/*.svg")
     )
     if figure not in drawn:
+        of_recordings = [name for name in drawn if Path(name).name == figure]
+        near = f" (it has {some(of_recordings)})" if of_recordings else perhaps(figure, drawn)
         raise InputError(
-            f"{results} has no figure {figure!r}{perhaps(figure, drawn)}; run snakemake, or "
-            f"`snakemake figures`, which draws those of all recordings; see {results}/figures"
+            f"{results} has no figure {figure!r}{near}; run snakemake, or `snakemake figures`, "
+            f"which draws those of all recordings; see {results}/figures"
         )
     name = read_yaml(results / "configuration.yaml")["study"]
     if results.resolve().parts[-2:] != ("results", name):
