@@ -16,7 +16,6 @@ from ur5lib.report.page import closer
 from ur5lib.report.page.document import Document
 
 TEMPLATE_FOLDER = Path(__file__).parent / "templates"
-EQUATION_PAGES = "#set page(width: auto, height: auto, margin: 1pt, fill: none)\n"
 UNESCAPED_CHARACTERS = " '!$()*+,-./:;=?@[]_~"  # characters that a data URI need not escape
 
 
@@ -32,11 +31,7 @@ def html_page(document: Document) -> str:
     environment.filters |= {"data_uri": _data_uri, "packed_lines": closer.packed_lines}
     environment.filters["packed_scenes"] = closer.packed_scenes
     environment.globals["closer"] = closer
-    data = document.as_data()
-    equations = _blocks(data, "equation")
-    for block, drawn in zip(equations, _drawn([e["equation"] for e in equations]), strict=True):
-        block["drawn"] = drawn
-    return environment.get_template("report.html.jinja").render(document=data)
+    return environment.get_template("report.html.jinja").render(document=document.as_data())
 
 
 def pdf_document(document: Document) -> bytes:
@@ -61,22 +56,6 @@ def pdf_document(document: Document) -> bytes:
 
 def _blocks(data: dict[str, Any], kind: str) -> list[dict[str, Any]]:
     return [b for section in data["sections"] for b in section["blocks"] if b["kind"] == kind]
-
-
-def _drawn(equations: list[str]) -> list[Markup]:
-    """Render equations as SVG with unique names, in the colour of the surrounding text."""
-    if not equations:
-        return []
-    pages = "\n#pagebreak()\n".join(f"$ {equation} $" for equation in equations)
-    drawn = typst.compile((EQUATION_PAGES + pages).encode(), format="svg")
-    images = [drawn] if isinstance(drawn, bytes) else drawn
-    coloured = []
-    for i, image in enumerate(images):
-        svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>equation{i}-", image.decode())
-        for part in ("fill", "stroke"):
-            svg = svg.replace(f'{part}="#000000"', f'{part}="currentColor"')
-        coloured.append(Markup(svg))
-    return coloured
 
 
 def _data_uri(path: str) -> Markup:
