@@ -741,7 +741,7 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
     cells = shown_table("detection.noticed", results)
     assert "± 10 along y at 4.0 s" in [cell.text for cell in cells.rows[0]]
     (told,) = widest_band(results)
-    assert "pushed at 4.0 s, with the joints at 0, −90, 90 °" in told.replace("\u00a0", " ")
+    assert "pushed at 4.0 s, with the joints at 0, −90, 90°" in told.replace("\u00a0", " ")
 
 
 def test_every_alarm_on_a_recording_without_contact_is_false() -> None:
