@@ -207,7 +207,7 @@ class Arm {
     }
     pen.fillStyle = INK;
     pen.textAlign = "right";
-    pen.fillText(`joints: external torque, 0 to ${this.largestTorque.toPrecision(2)} Nm`, wide - 12, high - 22);
+    pen.fillText(`joints: external torque, 0 to ${Number(this.largestTorque.toPrecision(2))} Nm`, wide - 12, high - 22);
     pen.textAlign = "left";
   }
 
