@@ -1,9 +1,15 @@
 """How controllers count: a motor does the work of the joints that it moves."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
+import pandas as pd
 import pytest
 from pydantic import ValidationError
 
+from ur5lib.identification.current_samples import shafts_of
+from ur5lib.recordings.counting import at_the_joints
 from ur5lib.robots.description import CoupledMotor, Drives, Robot
 from ur5lib.robots.drives import as_counted, of_the_joints, shaft_matrix
 
@@ -47,6 +53,37 @@ def test_positions_are_those_of_the_description(arm: Robot) -> None:
     np.testing.assert_allclose(
         np.degrees(of_the_joints("actual_q", np.zeros((1, 6)), arm))[0], arm.drives.home_deg
     )
+
+
+def test_a_channel_that_lacks_a_joint_stays_as_it_is(arm: Robot) -> None:
+    """What then is said of it is said of the log, not of how it is counted."""
+    table = pd.DataFrame(np.ones((3, 5)), columns=[f"target_qd_{joint}" for joint in range(5)])
+    pd.testing.assert_frame_equal(at_the_joints(table, arm), table)
+
+
+def test_each_joint_of_a_coupled_wrist_has_the_shaft_that_turns_with_it(arm: Robot) -> None:
+    """Its own motor's, else that of the motor that turns most with it; other joints have none."""
+    pairs = ((5, 4, 0.8), (6, 4, 0.5), (6, 5, -1.2))
+    coupling = [CoupledMotor(motor=m, joint=j, ratio=ratio) for m, j, ratio in pairs]
+    wrist = arm.model_copy(update={"drives": Drives(coupling=coupling)})
+    rates = np.random.default_rng(2).normal(size=(20, 6))
+    motion: Any = SimpleNamespace(q=rates, motor_qd=rates, qdd=rates)
+    shafts = shafts_of(wrist, motion)
+    assert shafts is not None
+    turned = rates @ shaft_matrix(wrist).T
+    np.testing.assert_allclose(shafts.qd[:, 3:], turned[:, [4, 4, 5]])
+    assert np.isnan(shafts.qd[:, :3]).all()
+
+
+def test_measured_torques_of_the_joints_are_no_currents_of_geared_motors(arm: Robot) -> None:
+    """Whether the motors' gears are told, as of counted positions, or not."""
+    of_joints = {
+        name: motor.model_copy(update={"torque_constant": 1.0})
+        for name, motor in arm.motors.items()
+    }
+    sensed = arm.model_copy(update={"drives": Drives(positions="motor"), "motors": of_joints})
+    assert sensed.senses_torque()
+    assert not arm.model_copy(update={"drives": Drives(positions="motor")}).senses_torque()
 
 
 def test_a_coupling_is_of_two_joints_of_the_arm(ur5: Robot) -> None:

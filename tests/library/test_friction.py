@@ -87,3 +87,10 @@ def test_a_slow_log_has_the_direction_of_a_fast_one() -> None:
     np.testing.assert_array_equal(
         direction_between(q, qd, segment, 0.01), friction_direction(q, segment)
     )
+
+
+def test_a_slow_log_tells_no_direction_across_a_gap() -> None:
+    """As a fast one: a joint that rests after it may have come from either side."""
+    q, segment = np.repeat([0.0, 1.0], 3), np.repeat([0, 1], 3)
+    for period in (0.1, 0.008):
+        np.testing.assert_array_equal(direction_between(q, 0 * q, segment, period), np.zeros(6))

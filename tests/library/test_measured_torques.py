@@ -105,6 +105,19 @@ def test_one_short_motion_is_too_little(arm: Robot) -> None:
         )
 
 
+def test_recordings_without_torques_are_left_out(arm: Robot) -> None:
+    """They may be all."""
+    one = runs(arm)[0]
+    without = replace(
+        one, samples=replace(one.samples, current=np.full_like(one.samples.q, np.nan))
+    )
+    shown = [fit_arm(arm, some, SMOOTH).parameters for some in (runs(arm), [without, *runs(arm)])]
+    np.testing.assert_allclose(*shown)
+    for none in ([], [without]):
+        with pytest.raises(RefusalError, match="no fit torques"):
+            fit_arm(arm, none, SMOOTH)
+
+
 def test_friction_reverses_over_the_distance_of_the_arm(arm: Robot) -> None:
     """A described one is kept, and one that does not explain more is a UR's."""
     fitted = fit_arm(arm, runs(arm), SMOOTH)

@@ -276,7 +276,7 @@ def test_joints_are_counted_as_the_arm_s_description_counts_them(
     }.items():
         np.testing.assert_allclose(channel(table, name), expected)
     for key, values in stated.items():
-        with pytest.raises(InputError, match=f"`{key}` .* 5 entries, but .* 6 joints; give one"):
+        with pytest.raises(InputError, match=f"`{key}` .* 5 entries .* has 6 joints; give one"):
             counted({key: values[1:]})
 
 

@@ -692,6 +692,10 @@ def test_what_repetition_leaves_stands_beside_the_error_it_limits() -> None:
     assert all("repetition alone leaves" in card.caption for card in cards)
     without = [judge(study(current_rmse=predicted(0.2))) for judge in (judge_currents,)]
     assert "repetition" not in said(without[0]) + without[0].caption
+    # repetition has a floor of a joint that is not judged, too
+    judged = results.tables["current_rmse"].query("joint < 6")
+    fewer = replace(results, tables=results.tables | {"current_rmse": judged})
+    assert judge_currents(fewer).drawing.count("<rect") < cards[0].drawing.count("<rect")
     assert without[0].drawing.count("<rect") < cards[0].drawing.count("<rect")
     errors = shown_table("current_rmse.decided", results)
     at = errors.header.index("repetition alone")
@@ -750,6 +754,11 @@ def test_every_alarm_on_a_recording_without_contact_is_false() -> None:
     found[2] |= {"false_alarms_per_min": 0.5}
     rows = noticed(study(detection=found)).set_index("role")
     assert rows["false_alarms_per_min"].to_dict() == {"fit": 1.5, "validate": 1.5, "contact": 0.5}
+
+
+def test_without_a_search_nothing_is_noticed() -> None:
+    assert noticed(study()).empty
+    assert [*widest_band(study())] == []
 
 
 # Drawings, first figure, next steps

@@ -18,7 +18,7 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.robots.drives import shaft_matrix
+from ur5lib.robots.drives import coupled_motors, shaft_matrix
 from ur5lib.robots.friction import FITTED_TERMS, PRESLIDING_DISTANCE
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
@@ -67,14 +67,19 @@ def measured_samples(
 
 
 def shafts_of(arm: Robot, motion: Motion) -> Shafts | None:
-    """Return the motion of an arm's coupled motors, None where it has none."""
+    """Return the motion of the coupled motor that each joint turns with, None of an arm without.
+
+    Its own where that is coupled, else the one that turns most with it.
+    """
     if not arm.drives.coupling:
         return None
-    motors = np.full(len(arm.joints), -1)
-    for coupled in arm.drives.coupling:
-        motors[[coupled.motor - 1, coupled.joint - 1]] = coupled.motor - 1
-    states = [v @ shaft_matrix(arm).T for v in (motion.q, motion.motor_qd, motion.qdd)]
-    return Shafts(*(np.where(motors >= 0, values[:, motors], np.nan) for values in states))
+    shafts = shaft_matrix(arm)
+    shares = np.abs(shafts) * coupled_motors(shafts)[:, None]  # of motors, with each joint
+    own = np.diag(shares) > 0
+    motors = np.where(own, np.arange(len(own)), shares.argmax(axis=0))
+    states = [v @ shafts.T for v in (motion.q, motion.motor_qd, motion.qdd)]
+    turns = shares.any(axis=0)
+    return Shafts(*(np.where(turns, values[:, motors], np.nan) for values in states))
 
 
 @dataclass(frozen=True)

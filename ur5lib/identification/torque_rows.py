@@ -9,6 +9,7 @@ from typing import Self
 
 import numpy as np
 
+from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import MAX_BLOCKS, PARAMETERS_PER_JOINT
 from ur5lib.identification.current_samples import Smoother
 from ur5lib.identification.samples import (
@@ -18,6 +19,7 @@ from ur5lib.identification.samples import (
     blocks,
     record_paths,
 )
+from ur5lib.robots.drives import coupled_motors
 from ur5lib.robots.friction import coefficient_names, friction_columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -95,11 +97,15 @@ def torque_rows(
     runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: Smoother, shafts: Array
 ) -> TorqueRows:
     """Return the rows of recordings, in units of which there are enough: the largest of paths,
-    stretches of ten seconds, and blocks.
+    stretches of ten seconds, and blocks. Raises RefusalError without any.
 
     shafts: (n, n), how far each motor (row) turns with each joint, 1 with its own.
     """
     parts_of = [run_rows(run, terms, smooth, shafts) for run in runs]
+    runs = [run for run, (_, torque, _) in zip(runs, parts_of, strict=True) if len(torque)]
+    parts_of = [part for part in parts_of if len(part[1])]
+    if not runs:
+        raise RefusalError("no fit torques")
     regressor, torque, block = zip(*parts_of, strict=True)
     paths = record_paths([run.samples for run in runs])
     path = np.repeat(paths, [len(rows) for rows in torque])
@@ -147,11 +153,6 @@ def own_columns(samples: CurrentSamples, joint: int, terms: Sequence[str]) -> Ar
 def coefficients(terms: Sequence[str]) -> list[str]:
     """Return the names of a joint's coefficients beside the links' parameters."""
     return ["offset", *coefficient_names([*terms, BALANCE])]
-
-
-def coupled_motors(shafts: Array) -> Mask:
-    """Return which motors (n,) turn with more joints than their own."""
-    return np.count_nonzero(shafts, axis=1) > 1
 
 
 def by_row(columns: Array, is_shared: Mask, shafts: Array) -> Array:

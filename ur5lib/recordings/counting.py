@@ -22,8 +22,8 @@ def counted_as(recording: Files, arm: Robot) -> Robot:
     for key, values in given.items():
         if len(values) != len(arm.joints):
             raise InputError(
-                f"`{key}` in the study has {len(values)} entries, but {recording.path} has "
-                f"{len(arm.joints)} joints; give one for each joint"
+                f"`{key}` in the study has {len(values)} entries for {recording.path}, but "
+                f"{arm.name} has {len(arm.joints)} joints; give one for each joint"
             )
     return arm.model_copy(update={"drives": arm.drives.model_copy(update=given)})
 
@@ -44,7 +44,7 @@ def at_the_joints(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
     counts = {
         name: channel(table, name, len(arm.joints))
         for name in SIGNED_CHANNELS
-        if f"{name}_0" in table
+        if {f"{name}_{joint}" for joint in range(len(arm.joints))} <= {*table}
     }
     columns = [named(of_the_joints(name, values, arm), name) for name, values in counts.items()]
     return table.assign(**{name: values for part in columns for name, values in part.items()})

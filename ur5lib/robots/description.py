@@ -328,12 +328,17 @@ class Robot(Strict):
     def maker_torque_constants(self) -> list[float]:
         """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
 
-        Torques of motors take the place of currents once they are those of the joints: 1.
+        Measured torques take the place of currents once they are those of the joints: 1.
         """
         if self.drives.torques == "motor":
             return [1.0 for _ in self.joints]
         motors = map(self.motor, self.joint_numbers)
-        return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
+        return [
+            1.0
+            if m.torque_constant == 1
+            else (m.torque_constant or math.nan) * (m.gear_ratio or math.nan)
+            for m in motors
+        ]
 
     def senses_torque(self) -> bool:
         """Return whether its joints' torques [Nm] are measured, in place of motor currents."""
@@ -343,8 +348,10 @@ class Robot(Strict):
         """Return Nm/A after the gears as by the e-Series motors of these sizes; NaN if unknown."""
         motors = map(self.motor, self.joint_numbers)
         return [
-            (m.family_torque_constant or m.torque_constant or math.nan) * (m.gear_ratio or math.nan)
-            for m in motors
+            m.family_torque_constant * (m.gear_ratio or math.nan)
+            if m.family_torque_constant
+            else maker
+            for m, maker in zip(motors, self.maker_torque_constants(), strict=True)
         ]
 
     def tells_gravity(self) -> bool:

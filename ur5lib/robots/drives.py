@@ -8,7 +8,7 @@ With C of the coupling (unit diagonal), d of the directions and N of the gear ra
 import numpy as np
 
 from ur5lib.robots.description import Robot
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 POSITIONS, RATES = ("actual_q", "target_q"), ("actual_qd", "target_qd", "target_qdd")
 TORQUES = ("actual_torque", "target_moment", "actual_current_as_torque")
@@ -67,3 +67,8 @@ def shaft_matrix(arm: Robot) -> Array:
     """Return S = d C d (n, n) of the motors' shafts S q̇, in the joints' scale and signs."""
     signs = directions(arm)
     return signs[:, None] * coupling_matrix(arm) * signs
+
+
+def coupled_motors(shafts: Array) -> Mask:
+    """Return which motors (n,) turn with more joints than their own."""
+    return np.count_nonzero(shafts, axis=1) > 1

@@ -143,8 +143,9 @@ def direction_between(
     step, velocity = np.diff(q)[:, None], period * qd[:, None]
     fine = q[:-1, None] + rising * step + start * velocity[:-1] + end * velocity[1:]
     whole = np.append(q[0], fine)
-    labels = np.append(segment[0], np.repeat(segment[1:], parts))
-    return friction_direction(whole, labels, distance)[::parts]
+    labels = np.repeat(segment[:-1, None], parts, axis=1)
+    labels[:, -1] = segment[1:]  # each last one is the next sample
+    return friction_direction(whole, np.append(segment[0], labels), distance)[::parts]
 
 
 def rest_factor(qd: Array) -> Array:

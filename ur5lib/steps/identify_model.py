@@ -123,14 +123,15 @@ def measured_runs(
 ) -> Iterator[MeasuredRun]:
     """Yield a recording with measured torques, less that of the payload told to the controller.
 
-    robot: under the recording's gravity.
+    robot: under the recording's gravity; of currents, its known constants give the torques.
     """
     model, states = LinkModel(robot, robot.chosen_model), (motion.q, motion.motor_qd, motion.qdd)
     loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
     load = loaded.inverse_dynamics(*states) - model.inverse_dynamics(*states)
     samples = measured_samples(name, signals, motion, robot, load)
     if samples is not None:
-        bare = replace(samples, current=samples.current - load)
+        torque = robot.maker_torque_constants() * samples.current
+        bare = replace(samples, current=torque - load)
         yield MeasuredRun(bare, motion.qdd, model.regressor)
 
 

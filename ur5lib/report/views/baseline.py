@@ -158,7 +158,11 @@ class AgainstBaseline:
         """Draw the errors relative to zero's."""
         ratios = self.errors["error"] / self.errors["zero"]
         zeros = self.errors["zero"]
-        floors = {str(name): floor / zeros[name] for name, floor in self.floors.items()}
+        floors = {
+            str(name): self.floors[name] / zero
+            for name, zero in zeros.items()
+            if name in self.floors
+        }
         return bars({str(name): float(ratio) for name, ratio in ratios.items()}, floors)
 
     def numbers(self, name: str) -> tuple[Number, Number]:

@@ -205,6 +205,8 @@ def noticed(results: Results) -> pd.DataFrame:
     Each alarm on a recording to fit or to validate is false.
     """
     rows = results.rows("detection", estimate=LEADING).drop_duplicates("recording")
+    if rows.empty:
+        return rows.assign(role="", band=math.nan)
     parts = [{**row, **_noticed_on(results, row["recording"])} for row in rows.to_dict("records")]
     roles = rows["recording"].map(results.roles()).to_numpy()
     found = pd.DataFrame(parts).assign(role=roles)
@@ -233,7 +235,8 @@ def _noticed_on(results: Results, recording: str) -> dict[str, object]:
 
 def widest_band(results: Results) -> Iterator[str]:
     """Say in which posture the band of a contact's largest force is widest."""
-    for row in noticed(results).sort_values("band").dropna(subset="band")[-1:].itertuples():
+    found = noticed(results).query("role == 'contact'").dropna(subset="band")
+    for row in found.sort_values("band")[-1:].itertuples():
         yield say("contacts.widest band", row=row)
 
 
