@@ -102,7 +102,7 @@ def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior
     NaN if a joint does not move in both.
     """
     table = np.full((len(records), len(records), len(prior.torque_max)), np.nan)
-    for joint, samples in enumerate(joint_samples(records, smooth)):
+    for joint, samples in enumerate(joint_samples(records, smooth, prior.terms)):
         moving = samples.where(samples.moving)
         for fitted in np.unique(moving.record):
             one_recording = moving.where(moving.record == fitted)

@@ -9,6 +9,7 @@ import numpy as np
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import (
+    CONTACT_FORCE,
     TOUCH_FORCE,
     Span,
     alarms,
@@ -40,7 +41,7 @@ from ur5lib.steps.evidence import Evidence
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import inside_spans
 
-CLASSES = [TOUCH_FORCE, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
+CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
 CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
 
 Named = Callable[[Span, Alarm], Alarm]

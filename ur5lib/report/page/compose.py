@@ -259,8 +259,7 @@ def _filled(text: str, results: Results, name: str) -> str:
     other = name in results.other_arms
     conditions = {"thesis": results.of_thesis, "other": other, "ur": not other}
     text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] if conditions[remark[1]] else "", text)
-    floor = say("error.floor", known=len(results.rows("repetition")))
-    known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{floor}": floor}
+    known = {"{leading}": ESTIMATES[LEADING], "{of}": name}
     return reduce(lambda said, key: said.replace(key, known[key]), known, spoken(text))
 
 

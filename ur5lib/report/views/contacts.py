@@ -31,7 +31,8 @@ from ur5lib.timeseries.metrics import NORMAL95
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 FORCE_TOPIC = "Force in contact"
 STATIC_ESTIMATE = "static"  # the estimate without any fit
-MAX_CHANCE_OF_ALARMS = 0.05  # of as many in a recording, at the rate of the others
+MAX_CHANCE_OF_ALARMS = 0.05  # of as many in any recording, at the rate of the others
+USUAL_ALARMS, USUAL_SECONDS = 0.02, 60.0  # of false alarms where others tell nothing
 
 
 def undetermined_moments(results: Results) -> Iterator[str]:
@@ -55,7 +56,7 @@ def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
 
 def felt_while_fitted(results: Results) -> list[str]:
     """Return the recordings of the role fit on which more contacts are found, by a fit without
-    them, than the rate of alarms on the arm's other ones lets expect.
+    them, than the rate of alarms on the arm's other ones, and on usual ones, lets expect.
     """
     found = results.rows("contacts", estimate=LEADING, kind="contact")["recording"].value_counts()
     lengths = results.tables["recordings"].set_index("recording")["duration_s"]
@@ -63,9 +64,9 @@ def felt_while_fitted(results: Results) -> list[str]:
     rows = pd.DataFrame({"arm": results.arms(), "alarms": found, "seconds": lengths}).loc[fitted]
     rows = rows.fillna({"alarms": 0})
     others = rows.groupby("arm")[["alarms", "seconds"]].transform("sum") - rows
-    expected = (others["alarms"] / others["seconds"]).fillna(0) * rows["seconds"]
-    chance = gammainc(rows["alarms"], expected)  # of as many or more, by Poisson
-    return [*rows.index[chance < MAX_CHANCE_OF_ALARMS]]
+    rate = (others["alarms"] + USUAL_ALARMS) / (others["seconds"] + USUAL_SECONDS)
+    chance = gammainc(rows["alarms"], rate * rows["seconds"])  # of as many or more, by Poisson
+    return [*rows.index[chance < MAX_CHANCE_OF_ALARMS / len(rows)]]
 
 
 def counted(results: Results) -> Iterator[str]:

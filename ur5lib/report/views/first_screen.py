@@ -6,6 +6,7 @@ from itertools import chain, islice
 import pandas as pd
 from scipy.special import bdtr, bdtrc
 
+from ur5lib.force.detection import CONTACT_FORCE
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE as MOST_TRIED
 from ur5lib.identification.samples import MIN_UNITS
@@ -225,9 +226,10 @@ def nearest_model(results: Results) -> Iterator[str]:
 def _detection(results: Results) -> Iterator[str]:
     """Report the contacts found, the false alarms, and the smallest push detected."""
     rows = results.rows("detection", estimate=LEADING)
-    least = rows[rows["force_class_n"] == rows["force_class_n"].min()]
-    if len(least):
-        yield say("findings.contacts", rows=least)
+    listed = rows[rows["force_class_n"] == CONTACT_FORCE]  # as in the table of contacts
+    if len(listed):
+        missed = (listed["found"] < listed["contacts"]).any()
+        yield say("findings.contacts", rows=listed, told=missed and not results.many)
     free = contacts.quiet(results)
     if len(free):
         yield say("findings.false alarms", rate=contacts.a_minute(free, "alarms_per_min"))
