@@ -748,6 +748,15 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
     assert "pushed at 4.0 s, with the joints at 0, −90, 90°" in told.replace("\u00a0", " ")
 
 
+def test_unknown_links_are_the_first_to_record() -> None:
+    unknown = replace(study(), placeholders=frozenset({"ur5"}))
+    assert next_steps(unknown)[0] == say("steps.unknown links", robot="ur5")
+    found = {"parameters": pd.DataFrame([{"robot": "ur5"}])}
+    assert "links are unknown" not in " ".join(
+        next_steps(replace(unknown, tables=unknown.tables | found))
+    )
+
+
 def test_every_alarm_on_a_recording_without_contact_is_false() -> None:
     told = {"estimate": "Fmap", "alarms_per_min": 1.5}
     found = [told | {"recording": name} for name in ROLES]
