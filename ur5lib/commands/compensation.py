@@ -28,25 +28,25 @@ HEAD = """\
 #
 # From a raw reading f [N], n [Nm] to the wrench of a contact, F [N], M [Nm]:
 #
-#   f6 = T f - bias_F - mass p
-#   n6 = T n - bias_n - first_moment x p + I alpha + omega x (I omega)
-#   F  = R f6
-#   M  = R (n6 + position x f6)
+#   f' = T f - bias_F - mass p
+#   n' = T n - bias_n - first_moment x p + I alpha + omega x (I omega)
+#   F  = R f'
+#   M  = R (n' + position x f')
 #
-# F, M   what the environment does to the arm, axes of the base, moment about the origin of frame 6:
-#        the flange, without the tool centre point. f and n have this sign, too: the reading of the
-#        tool's weight points down.
+# F, M   what the environment does to the arm, axes of the base, moment about the origin of
+#        frame {last}: the flange, without the tool centre point. f and n have this sign, too: the
+#        reading of the tool's weight points down.
 # f, n   the channel `reading`, in the sensor's axes; actual_TCP_force has the base's, so take R^T
 #        times its force and R^T times its torque instead
-# T      rotation matrix of the rotation vector turn_deg, from the sensor's axes to those of frame 6
-# R      rotation matrix of frame 6 in the base; position: the sensor's origin in frame 6 [m]
-# p      R^T (gravity - a) [m/s2], what pulls on each kilogram of the tool; a: acceleration of the
-#        point pull_at of frame 6, its centre of mass, in axes of the base, 0 at rest
-# I      inertia of the tool about its centre of mass, xx yy zz xy xz yz [kg m2], axes of frame 6;
-#        omega [rad/s], alpha [rad/s2]: rate of frame 6 in its own axes, and its derivative
+# T      rotation matrix of the rotation vector turn_deg, from the sensor's axes to frame {last}'s
+# R      rotation matrix of frame {last} in the base; position: the sensor's origin there [m]
+# p      R^T (gravity - a) [m/s2], what pulls on each kilogram of the tool; a: acceleration of its
+#        centre of mass, pull_at in frame {last}, in axes of the base, 0 at rest
+# I      inertia of the tool about its centre of mass, xx yy zz xy xz yz [kg m2], axes of
+#        frame {last}; omega [rad/s], alpha [rad/s2]: its rate in its own axes, and the derivative
 #
 # bias [N, Nm], first_moment [kg m] and center_of_mass [m], from the sensor's origin, are in axes of
-# frame 6; first_moment = mass center_of_mass. low and high are the 95 % interval in that recording.
+# frame {last}; first_moment = mass center_of_mass. low and high: 95 % interval in that recording.
 # null is unknown, and counts as 0 in the formula: without a mass [kg], the bias contains the weight
 # in the pose of that recording. The sensor's clock is known to clock_std [s]; p and the terms of I
 # are averaged over a Gaussian of that standard deviation.
@@ -69,6 +69,8 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
     arm, entries = study.arm(robot), study.configuration().recordings
     chosen = [study.recording(only)] if only else [one for one in entries if not one.at_rest]
     of_arm = [entry for entry in chosen if entry.arm.known_as == robot]
+    if only and not of_arm:
+        raise InputError(f"{only} is a recording of {chosen[0].arm.known_as}, not of {robot}")
     sensed = [part for entry in of_arm if (part := _recording(study, arm, entry))]
     if not sensed:
         raise InputError(
@@ -77,7 +79,7 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
         )
     content = {"arm": robot, "recordings": sensed, "spread": spread(sensed)}
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
-    return HEAD.format(robot=robot) + text
+    return HEAD.format(robot=robot, last=len(arm.joints)) + text
 
 
 def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, Any] | None:

@@ -47,7 +47,8 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     fit = friction.fit_for(name)
     measured = motor_torque(fit, signals.actual_current)
     loaded = arm.carrying(study.payload(name)).mounted(recording.known_gravity())
-    gravity, maker = np.array(loaded.gravity), f"maker's model ({arm.chosen_model})"
+    described = "fitted" if arm.links == "fitted" else "maker's"
+    gravity, maker = np.array(loaded.gravity), f"{described} model ({arm.chosen_model})"
     model = read_model(file, gravity, len(arm.joints))
     compared = {
         file.name: inverse_dynamics(model, motion),

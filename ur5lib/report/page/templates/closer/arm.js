@@ -216,10 +216,10 @@ class Arm {
     const { estimate, contacts, alarms } = this.scene, { time } = this.stretch;
     const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, 1)).join(", ");
     const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate];
-    const found = finders.filter(Boolean).join(" and by ");
+    const found = finders.filter(Boolean).join(" and by "), isSearched = contacts || alarms;
     const band = now?.std ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
     this.readings.time.textContent =
-      `At ${time.toFixed(2)} s: ${now ? (found ? `contact by ${found}` : "no contact found") : "a gap in the recording"}.`;
+      `At ${time.toFixed(2)} s${now ? (found ? `: contact by ${found}` : isSearched ? ": no contact found" : "") : ": a gap in the recording"}.`;
     if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band}\u00a0N` : "–";
     if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)}\u00a0N` : "–";
     if (this.readings.torque) this.readings.torque.textContent = now ? `${list(now.torque)}\u00a0Nm` : "–";
