@@ -350,9 +350,9 @@ def figure(
     format: Annotated[str, typer.Option(help="file format: pdf, svg, png")] = "pdf",
 ) -> None:
     """Draw a figure of a study as a paper needs it, and print its file."""
-    from ur5lib.finished import FinishedStudy
+    from ur5lib.study.paper_figure import paper_figure
 
-    typer.echo(FinishedStudy(results).figure(figure, width, font_size, format))
+    typer.echo(paper_figure(results, figure, width, font_size, format))
 
 
 @app.command()

@@ -768,6 +768,7 @@ def test_every_alarm_on_a_recording_without_contact_is_false() -> None:
 def test_without_a_search_nothing_is_noticed() -> None:
     assert noticed(study()).empty
     assert [*widest_band(study())] == []
+    assert felt_while_fitted(replace(study(), study={"recordings": []})) == []
 
 
 # Drawings, first figure, next steps

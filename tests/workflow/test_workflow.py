@@ -157,6 +157,7 @@ def test_a_figure_for_a_paper_is_drawn_of_the_results_as_they_are(workflow: Work
     [
         ({"figure": "pushed/torque"}, "did you mean `pushed/torques`"),
         ({"figure": "forces_estimated"}, "it has pushed/forces_estimated"),
+        ({"results": Path("small")}, "name the folder results/<study>"),
         ({"width": "3in"}, "in millimetres, as 88mm"),
         ({"width": "8mm"}, "--width 8: state 40 to 400"),
         ({"font_size": 80}, "--font-size 80: state 4 to 20"),

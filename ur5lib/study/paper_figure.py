@@ -49,6 +49,11 @@ def expect_figure(results: Path, figure: str) -> None:
         str(path.relative_to(results / "figures").with_suffix(""))
         for path in results.glob("figures/**/*.svg")
     )
+    if not drawn:
+        raise InputError(
+            f"{results} holds no figures of a study; run snakemake first, and name the folder "
+            "results/<study>"
+        )
     if figure not in drawn:
         of_recordings = [name for name in drawn if Path(name).name == figure]
         near = f" (it has {some(of_recordings)})" if of_recordings else perhaps(figure, drawn)

@@ -66,7 +66,7 @@ def felt_while_fitted(results: Results) -> list[str]:
     others = rows.groupby("arm")[["alarms", "seconds"]].transform("sum") - rows
     rate = (others["alarms"] + USUAL_ALARMS) / (others["seconds"] + USUAL_SECONDS)
     chance = gammainc(rows["alarms"], rate * rows["seconds"])  # of as many or more, by Poisson
-    return [*rows.index[chance < MAX_CHANCE_OF_ALARMS / len(rows)]]
+    return [*rows.index[len(rows) * chance < MAX_CHANCE_OF_ALARMS]]
 
 
 def counted(results: Results) -> Iterator[str]:
