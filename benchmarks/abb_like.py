@@ -95,7 +95,8 @@ def figures(seed: int, motions: int, unseen: int) -> Iterator[dict[str, Any]]:
         folder = Path(name)
         days = {f"{day} {k}": day for day in UNSEEN for k in range(unseen)}
         logs = {"fit": (motions, RUN_TO_RUN_STD)}
-        write_files(made, seed, folder, logs | {log: (2, UNSEEN[days[log]]) for log in days})
+        logs |= {log: (2, UNSEEN[day]) for log, day in days.items()}
+        write_files(made, seed, folder, logs)
         arm = described(made, folder)
         cuts = {
             f"part {k}": {"from_s": k * PERIOD, "to_s": (k + 1) * PERIOD} for k in range(motions)

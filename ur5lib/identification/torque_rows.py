@@ -101,13 +101,12 @@ def torque_rows(
 
     shafts: (n, n), how far each motor (row) turns with each joint, 1 with its own.
     """
-    parts_of = [run_rows(run, terms, smooth, shafts) for run in runs]
-    runs = [run for run, (_, torque, _) in zip(runs, parts_of, strict=True) if len(torque)]
-    parts_of = [part for part in parts_of if len(part[1])]
-    if not runs:
+    rows_of = ((run.samples, *run_rows(run, terms, smooth, shafts)) for run in runs)
+    filled = [own for own in rows_of if len(own[-1])]
+    if not filled:
         raise RefusalError("no fit torques")
-    regressor, torque, block = zip(*parts_of, strict=True)
-    paths = record_paths([run.samples for run in runs])
+    samples, regressor, torque, block = zip(*filled, strict=True)
+    paths = record_paths(samples)
     path = np.repeat(paths, [len(rows) for rows in torque])
     firsts = np.cumsum([0, *(-(-(labels[-1] + 1) // BLOCKS_PER_STRETCH) for labels in block[:-1])])
     whole = np.concatenate(
@@ -118,7 +117,7 @@ def torque_rows(
     rows, torques = np.concatenate(regressor), np.concatenate(torque)
     units = [(rows[unit == label], torques[unit == label]) for label in np.unique(unit)]
     motors = [*(1 + np.flatnonzero(coupled_motors(shafts)))]
-    return TorqueRows(units, [*terms], motors, runs[0].samples.presliding)
+    return TorqueRows(units, [*terms], motors, samples[0].presliding)
 
 
 def run_rows(
