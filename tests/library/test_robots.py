@@ -96,7 +96,7 @@ def test_payloads_join_to_one(ur5: Robot) -> None:
 
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, -8.9), (0.0, 0.0, 10.6), (np.nan, 0.0, 9.81)])
 def test_a_gravity_that_is_not_the_earth_s_is_refused(ur5: Robot, gravity: Any) -> None:
-    with pytest.raises(ValidationError, match="a magnitude of 9 to"):
+    with pytest.raises(ValidationError, match=r"a magnitude of 9 to|finite number"):
         Robot.model_validate(ur5.model_dump() | {"gravity": gravity})
     assert ur5.mounted((0, 9.81, 0)).gravity == (0, 9.81, 0)
     assert ur5.mounted(None) is ur5

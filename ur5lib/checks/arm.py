@@ -31,6 +31,7 @@ from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.errors import remark
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import STANDARD_GRAVITY
 
 # difference of log-likelihoods; in right recordings of four arms, at most 31
 MIN_LEAD_OF_ARM = 40.0
@@ -44,7 +45,6 @@ MIN_SLOPE = 1e-3  # slope of a current that gravity does not show, relative to t
 STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may hold at rest
 # of the largest gain, from which on another mounting is not excluded
 MIN_SHARE_OF_LARGEST_GAIN = 0.5
-STANDARD_GRAVITY = 9.81  # m/s²
 MOUNTINGS = [  # gravity in the base frame, of arms on floors, ceilings and walls
     tuple(sign * STANDARD_GRAVITY if axis == own else 0.0 for own in range(3))
     for axis in range(3)

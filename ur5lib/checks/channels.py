@@ -1,6 +1,7 @@
 """Checks that the channels of a recording agree with one another and with the arm."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -9,7 +10,7 @@ import pandas as pd
 from ur5lib.channels import joint_count
 from ur5lib.errors import remark
 from ur5lib.records.quality import Finding, contradiction
-from ur5lib.tables import channel
+from ur5lib.tables import channel, unit
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import extrapolated_samples, unbroken
 
@@ -38,6 +39,7 @@ SLOW_PERIOD, MIN_SLOW_SAMPLES = 0.02, 12  # s; samples of a stretch that show th
 # A spline misses every second sample by less than this share of what a straight line does, beyond
 # what encoders and vibrations leave [rad]. Ten motions of a KUKA at 10 Hz: 0.001 to 0.008.
 MAX_MISSED_SHARE, MAX_MISSED_ANGLE = 0.1, 1e-3
+MAX_EXCESS = 0.05  # rad, of a joint beyond its described range, which no controller lets it leave
 MIN_LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
 
 
@@ -46,11 +48,13 @@ def check_robot(
     period: float,
     positions: Sequence[tuple[float, float]],
     velocity_max: Sequence[float],
+    counted: bool = False,
 ) -> list[Finding]:
     """Return the contradictions between the channels of a repaired robot table.
 
     period: of its time grid [s]; positions: each joint's lowest and highest angle [rad];
-    velocity_max: their largest speeds [rad/s].
+    velocity_max: their largest speeds [rad/s]; counted: whether angles follow from a controller's
+    counts, as the arm's `drives` describe them.
     """
     speeds = [(-speed, speed) for speed in velocity_max]
     return [
@@ -58,8 +62,8 @@ def check_robot(
         *_twins(robot),
         *_ratios(robot),
         *_swapped(robot, "actual_current", "target_current"),
-        *_limits(robot, "actual_q", positions, "rad"),
-        *_limits(robot, "actual_qd", speeds, "rad/s"),
+        *((counted and _miscounted(robot, positions)) or _limits(robot, "actual_q", positions)),
+        *_limits(robot, "actual_qd", speeds),
     ]
 
 
@@ -188,8 +192,15 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
             yield _inconsistent(2, joints, "swapped")
 
 
+def _miscounted(robot: pd.DataFrame, positions: Sequence[tuple[float, float]]) -> list[Finding]:
+    """Return a warning of joints that cannot be where they are by how their controller counts."""
+    wider = [(low - MAX_EXCESS, high + MAX_EXCESS) for low, high in positions]
+    far = _limits(robot, "actual_q", wider)
+    return [replace(one, finding="joints beyond their range", severity="warning") for one in far]
+
+
 def _limits(
-    robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]], unit: str
+    robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]]
 ) -> Iterator[Finding]:
     if not are_recorded(robot, name):
         return
@@ -201,8 +212,8 @@ def _limits(
         wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
         worst = values[np.nanargmax(excess[:, wrong], axis=0), wrong].tolist()
         most = [remark("most", joint=j + 1, value=v) for j, v in zip(wrong, worst, strict=True)]
-        count, limits = int(beyond.any(axis=1).sum()), {"name": name, "each": most, "unit": unit}
-        yield Finding("robot", "joint limits", "note", count, limits)
+        values_of = {"name": name, "each": most, "unit": unit(name)}
+        yield Finding("robot", "joint limits", "note", int(beyond.any(axis=1).sum()), values_of)
 
 
 def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Finding:

@@ -85,6 +85,10 @@ class Checked:
         known = enough and self.arm.tells_gravity()
         return felt_contact(self.means, self.loaded) if known else None
 
+    def tells_signs_by_friction(self) -> bool:
+        """Return whether friction brakes what efforts drive; sensors beyond gears feel none."""
+        return self.driven and (not self.arm.senses_torque() or self.arm.drives.torques == "motor")
+
     def tells_by_gravity(self) -> bool:
         """Return whether gravity tells arm, joints and motors by the currents.
 

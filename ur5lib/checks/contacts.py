@@ -10,11 +10,11 @@ import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.channels import MEASURED_CURRENT
-from ur5lib.checks.arm import STANDARD_GRAVITY
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 

@@ -19,7 +19,8 @@ from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import gravity_torque, load_torque
+from ur5lib.robots.inertia import link_tail
+from ur5lib.robots.statics import STANDARD_GRAVITY, gravity_regressor, gravity_torque, load_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -38,6 +39,13 @@ MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
+# of the largest, of torques per mass and first moment; what is smaller does not tell links apart
+SMALLEST_SINGULAR_VALUE = 1e-3
+# times the torque that holds equal links of the described weight, or part of it; of right
+# recordings of six arms, 0.5 to 2.3
+MAX_SIZE_RATIO = 10.0
+# of what holds an arm stretched out; of less, friction may be many times as large
+MIN_SHARE_BORNE = 0.25
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"
 CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
@@ -126,23 +134,38 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
 
 
 def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find currents whose friction drives the motion instead of braking it."""
-    for joint, friction in friction_in_errors(means, arm).items():
-        if friction < -MIN_ERRORS_OF_FRICTION:
-            yield contradiction("turned current", joint=joint + 1)
+    """Find currents, or motors' torques, whose friction drives the motion instead of braking it."""
+    errors = friction_in_errors(means, arm)
+    turned = [joint + 1 for joint in errors if errors[joint] < -MIN_ERRORS_OF_FRICTION]
+    if turned and arm.senses_torque():
+        yield contradiction("turned torques", joints=turned)
+    elif turned:
+        yield contradiction("turned current", joint=turned[0])
 
 
 def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
-    """Return the friction of joints that move, from 0, at their usual speed, in standard errors."""
-    gravity, rest = means.gravity(arm), [means.qdd, np.ones((len(means.q), 1))]
+    """Return the friction of joints that move, from 0, at their usual speed, in standard errors.
+
+    Beside gravity: that of the arm's links, or, where nobody knows them, of any links.
+    """
+    gravity, rest = _gravity_by_joint(means, arm), [means.qdd, np.ones((len(means.q), 1))]
     speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
     for joint in np.flatnonzero(moving_joints(means)).tolist():
-        columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
+        columns = np.column_stack([means.friction(joint), gravity[joint], *rest])
         value, error = combination(
             columns, means.currents[MEASURED_CURRENT][:, joint], [1.0, speed[joint]]
         )
         errors[joint] = value / (error + 1e-9)
     return errors
+
+
+def _gravity_by_joint(means: BlockMeans, arm: Robot) -> list[Array]:
+    """Return the columns (M, c) of gravity on each joint: one of known links, else a basis."""
+    if arm.tells_gravity():
+        return [*means.gravity(arm).T[..., None]]
+    by_link = gravity_regressor(arm, means.q).reshape(*means.q.shape, -1)
+    parts = (np.linalg.svd(by_link[:, joint], False) for joint in range(by_link.shape[1]))
+    return [basis[:, sizes > SMALLEST_SINGULAR_VALUE * sizes[0]] for basis, sizes, _ in parts]
 
 
 def delayed_currents(answers: Answers, driven: bool) -> Iterator[Finding]:
@@ -212,6 +235,28 @@ def _means(values: Array, count: int) -> Array:
     """Return the means of each `count` rows (N // count, n)."""
     whole = len(values) // count * count
     return np.asarray(values[:whole].reshape(-1, count, values.shape[1]).mean(axis=1))
+
+
+def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find torques that are no arm's of the described weight."""
+    ratio = size_ratio(means, arm)
+    if ratio is not None and not 1 / MAX_SIZE_RATIO < ratio < MAX_SIZE_RATIO:
+        yield contradiction("foreign size", arm=arm.name, weight=arm.weight, ratio=ratio)
+
+
+def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
+    """Return the size of torques relative to what holds half of an arm's weight in equal links with
+    their centres midway; None where it bears little, or its weight is unknown.
+    """
+    if arm.weight is None:
+        return None
+    tails = np.array([rotation.T @ far for rotation, far in map(link_tail, arm.link_poses())])
+    link = arm.weight / 2 / len(tails) * np.column_stack([np.ones(len(tails)), -tails / 2])
+    held = np.einsum("mjkp,kp->mj", gravity_regressor(arm, means.q), link)
+    stretched = arm.weight / 2 * STANDARD_GRAVITY * np.linalg.norm(tails, axis=1).sum() / 2
+    if np.sqrt((held**2).mean(axis=0)).max() < MIN_SHARE_BORNE * stretched:
+        return None
+    return size(means.currents[MEASURED_CURRENT]) / size(held)
 
 
 class Held(NamedTuple):

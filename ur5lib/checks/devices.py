@@ -22,7 +22,8 @@ MIN_GRAVITY_CHANGE = 3.0
 def checked_intake(intake: Intake, arm: Robot) -> Intake:
     """Return an intake whose findings include those of the checks of its devices."""
     quality, limits = intake.quality, (arm.position_limits(), arm.velocity_limits())
-    findings = [*quality.findings, *check_robot(intake.robot, quality.period_s, *limits)]
+    shown = check_robot(intake.robot, quality.period_s, *limits, arm.is_counted())
+    findings = [*quality.findings, *shown]
     for device, table in intake.sensors.items():
         findings += check_sensor(device, table, arm)
     return replace(intake, quality=replace(quality, findings=findings))

@@ -16,6 +16,7 @@ from ur5lib.checks.currents import (
     delayed_currents,
     exchanged_currents,
     foreign_currents,
+    foreign_size,
     turned_currents,
     undeclared_load,
 )
@@ -57,6 +58,11 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     if checked.answers is not None:  # whatever arm and units are
         yield from delayed_currents(checked.answers, checked.driven)
         yield from exchanged_currents(checked.answers)
+    if arm.senses_torque() and MEASURED_CURRENT in means.currents:
+        if arm.links != "known":
+            yield from foreign_size(means, arm)
+        if checked.tells_signs_by_friction():
+            yield from turned_currents(means, loaded)
     if not arm.tells_gravity():
         return
     if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints

@@ -21,6 +21,7 @@ from ur5lib.checks.currents import (
     MIN_LEAD_OF_EXCHANGE,
     Answers,
     friction_in_errors,
+    size_ratio,
 )
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.tool import tool_off_flange
@@ -118,18 +119,25 @@ def _currents(checked: Checked) -> Iterator[Finding]:
         severity: Severity = "warning" if checked.fitted else "note"
         yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
         return
-    bearing = torque_constants(means, checked.loaded).ratio
-    if not bearing and TARGET_CURRENT not in means.currents:
+    told = checked.arm.tells_gravity()
+    bearing = torque_constants(means, checked.loaded).ratio if told else {}
+    if told and not bearing and TARGET_CURRENT not in means.currents:
         yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
-    if checked.answers is None:
-        sensed = checked.arm.senses_torque()
-        yield _note("torques not checked" if sensed else "currents not checked")
+    if not told and size_ratio(means, checked.arm) is None:
+        yield _note("size not checked", arm=checked.arm.name)
+    sensed = checked.arm.senses_torque()
+    if checked.answers is None and not sensed:
+        yield _note("currents not checked")
         return
-    brakes = friction_in_errors(means, checked.loaded) if checked.driven else {}
+    by_friction = checked.tells_signs_by_friction()
+    brakes = friction_in_errors(means, checked.loaded) if by_friction else {}
     unproven = [j for j in joints if brakes.get(j, 0.0) < MIN_ERRORS_OF_FRICTION]
     signs = [j + 1 for j in unproven if j not in bearing]
     if signs:
         yield _note("sign not checked", joints=signs)
+    if checked.answers is None:
+        yield _note("torques not checked")
+        return
     if pairs := [*_pairs_alike(checked.answers)]:
         yield _note("columns not checked", pairs=_named(pairs))
     if (delay := checked.answers.longest_unnoticed()) >= MIN_DELAY:

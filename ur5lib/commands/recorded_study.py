@@ -12,9 +12,9 @@ from ur5lib.commands.check import print_findings_of
 from ur5lib.errors import InputError
 from ur5lib.lab.recorder.capture import Status
 from ur5lib.lab.recorder.device_settings import LabSettings
+from ur5lib.strict import explain
 from ur5lib.study.arms import ArmSettings, Name, NamedArm
 from ur5lib.study.reading import PlainData, parse_study, read_plain
-from ur5lib.study.schema import explain
 from ur5lib.tables import write_text
 
 DEVICES_EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"

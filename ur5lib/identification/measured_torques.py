@@ -32,6 +32,7 @@ from ur5lib.identification.torque_rows import MeasuredRun, TorqueRows, torque_ro
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import shaft_matrix
 from ur5lib.robots.inertia import link_tail, shift_inertia
+from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array, Mask
 
 BASE_TERMS = ("coulomb", "viscous")  # those that need no link model
@@ -47,7 +48,6 @@ MIN_DEVIATIONS = 2.0
 MAX_ERROR_OF_BALANCED, MAX_ERROR_OF_BODIES = 1.5, 10.0
 # A centre of mass lies between its link's joints, or beside them by a share of the arm's length.
 CENTER_MARGIN_SHARE = 0.12
-STANDARD_GRAVITY = 9.81  # m/s²
 
 
 class FittedArm(NamedTuple):

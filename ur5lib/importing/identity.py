@@ -21,7 +21,7 @@ from ur5lib.checks.readings import (
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings.rosbag import JOINT_NAMES
-from ur5lib.robots.description import Drives, Robot, robot_names
+from ur5lib.robots.description import Robot, robot_names
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
@@ -87,7 +87,7 @@ def arms_of(file: FileContents) -> list[str]:
 
 def tells_columns(arm: Robot) -> bool:
     """Return whether gravity on an arm's joints tells a file's columns, which are of these."""
-    return arm.tells_gravity() and arm.drives == Drives()
+    return arm.tells_gravity() and not arm.is_counted()
 
 
 def fitting(

@@ -1,5 +1,6 @@
 """The proposed entry of a file: channels, joints' order, arm, units, and the wrench's frame."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -152,10 +153,11 @@ def _means(
         return None, nothing
     fresh = np.diff(moving.time, prepend=-np.inf) > 0
     table = pd.DataFrame({"time": moving.time - moving.time[0], **columns})[fresh]
-    positions = [f"actual_q_{k}" for k in range(moving.file.joints)]  # in rad since `find_motion`
+    # in rad since `find_motion`
+    anywhere = dict.fromkeys((f"actual_q_{k}" for k in range(moving.file.joints)), math.inf)
     table = table.reset_index(drop=True)
     try:
-        robot, timing, _ = repair_frames(table, None, MAX_GAP, str(moving.file.path), positions)
+        robot, timing, _ = repair_frames(table, None, MAX_GAP, str(moving.file.path), anywhere)
         means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
     except InputError as error:
         _doubt_numbers(moving, str(error))

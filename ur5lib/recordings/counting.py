@@ -5,7 +5,7 @@ import pandas as pd
 from ur5lib.channels import SIGNED_CHANNELS
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import Files
-from ur5lib.robots.description import Drives, Robot
+from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import of_the_joints
 from ur5lib.tables import channel, named
 
@@ -34,7 +34,7 @@ def at_the_joints(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
 
     Raises InputError for currents of coupled motors, which are of no single joint.
     """
-    if arm.drives == Drives():
+    if not arm.is_counted():
         return table
     if arm.drives.coupling and f"{CURRENT}_0" in table:
         raise InputError(

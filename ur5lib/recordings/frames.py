@@ -1,6 +1,6 @@
 """Frame repair: frames on a uniform time grid, with gaps flagged and filled, or split."""
 
-from collections.abc import Collection
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -56,12 +56,12 @@ def repair_frames(
     cycle: float | None,
     max_gap: float,
     source: str,
-    unbounded: Collection[str] = (),
+    bounds: Mapping[str, float] | None = None,
 ) -> tuple[pd.DataFrame, Timing, list[Finding]]:
     """Return the frames in order on a uniform grid, each slot at most once, with gaps flagged.
 
     frames: `time` [s] and channels as read; cycle: the controller's [s], None to determine it;
-    max_gap: [s]; source: the file, for messages; unbounded: as in `drop_implausible`.
+    max_gap: [s]; source: the file, for messages; bounds: as in `drop_implausible`.
     Returns `time`, `segment`, `interpolated`, the
     channels, and `filled_<channel>` for each channel with interpolated cells. Gaps up to `max_gap`
     are interpolated; longer ones split the recording: `segment` counts its parts from 0. `frames`
@@ -71,7 +71,7 @@ def repair_frames(
     findings: list[Finding] = []
     _expect_frames(frames, source)
     given, frames = frames, _whole_channels(frames, findings, source)
-    possible = drop_implausible(frames, source, "robot", findings, unbounded)
+    possible = drop_implausible(frames, source, "robot", findings, bounds)
     frames = in_order(possible, findings)
     del possible
     for name in [*given]:

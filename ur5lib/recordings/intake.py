@@ -1,5 +1,6 @@
 """Intake of a recording: read and repair it, find channels that it lacks from others."""
 
+import math
 import re
 import warnings
 from dataclasses import dataclass, replace
@@ -8,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import MEASURED_CURRENT, columns, is_unused, joint_count, meant
+from ur5lib.channels import CHANNELS, MEASURED_CURRENT, is_unused, joint_count, meant
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.counting import at_the_joints, counted_as
@@ -30,6 +31,7 @@ RAW_WRENCH, TCP_FORCE = "ft_raw_wrench", "actual_TCP_force"
 MOTOR_TORQUE = "actual_current_as_torque"
 SENSED_TORQUE = "actual_torque"
 TORQUE_LESS_GRAVITY = "actual_torque_less_gravity"
+TIMES_POSSIBLE = 2.0  # times what a joint can reach; beyond it, a value is no joint's
 
 # Every column is a block of its own, so that it can be freed; pandas expects few blocks.
 warnings.filterwarnings(
@@ -66,7 +68,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
     del raw  # whose channels are freed while they are repaired
-    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, unbounded(arm))
+    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, bounds_of(arm))
     findings += repairs + remarks
     robot = with_wrist_sensor(robot, arm, "force" in placed, findings)
     robot = _on_one_zero(robot, placed, arm, findings)
@@ -136,14 +138,24 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
         )
 
 
-def unbounded(arm: Robot) -> list[str]:
-    """Return the position channels of the joints that turn without limit, and torques, with the
-    currents whose place they take, which other makers' arms have without the bounds of URs.
+def bounds_of(arm: Robot) -> dict[str, float]:
+    """Return the impossible magnitudes of columns by an arm's own limits.
+
+    Positions and speeds as of URs, unless an arm turns as far or as fast itself. Torques, and the
+    currents whose place they take, other makers' arms have without the bounds of URs.
     """
-    joints = [joint - 1 for joint in arm.endless_joints or []]
-    endless = [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
-    torques = (MEASURED_CURRENT, SENSED_TORQUE) if arm.senses_torque() else ()
-    return endless + [column for name in torques for column in columns(name, len(arm.joints))]
+    farthest = [TIMES_POSSIBLE * max(map(abs, ends)) for ends in arm.position_limits()]
+    fastest = [TIMES_POSSIBLE * speed for speed in arm.velocity_limits()]
+    limits = {f"{kind}_q": farthest for kind in ("actual", "target")}
+    limits |= {f"{kind}_qd": fastest for kind in ("actual", "target")}
+    if arm.senses_torque():
+        torques = (MEASURED_CURRENT, SENSED_TORQUE)
+        limits |= dict.fromkeys(torques, [math.inf] * len(arm.joints))
+    return {
+        f"{name}_{joint}": max(bound, CHANNELS[name].bound)
+        for name, bounds in limits.items()
+        for joint, bound in enumerate(bounds)
+    }
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:

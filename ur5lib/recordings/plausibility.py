@@ -1,7 +1,7 @@
 """Detection of impossible values: shifted bytes, wrong units, absurd times, lost cells."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -37,20 +37,21 @@ def drop_implausible(
     source: str,
     device: Device,
     findings: list[Finding],
-    unbounded: Collection[str] = (),
+    bounds: Mapping[str, float] | None = None,
 ) -> pd.DataFrame:
     """Return the frames whose values and times are possible.
 
-    frames: in the file's order; unbounded: channels that may have any value, such as the position
-    of a joint that turns without limit.
+    frames: in the file's order; bounds: impossible magnitudes of columns of this arm, where they
+    are other than any Universal Robots arm's, infinite of a joint that turns without limit.
 
     Raises InputError when so many are impossible that a unit or a column must be wrong.
     """
     wrong = np.zeros(len(frames), dtype=bool)
     for name, spec in CHANNELS.items():
-        bounded = [n for n in columns(name, MOST_JOINTS) if n in frames and n not in unbounded]
-        if bounded and math.isfinite(spec.bound):
-            wrong |= _beyond(frames[bounded], spec.bound, source)
+        own = {n: (bounds or {}).get(n, spec.bound) for n in columns(name, MOST_JOINTS)}
+        bounded = {n: bound for n, bound in own.items() if n in frames and math.isfinite(bound)}
+        if bounded:
+            wrong |= _beyond(frames[[*bounded]], bounded, source)
     time = frames["time"].to_numpy(float)
     wrong[~wrong] = stray_times(time[~wrong])
     name = "impossible frames" if device == "robot" else "impossible samples"
@@ -60,18 +61,20 @@ def drop_implausible(
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
 
 
-def _beyond(channels: pd.DataFrame, bound: float, source: str) -> Mask:
+def _beyond(channels: pd.DataFrame, bounds: Mapping[str, float], source: str) -> Mask:
     """Return which rows (N,) exceed a bound. Raises InputError when more than a few do."""
-    beyond = (np.abs(channels.to_numpy(float)) > bound).any(axis=1)
+    size = channels.abs()
+    too_large = size > pd.Series(bounds)
+    beyond = too_large.any(axis=1).to_numpy()
     if beyond.mean() > MAX_SHARE_IMPOSSIBLE:
-        size = channels.abs()
-        channel = str((size > bound).sum().idxmax())
-        middle = size[channel].where(size[channel] > bound).median()
+        channel = str(too_large.sum().idxmax())
+        middle = size[channel].where(too_large[channel]).median()
         raise InputError(
-            f"{source}: {channel} exceeds {bound:.4g} {unit(channel)} in "
+            f"{source}: {channel} exceeds {bounds[channel]:.4g} {unit(channel)} in "
             f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); "
             f"{LIKELY_UNITS.get(unit(channel)[:3], '')}"
-            "correct the file, or the column or unit that the study gives it (raw/README.md)"
+            "correct the file, the column or unit that the study gives it (raw/README.md), or the "
+            "arm's limits (docs/robots.md)"
         )
     return beyond
 

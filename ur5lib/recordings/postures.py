@@ -9,7 +9,7 @@ from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.counting import counted_as
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
-from ur5lib.recordings.intake import known_frames, unbounded
+from ur5lib.recordings.intake import bounds_of, known_frames
 from ur5lib.recordings.plausibility import drop_implausible
 from ur5lib.records.quality import Finding, Quality, add_finding
 from ur5lib.robots.description import Robot
@@ -34,7 +34,7 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
     findings += raw.findings
     source = raw.robot.source
     whole = _complete(frames, source, arm, findings)
-    rows = drop_implausible(whole, source, "robot", findings, unbounded(arm))
+    rows = drop_implausible(whole, source, "robot", findings, bounds_of(arm))
     usable = (name for one in CHANNELS_AT_REST for name in columns(one, len(arm.joints)))
     used = [name for name in usable if name in rows]
     postures = rows[used].groupby(_posture(channel(rows, "actual_q"))).mean()

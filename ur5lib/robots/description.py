@@ -7,11 +7,20 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
+import numpy as np
 import yaml
-from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    model_validator,
+)
 
 from ur5lib.errors import InputError
-from ur5lib.strict import Strict, read_yaml
+from ur5lib.strict import Strict, explain, read_yaml
+from ur5lib.timeseries.arrays import Array
 
 DESCRIPTION_FOLDER = Path(__file__).parent
 JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
@@ -20,6 +29,7 @@ INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
 GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
 USUAL_ACCELERATION = 15.0  # rad/s²
+SMALLEST_DETERMINANT = 1e-3  # of a coupling's matrix, 1 of a single coupled motor
 
 Vector3 = tuple[float, float, float]
 T = TypeVar("T")
@@ -36,10 +46,23 @@ def _on_earth(gravity: Vector3) -> Vector3:
     return gravity
 
 
+def _no_truth_value(direction: Any) -> Any:
+    if isinstance(direction, bool):
+        raise ValueError("1 or -1")
+    return direction
+
+
+Direction = Annotated[Literal[1, -1], BeforeValidator(_no_truth_value)]
 Gravity = Annotated[Vector3, AfterValidator(_on_earth)]
 
 
-class DenavitHartenberg(Strict):
+class Described(Strict):
+    """A part of an arm's description: its numbers are finite."""
+
+    model_config = ConfigDict(allow_inf_nan=False)
+
+
+class DenavitHartenberg(Described):
     """Link length a [m], link offset d [m] and link twist alpha [rad] of Equation 2.19."""
 
     a: float
@@ -51,14 +74,14 @@ class DenavitHartenberg(Strict):
         return Pose(position=(self.a, 0.0, self.d), rpy=(self.alpha, 0.0, 0.0))
 
 
-class Pose(Strict):
+class Pose(Described):
     """A frame in another: position [m]; roll, pitch, yaw [rad] of R = R_z(yaw) R_y R_x(roll)."""
 
     position: Vector3
     rpy: Vector3
 
 
-class Motor(Strict):
+class Motor(Described):
     """Manufacturer's data of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
 
     position_min: where it is not -position_max; torque_constant [Nm/A], rotor_inertia [kg m²]: of
@@ -100,7 +123,7 @@ class Motor(Strict):
         return self.rotor_inertia * self.gear_ratio**2
 
 
-class Cylinder(Strict):
+class Cylinder(Described):
     """A homogeneous cylinder [kg, m]; `offset`: from the link's centre of mass to its centroid."""
 
     axis: Literal["x", "y", "z"]
@@ -110,13 +133,11 @@ class Cylinder(Strict):
     offset: Vector3 = (0.0, 0.0, 0.0)
 
 
-class Payload(Strict):
+class Payload(Described):
     """A load mounted on the flange [kg, m, kg m²]; centre of mass in frame 6.
 
     inertia: xx yy zz xy xz yz, about the payload's centre of mass, axes of frame 6.
     """
-
-    model_config = ConfigDict(allow_inf_nan=False)
 
     mass: Positive
     center_of_mass: Vector3 = (0.0, 0.0, 0.0)
@@ -144,7 +165,7 @@ class Payload(Strict):
         ]
 
 
-class Model(Strict):
+class Model(Described):
     """A link model: the mass distribution of n links; centres of mass [m] in the link's frame.
 
     Each link is given either as cylinders or by its inertia tensor: xx yy zz xy xz yz [kg m²],
@@ -168,14 +189,14 @@ class Model(Strict):
         return self
 
 
-class FullScale(Strict):
+class FullScale(Described):
     """Largest values that an IMU measures: acceleration [m/s²] and angular rate [°/s]."""
 
     acceleration: Positive
     angular_rate_deg: Positive
 
 
-class Mounting(Strict):
+class Mounting(Described):
     """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6, but for a
     force sensor that is turned, by the rotation vector from frame 6 to its axes.
 
@@ -188,7 +209,7 @@ class Mounting(Strict):
     force_sensor_turn_deg: Vector3 = (0.0, 0.0, 0.0)
 
 
-class CurrentToTorque(Strict):
+class CurrentToTorque(Described):
     """Equation 6.6, tau = torque_constant i + offset [Nm/A, Nm]; and Equation 6.3."""
 
     torque_constant: PerJoint
@@ -196,7 +217,7 @@ class CurrentToTorque(Strict):
     preliminary_torque_constant: PerJoint
 
 
-class DeadZoneFriction(Strict):
+class DeadZoneFriction(Described):
     """Equations 6.2 and 6.4: Coulomb [Nm], viscous [Nm s/rad], dead zone [rad/s]."""
 
     coulomb: PerJoint
@@ -204,14 +225,14 @@ class DeadZoneFriction(Strict):
     dead_zone: float
 
 
-class Gains(Strict):
+class Gains(Described):
     """Diagonals of K0 [1/s²] and K1 [1/s] in Equation 2.73."""
 
     position: PerJoint
     velocity: PerJoint
 
 
-class CoupledMotor(Strict):
+class CoupledMotor(Described):
     """A motor whose shaft turns with another joint, too: `ratio` times as far as with its own."""
 
     motor: Annotated[int, Field(ge=1)]
@@ -225,7 +246,7 @@ class CoupledMotor(Strict):
         return self
 
 
-class Drives(Strict):
+class Drives(Described):
     """How a controller counts, against the joints of the description.
 
     positions, torques: on which side of the gears they are logged, with `gear_ratio` of the motors
@@ -236,12 +257,12 @@ class Drives(Strict):
 
     positions: Literal["joint", "motor"] = "joint"
     torques: Literal["joint", "motor"] = "joint"
-    directions: PerLink[Literal[1, -1]] = ()
+    directions: PerLink[Direction] = ()
     home_deg: PerJoint = ()
     coupling: list[CoupledMotor] = Field(default_factory=list)
 
 
-class Robot(Strict):
+class Robot(Described):
     """An arm of n revolute joints: geometry, masses, link models and published constants.
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
@@ -301,16 +322,39 @@ class Robot(Strict):
                 values = getattr(part, name)
                 if _is_by_joint(field.annotation) and values and len(values) != len(self.joints):
                     raise ValueError(
-                        f"`{name}` has {len(values)} entries, `joints` has {len(self.joints)}"
+                        f"`{name}` has {len(values)} entries; give {len(self.joints)}, one for "
+                        "each of `joints`"
                     )
         return self
 
     @model_validator(mode="after")
-    def _coupled_joints_are_its_own(self) -> Self:
-        for coupled in self.drives.coupling:
-            if max(coupled.motor, coupled.joint) > len(self.joints):
-                raise ValueError(f"`coupling` names a joint that is none of {len(self.joints)}")
+    def _motors_turn_its_joints(self) -> Self:
+        pairs = [(coupled.motor, coupled.joint) for coupled in self.drives.coupling]
+        if any(max(pair) > len(self.joints) for pair in pairs):
+            raise ValueError(f"`coupling` names a joint that is none of {len(self.joints)}")
+        if repeated := {pair for pair in pairs if pairs.count(pair) > 1}:
+            motor, joint = min(repeated)
+            raise ValueError(f"`coupling` has motor {motor} with joint {joint} twice; remove one")
+        if abs(np.linalg.det(self.coupling_matrix())) < SMALLEST_DETERMINANT:
+            raise ValueError("`coupling` turns joints so that no motors move them independently")
         return self
+
+    @model_validator(mode="after")
+    def _counted_motors_have_gears(self) -> Self:
+        without = [name for name in self.joints if self.motors[name].gear_ratio is None]
+        if without and "motor" in (self.drives.positions, self.drives.torques):
+            raise ValueError(
+                f"`drives` counts motors, but {', '.join(without)} has no `gear_ratio`; give it "
+                "in `motors`, 1 where there is no gear"
+            )
+        return self
+
+    def coupling_matrix(self) -> Array:
+        """Return C (n, n) of shafts C q̇, in the joints' scale and the controller's signs."""
+        matrix = np.eye(len(self.joints))
+        for coupled in self.drives.coupling:
+            matrix[coupled.motor - 1, coupled.joint - 1] = coupled.ratio
+        return matrix
 
     @property
     def joint_numbers(self) -> range:
@@ -339,6 +383,10 @@ class Robot(Strict):
             else (m.torque_constant or math.nan) * (m.gear_ratio or math.nan)
             for m in motors
         ]
+
+    def is_counted(self) -> bool:
+        """Return whether its controller counts otherwise than its joints turn."""
+        return self.drives != Drives()
 
     def senses_torque(self) -> bool:
         """Return whether its joints' torques [Nm] are measured, in place of motor currents."""
@@ -473,7 +521,13 @@ def load_robot(path: str | Path) -> Robot:
     try:
         return robot_of(read_description(path))
     except ValidationError as error:
-        raise InputError(f"{path} {INVALID_DESCRIPTION}: {error}") from error
+        raise InputError(f"{path} {INVALID_DESCRIPTION}: {mistakes_in(error)}") from error
+
+
+def mistakes_in(error: ValidationError) -> str:
+    """Return what is wrong with a description, in words."""
+    schema = Robot.model_json_schema()
+    return "; ".join(explain(detail, schema) for detail in error.errors())
 
 
 def read_description(path: str | Path) -> Any:

@@ -47,7 +47,7 @@ def torque_matrix(arm: Robot) -> Array:
 def motor_matrix(arm: Robot) -> Array:
     """Return N C (n, n), the turns of the motors per turn of the joints in the counts' signs."""
     ratios = np.array([arm.motor(joint).gear_ratio or 1.0 for joint in arm.joint_numbers])
-    return ratios[:, None] * coupling_matrix(arm)
+    return ratios[:, None] * arm.coupling_matrix()
 
 
 def directions(arm: Robot) -> Array:
@@ -55,18 +55,10 @@ def directions(arm: Robot) -> Array:
     return np.array(arm.drives.directions or np.ones(len(arm.joints)), dtype=float)
 
 
-def coupling_matrix(arm: Robot) -> Array:
-    """Return C (n, n) of shafts C q̇, in the joints' scale and the controller's signs."""
-    matrix = np.eye(len(arm.joints))
-    for coupled in arm.drives.coupling:
-        matrix[coupled.motor - 1, coupled.joint - 1] = coupled.ratio
-    return matrix
-
-
 def shaft_matrix(arm: Robot) -> Array:
     """Return S = d C d (n, n) of the motors' shafts S q̇, in the joints' scale and signs."""
     signs = directions(arm)
-    return signs[:, None] * coupling_matrix(arm) * signs
+    return signs[:, None] * arm.coupling_matrix() * signs
 
 
 def coupled_motors(shafts: Array) -> Mask:

@@ -14,9 +14,10 @@ from pytorch_kinematics.urdf_parser_py.urdf import URDF
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import INVALID_DESCRIPTION, Pose, Robot
+from ur5lib.robots.description import INVALID_DESCRIPTION, Pose, Robot, mistakes_in
 from ur5lib.robots.individual import link_matrix, pose_of
 from ur5lib.robots.inertia import joined, tensor
+from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
@@ -25,7 +26,7 @@ MAX_JOINTS = 8
 REVOLUTE_TYPES = ("revolute", "continuous")
 PLACEHOLDER_MASS, PLACEHOLDER_INERTIA = 1.0, 0.01 * np.eye(3)  # kg, kg m²
 ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s: where a file has no limits
-STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the axes of the base link
+GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s², in the axes of the base link
 RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
 
 
@@ -62,7 +63,7 @@ def robot_from_urdf(
     unknown = placeholders(tree, joints, bodies)
     description = {
         "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
-        "gravity": (start[:3, :3].T @ STANDARD_GRAVITY + 0.0).tolist(),
+        "gravity": (start[:3, :3].T @ GRAVITY + 0.0).tolist(),
         "calibration": [pose_of(tail) for tail in tails],
         "joints": [joint.name for joint in joints],
         "motors": {joint.name: _motor(joint) for joint in joints},
@@ -75,7 +76,9 @@ def robot_from_urdf(
     try:
         robot = Robot.model_validate(description)
     except ValidationError as error:
-        raise InputError(f"the arm of {path} {INVALID_DESCRIPTION}: {error}") from error
+        raise InputError(
+            f"the arm of {path} {INVALID_DESCRIPTION}: {mistakes_in(error)}"
+        ) from error
     remarks = [*_remarks(tree, base, tip, joints, bodies, start)]
     return robot, [*remarks, *_missing(joints, unknown)]
 
@@ -253,7 +256,6 @@ def _motor(joint: Any) -> dict[str, float | None]:
         "velocity_max": _stated(joint, "velocity") or ASSUMED_VELOCITY,
         "torque_max": _stated(joint, "effort") or ASSUMED_TORQUE,
         "torque_constant": 1.0,  # measured torques take the place of currents
-        "gear_ratio": 1.0,
     }
 
 

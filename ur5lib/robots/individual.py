@@ -18,7 +18,15 @@ import yaml
 from pydantic import ValidationError
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import DenavitHartenberg, Pose, Robot, read_description, robot_of
+from ur5lib.robots.description import (
+    INVALID_DESCRIPTION,
+    DenavitHartenberg,
+    Pose,
+    Robot,
+    mistakes_in,
+    read_description,
+    robot_of,
+)
 from ur5lib.robots.inertia import link_tail
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
@@ -168,10 +176,8 @@ def individual_robot(
     try:
         robot = robot_of(overridden_data(read_description(path), {**override, "name": name}))
     except ValidationError as error:
-        raise InputError(
-            f"`override` of {name} does not give a valid description of an arm "
-            f"(docs/robots.md): {error}"
-        ) from error
+        what = f"{path} with the `override` of {name}" if override else str(path)
+        raise InputError(f"{what} {INVALID_DESCRIPTION}: {mistakes_in(error)}") from error
     return robot if calibration is None else calibrated_robot(robot, calibration)
 
 

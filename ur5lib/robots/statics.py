@@ -16,6 +16,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
+STANDARD_GRAVITY = 9.81  # m/s²
 MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
 NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
 POSE_TOLERANCE = 1e-6  # m, rad; largest error of a solution
@@ -56,14 +57,22 @@ def load_torque(robot: Robot, q: Array) -> Array:
     """Return the torque (N, n, 4) that holds a load on the flange, per mass [Nm/kg] and per first
     moment in frame n [Nm/(kg m)]; q: (N, n) [rad].
     """
+    return gravity_regressor(robot, q)[:, :, -1]
+
+
+def gravity_regressor(robot: Robot, q: Array) -> Array:
+    """Return the torque (N, n, n, 4) that holds each link (third axis), per mass [Nm/kg] and per
+    first moment in its frame [Nm/(kg m)]; q: (N, n) [rad].
+    """
     rotation, origin = link_frames(robot, q)
     gravity = np.array(robot.gravity)
-    torque = np.zeros((*q.shape, 4))
+    torque = np.zeros((*q.shape, q.shape[1], 4))
     for joint in range(q.shape[1]):
-        axis = rotation[:, joint, :, 2]
-        torque[:, joint, 0] = -np.cross(axis, origin[:, -1] - origin[:, joint]) @ gravity
+        axis, links = rotation[:, joint, :, 2], slice(joint + 1, None)
         across = np.cross(gravity, axis)  # g·(z × c) = (g × z)·c
-        torque[:, joint, 1:] = -np.einsum("ni,nij->nj", across, rotation[:, -1])
+        arms = origin[:, links] - origin[:, [joint]]
+        torque[:, joint, joint:, 0] = -np.einsum("ni,nki->nk", across, arms)
+        torque[:, joint, joint:, 1:] = -np.einsum("ni,nkij->nkj", across, rotation[:, links])
     return torque
 
 

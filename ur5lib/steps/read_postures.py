@@ -80,7 +80,7 @@ def checked_postures(
             disagreements(declared, tcp, signals),
         ),
     )
-    shown = check_robot(table, 1.0, arm.position_limits(), arm.velocity_limits())
+    shown = check_robot(table, 1.0, arm.position_limits(), arm.velocity_limits(), arm.is_counted())
     shown += what_gravity_shows(means, arm, load.payload)
     if not postures.contradictions.stop_signs:
         shown += large_constants(means, arm.carrying(load.payload))

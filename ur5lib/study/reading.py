@@ -20,10 +20,9 @@ from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
 from ur5lib.lab.stand import layout
-from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.strict import FAST_DUMPER, expect_few_values, read_yaml
+from ur5lib.robots.description import PROJECT_FOLDER, load_robot, robot_path
+from ur5lib.strict import FAST_DUMPER, expect_few_values, explain, quoted, read_yaml
 from ur5lib.study.model import Study
-from ur5lib.study.schema import explain, quoted
 
 PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
 WILDCARD = re.compile(r"[*?\[]")
@@ -254,9 +253,10 @@ def _different_arms(study: Study) -> Iterator[str]:
 
 
 def _wrong_arms(study: Study) -> Iterator[str]:
-    """Yield the errors of arms with overridden numbers or a calibration."""
+    """Yield the errors of the user's own arms, with overridden numbers, or a calibration."""
     for arm in study.arms().values():
-        if arm.override or arm.calibration:
+        own = robot_path(arm.arm).parent == PROJECT_FOLDER
+        if own or arm.override or arm.calibration:
             try:
                 arm.description()
             except InputError as error:

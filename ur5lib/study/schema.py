@@ -1,18 +1,12 @@
-"""The words for a study's schema: messages about errors, and the table of all settings."""
+"""The table of all settings of a study, from its schema."""
 
 import json
 import math
-from collections.abc import Iterable, Iterator
-from typing import Any
-
-from pydantic_core import ErrorDetails
+from collections.abc import Iterator
 
 from ur5lib.channels import RECORDED_CHANNELS
-from ur5lib.errors import perhaps
+from ur5lib.strict import Schema, allowed, branches
 from ur5lib.study.model import Study
-
-QUOTE = "'"  # pydantic puts it around a discriminator's name
-Schema = dict[str, Any]  # a node of a JSON schema
 
 SETTINGS_HEAD = """\
 # Settings
@@ -31,109 +25,6 @@ a note.
 | channel | columns | unit | bound |
 | --- | --- | --- | --- |
 """
-
-
-def explain(error: ErrorDetails, schema: Schema) -> str:
-    """Return one sentence for one error: key, value, allowed values, closest valid name."""
-    location, node = _descend(schema, error["loc"])
-    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
-    key, kind = "".join(parts).lstrip("."), error["type"]
-    if kind == "extra_forbidden":
-        keys = _descend(schema, error["loc"][:-1])[1]["properties"]
-        return f"unknown key `{key}`{perhaps(location[-1], keys)}; known keys: {', '.join(keys)}"
-    if kind.startswith("union_tag"):
-        return _explain_tag(error, key, list(branches(node)))
-    if kind == "missing":
-        return f"`{key}` is missing; give {allowed(node)}"
-    if kind == "no_description":
-        return f"`{key}`: {error['msg']}"
-    if kind == "of_entry":
-        return f"`{key}` {error['msg']}"
-    near = perhaps(error["input"], _choices(node))
-    remedy = error["ctx"]["error"] if kind == "value_error" else allowed(node)
-    hint = " (in quotes, or YAML does not read it as text)" if kind == "string_type" else ""
-    return f"`{key}` is {quoted(error['input'])}{near}; give {remedy}{hint}"
-
-
-def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
-    """Explain a wrong or missing `format` or `kind`, which selects the kind of a part."""
-    key = f"{key}.{error['ctx']['discriminator'].strip(QUOTE)}"
-    remedy = f"give one of {', '.join(tags)}"
-    if error["type"] == "union_tag_not_found":
-        return f"`{key}` is missing; {remedy}"
-    value = error["ctx"]["tag"]
-    return f"`{key}` is {value!r}{perhaps(value, tags)}; {remedy}"
-
-
-def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | int], Schema]:
-    """Return the keys of a location, without tags of kinds, and the schema node there."""
-    node, keys = schema, list[str | int]()
-    for part in location:
-        kinds = branches(node)
-        if part in kinds:
-            node = kinds[str(part)]
-        else:
-            keys.append(part)
-            node = _child(node, part)
-        node = _present(node)
-        if "$ref" in node:
-            node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
-    return keys, node
-
-
-def branches(node: Schema) -> dict[str, Schema]:
-    """Return the kinds of a part by tag; where two types are allowed, the types."""
-    mapping = node.get("discriminator", {}).get("mapping", {})
-    options = node.get("oneOf", [])
-    tagged = {t: option for option in options for t in mapping if mapping[t] == option.get("$ref")}
-    return tagged or {option.get("type", "object"): option for option in options}
-
-
-def _present(node: Schema) -> Schema:
-    """Return the schema node of a value that may be omitted."""
-    options = [option for option in node.get("anyOf", []) if option.get("type") != "null"]
-    return options[0] if len(options) == 1 else node
-
-
-def _child(node: Schema, part: str | int) -> Schema:
-    """Return the schema node of a key, or of an entry of a list."""
-    if isinstance(part, str):
-        return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
-    entries = node.get("prefixItems", [])
-    return entries[part] if part < len(entries) else node.get("items", {})
-
-
-def quoted(value: object) -> str:
-    """Return a value for messages, shortened if it is long."""
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _choices(node: Schema) -> list[str]:
-    return [str(value) for value in node.get("enum", [node["const"]] if "const" in node else [])]
-
-
-def allowed(node: Schema) -> str:
-    """Return the values that a JSON schema node allows, in words: "a number above 0"."""
-    if choices := _choices(node):
-        return "one of " + ", ".join(choices)
-    bounds = {
-        "minimum": "at least",
-        "exclusiveMinimum": "above",
-        "maximum": "at most",
-        "exclusiveMaximum": "below",
-        "minItems": "with at least",
-    }
-    limits = [f"{word} {node[key]}" for key, word in bounds.items() if key in node]
-    if "minItems" in node:
-        limits = [f"{limits[0]} {'entry' if node['minItems'] == 1 else 'entries'}"]
-    if "maxItems" in node:
-        limits = [f"of {node['maxItems']}"]
-    type_ = "object" if "discriminator" in node else node.get("type", "value")
-    kind = {"array": "a list", "object": "a mapping"}.get(type_, f"a {type_}")
-    if "pattern" in node:
-        limits.append(f"of {node['characters']}")
-    return f"{kind.replace('a integer', 'an integer')} {' and '.join(limits)}".strip()
 
 
 def settings_text() -> str:
