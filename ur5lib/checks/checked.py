@@ -1,5 +1,6 @@
 """A recording beside what the study declares of it, as the checks of both take it."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -10,6 +11,7 @@ from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.contacts import felt_contact
 from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
 from ur5lib.checks.targets import odd_targets
+from ur5lib.errors import InputError
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.timeseries.segments import period
@@ -103,9 +105,20 @@ def arms_alike(arm: Robot, payload: Payload | None) -> list[Robot]:
     """Return all described arms of an arm's number of joints, mounted alike, with a payload; those
     whose gravity nothing tells are like none.
     """
-    arms = filter(Robot.tells_gravity, map(described, robot_names()))
+    arms = filter(Robot.tells_gravity, described_arms().values())
     alike = [other for other in arms if len(other.joints) == len(arm.joints)]
     return [other.mounted(arm.gravity).carrying(payload) for other in alike]
+
+
+def described_arms() -> dict[str, Robot]:
+    """Return all described arms by name, but for those of the user's that are wrong: their own
+    studies say so.
+    """
+    arms = {}
+    for name in robot_names():
+        with suppress(InputError):
+            arms[name] = described(name)
+    return arms
 
 
 @cache

@@ -9,7 +9,7 @@ import numpy as np
 
 from ur5lib.checks.arm import torque_constants
 from ur5lib.checks.block_means import BlockMeans
-from ur5lib.checks.checked import described
+from ur5lib.checks.checked import described, described_arms
 from ur5lib.checks.readings import (
     CLEAR_LEAD,
     SLOPE_BOUNDS_OR_NONE,
@@ -21,7 +21,7 @@ from ur5lib.checks.readings import (
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings.rosbag import JOINT_NAMES
-from ur5lib.robots.description import Robot, robot_names
+from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
@@ -81,7 +81,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
 
 def arms_of(file: FileContents) -> list[str]:
     """Return the described arms with as many joints as a file, whose gravity may tell them."""
-    arms = {name: described(name) for name in robot_names()}
+    arms = described_arms()
     return [n for n, arm in arms.items() if len(arm.joints) == file.joints and tells_columns(arm)]
 
 

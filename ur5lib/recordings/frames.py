@@ -1,7 +1,7 @@
 """Frame repair: frames on a uniform time grid, with gaps flagged and filled, or split."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +20,7 @@ SMOOTH_CHANNELS = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpol
 MAX_DISTANCE_FROM_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
 # share of steps within MAX_DISTANCE_FROM_GRID in a recording with a fixed cycle
 MIN_SHARE_ON_GRID = 0.95
+MAX_SHARE_SLOW = 0.5  # of rows that have a channel's samples, where others are logged more often
 MIN_REPORTED_JITTER = 5e-5  # s; larger jitter is reported
 FRAME_COLUMNS = ("time", "epoch", "received")  # columns that are not channels
 
@@ -77,12 +78,13 @@ def repair_frames(
     for name in [*given]:
         del given[name]  # so that each channel can be freed when it is on the grid
     _expect_frames(frames, source)
-    timing = _timing(frames, cycle, source)
+    timing = _timing_of_positions(frames, cycle, source)
     _report_steps(timing, findings)
     steps, holes, channels = _steps(frames), _holes(frames), len(_vectors(frames))
     stretches = _stretches(frames, timing, max_gap)
-    table, lost = _on_grid(frames, stretches, timing, max_gap)
+    table, lost, slow = _on_grid(frames, stretches, timing, max_gap)
     _expect_frames(table, source)
+    add_finding(findings, "robot", "slow channels", "note", len(slow), names=slow)
     _report_lost(steps, table, timing, channels, findings)
     counts = {
         "missing cells": holes,
@@ -119,6 +121,14 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
     columns = _vectors(frames)
     dropped = [column for name in absent for column in columns[name]]
     return frames.drop(columns=dropped)
+
+
+def _timing_of_positions(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
+    """Return the timing of the rows; where most lack positions, of those that have them."""
+    positioned = np.isfinite(frames[_vectors(frames)["actual_q"]].to_numpy(float)).all(axis=1)
+    if positioned.mean() > MAX_SHARE_SLOW:
+        return _timing(frames, cycle, source)
+    return replace(_timing(frames[positioned], cycle, source), regular=False)
 
 
 def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
@@ -172,11 +182,12 @@ def _stretch(rows: Labels, time: Array, timing: Timing) -> GridStretch:
 
 def _on_grid(
     frames: pd.DataFrame, stretches: list[GridStretch], timing: Timing, max_gap: float
-) -> tuple[pd.DataFrame, int]:
-    """Return the table on the grid, and how many of its slots were lost.
+) -> tuple[pd.DataFrame, int, list[str]]:
+    """Return the table on the grid, how many of its slots were lost, and the slow channels.
 
-    A slot is lost if any channel has a long gap there, or is missing altogether. `frames` loses
-    each channel when it is on the grid.
+    A slot is lost if any channel has a long gap there, or is missing altogether. What is filled in
+    between the samples of a slow channel makes no frame an interpolated one. `frames` loses each
+    channel when it is on the grid.
     """
     columns_at, flags = dict[str, Array](), dict[str, Mask]()
     lost = np.zeros(sum(len(stretch.slots) for stretch in stretches), dtype=bool)
@@ -187,9 +198,12 @@ def _on_grid(
         lost |= beyond
         flags[name] = flag
     time = [stretch.start + stretch.slots * timing.period for stretch in stretches]
+    slow = [
+        name for name, flag in flags.items() if name != "actual_q" and flag.mean() > MAX_SHARE_SLOW
+    ]
     on_grid = {
         "time": np.concatenate(time),
-        "interpolated": np.logical_or.reduce([*flags.values()]),
+        "interpolated": np.logical_or.reduce([flags[name] for name in flags if name not in slow]),
         **columns_at,
         **{f"filled_{name}": flag for name, flag in flags.items() if flag.any()},
     }
@@ -197,7 +211,7 @@ def _on_grid(
         on_grid = {name: values[~lost] for name, values in on_grid.items()}
     table = pd.DataFrame(on_grid, copy=False)
     table.insert(1, "segment", _segments(stretches, lost))
-    return table, int(lost.sum())
+    return table, int(lost.sum()), slow
 
 
 def _fill_stretches(
