@@ -14,6 +14,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.ordering import in_order
 from ur5lib.records.quality import Finding
+from ur5lib.timeseries.sampling import interpolated
 
 CYCLE = 0.008
 COUNT = 120
@@ -364,6 +365,38 @@ def test_of_a_part_that_lacks_a_channel_only_what_lies_between_its_cells_is_kept
     assert repaired["interpolated"].sum() == max(len(known) - 1, 0)
     own = np.array(expected) - on * (np.arange(len(expected)) >= 60)
     np.testing.assert_allclose(repaired["actual_q_2"], 0.1 * own**2, atol=1e-5)
+
+
+@pytest.mark.parametrize("of", ["actual_q", "actual_current"])
+def test_channels_may_have_rates_of_their_own(of: str) -> None:
+    """A log of several topics: each of its rows has one of them, or all have the faster one."""
+    table = frames(range(600), 0.002)
+    slow = [name for name in table if name.startswith(of)]
+    table.loc[table.index % 3 != 0, slow] = np.nan
+    repaired, timing, findings = repair_frames(table.copy(), None, 0.1, "run.csv")
+    assert timing.period == (0.006 if of == "actual_q" else 0.002)
+    assert len(repaired) == (200 if of == "actual_q" else 598)  # to the last sample of all
+    assert not repaired["interpolated"].any()
+    assert ("slow channels" in {one.finding for one in findings}) == (of != "actual_q")
+    rows = table.dropna()
+    at_samples = repaired.set_index(repaired["time"].round(6)).loc[rows["time"].round(6)]
+    np.testing.assert_allclose(at_samples[slow], rows[slow], atol=1e-12)
+
+
+def test_rows_of_one_topic_each_are_one_log() -> None:
+    """As an outer join of both by time writes them."""
+    table = frames(range(600), 0.002)
+    positions = [name for name in table if name.startswith("actual_q")]
+    table.loc[::2, [name for name in table if "current" in name]] = np.nan
+    table.loc[1::2, positions] = np.nan
+    repaired, timing, _ = repair_frames(table.copy(), None, 0.1, "run.csv")
+    assert timing.period == 0.004
+    assert repaired["interpolated"].mean() < 0.02
+    np.testing.assert_allclose(repaired["actual_q_3"], 0.1 * repaired["time"] ** 2, atol=1e-9)
+    between = interpolated(repaired["time"], table["time"][1::2], NOISE[1:600:2])
+    inner = slice(1, -1)
+    currents = repaired[[f"actual_current_{k}" for k in range(6)]]
+    np.testing.assert_allclose(currents[inner], between[inner], atol=1e-9)
 
 
 def test_jitter_is_that_of_the_median_step_and_of_one_in_a_hundred() -> None:

@@ -216,6 +216,73 @@ def test_what_is_missing_is_named(root: Element, named: str, tmp_path: Path) -> 
         robot_from_urdf(saved(root, tmp_path))
 
 
+@pytest.mark.parametrize(
+    ("found", "written", "named"),
+    [
+        ('link name="link_2"', 'link name="link_1"', "link 'link_1' twice"),
+        ('joint name="axis_2"', 'joint name="axis_1"', "joint 'axis_1' twice"),
+        ('child link="link_2"', 'child link="nothing"', "the child of axis_2, 'nothing', is none"),
+        ("</robot>", '<link name="alone" /></robot>', "base, alone; .* --base"),
+        ('mass value="', 'mass value="${m}', "run xacro"),
+        ("robot", "html", "holds <html>"),
+        ('upper="2.5"', 'upper="one"', "is no URDF"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_named(
+    found: str, written: str, named: str, tmp_path: Path
+) -> None:
+    path = saved(made_up(3), tmp_path)
+    content = path.read_text()
+    assert found in content
+    path.write_text(content.replace(found, written))
+    with pytest.raises(InputError, match=named):
+        robot_from_urdf(path)
+
+
+@pytest.mark.parametrize(
+    ("tag", "values", "said"),
+    [
+        ("limit", {"lower": "-180", "upper": "180"}, "is it in degrees?"),
+        ("origin", {"xyz": "0 0 400"}, "are they in mm?"),
+        ("inertia", {"ixx": "-3"}, "no mass or inertia of a body for link_1, link_2"),
+    ],
+)
+def test_what_is_unlikely_in_a_file_is_said(
+    tag: str, values: dict[str, str], said: str, tmp_path: Path
+) -> None:
+    root = made_up(3)
+    for part in root.iter(tag):
+        part.attrib |= values
+    assert any(said in remark for remark in robot_from_urdf(saved(root, tmp_path))[1])
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [({"type": "prismatic"}, "axis_2 is prismatic"), ({"axis": "0 0 0"}, "`axis` of axis_2")],
+)
+def test_a_joint_that_cannot_turn_is_named(
+    change: dict[str, str], named: str, tmp_path: Path
+) -> None:
+    root = made_up(3)
+    joint = next(joint for joint in root.iter("joint") if joint.get("name") == "axis_2")
+    joint.set("type", change.get("type", "revolute"))
+    next(joint.iter("axis")).attrib["xyz"] = change.get("axis", "0 0 1")
+    with pytest.raises(InputError, match=named):
+        robot_from_urdf(saved(root, tmp_path))
+
+
+def test_a_joint_that_follows_another_is_refused_on_the_way_to_the_tip(tmp_path: Path) -> None:
+    """A parallelogram of the arm itself, unlike the fingers of a gripper beyond it."""
+    root = made_up(4)
+    joints = {joint.get("name"): joint for joint in root.iter("joint")}
+    mimic = SubElement(joints["axis_4"], "mimic", joint="axis_1")
+    assert len(robot_from_urdf(saved(root, tmp_path))[0].joints) == 3
+    joints["axis_4"].remove(mimic)
+    SubElement(joints["axis_2"], "mimic", joint="axis_1")
+    with pytest.raises(InputError, match="axis_2 follows another"):
+        robot_from_urdf(saved(root, tmp_path))
+
+
 @pytest.mark.parametrize("part", ["inertia", "inertial"])
 def test_links_without_inertia_are_found_from_recordings(part: str, tmp_path: Path) -> None:
     robot, remarks = robot_from_urdf(saved(damaged(part), tmp_path))

@@ -254,7 +254,7 @@ def test_its_description_is_read_back(tmp_path: Path) -> None:
 def test_a_joint_that_is_not_described_is_refused(field: str) -> None:
     described = arm().model_dump()
     described[field] = described[field][:-1]
-    with pytest.raises(ValueError, match=rf"`{field}` has 6 entries, `joints` has 7"):
+    with pytest.raises(ValueError, match=rf"`{field}` has 6 entries; give 7, one for each"):
         Robot.model_validate(described)
 
 

@@ -57,6 +57,12 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     if as_in and study is not None:
         gravity = study.recording(as_in).known_gravity()
         arm = arm.carrying(study.payload(as_in)).mounted(gravity)
+    if model is None and arm.links == "unknown":
+        raise InputError(
+            f"the links of {robot} are placeholders that no fit has replaced; name by --results a "
+            "study whose recordings tell them (its report says why, where they do not), or the "
+            f"placeholders by --model {arm.chosen_model}"
+        )
     model = model or (arm.chosen_model if study is None else arm.fullest_model())
     if model not in arm.models:
         near = perhaps(model, arm.models)

@@ -20,7 +20,7 @@ SMOOTH_CHANNELS = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpol
 MAX_DISTANCE_FROM_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
 # share of steps within MAX_DISTANCE_FROM_GRID in a recording with a fixed cycle
 MIN_SHARE_ON_GRID = 0.95
-MAX_SHARE_SLOW = 0.5  # of rows that have a channel's samples, where others are logged more often
+MIN_SLOW_STEP = 2  # rows from a sample to the next, of a channel that others outpace
 MIN_REPORTED_JITTER = 5e-5  # s; larger jitter is reported
 FRAME_COLUMNS = ("time", "epoch", "received")  # columns that are not channels
 
@@ -124,11 +124,17 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
 
 
 def _timing_of_positions(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
-    """Return the timing of the rows; where most lack positions, of those that have them."""
+    """Return the timing of the rows; of slow positions, of the rows that have them."""
     positioned = np.isfinite(frames[_vectors(frames)["actual_q"]].to_numpy(float)).all(axis=1)
-    if positioned.mean() > MAX_SHARE_SLOW:
+    if not _is_slow(positioned):
         return _timing(frames, cycle, source)
     return replace(_timing(frames[positioned], cycle, source), regular=False)
+
+
+def _is_slow(received: Mask) -> bool:
+    """Return whether a channel was logged less often than others, by the rows (N,) that have it."""
+    steps = np.diff(np.flatnonzero(received))
+    return len(steps) > 0 and bool(np.median(steps) >= MIN_SLOW_STEP)
 
 
 def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
@@ -198,9 +204,7 @@ def _on_grid(
         lost |= beyond
         flags[name] = flag
     time = [stretch.start + stretch.slots * timing.period for stretch in stretches]
-    slow = [
-        name for name, flag in flags.items() if name != "actual_q" and flag.mean() > MAX_SHARE_SLOW
-    ]
+    slow = [name for name, flag in flags.items() if name != "actual_q" and _is_slow(~flag)]
     on_grid = {
         "time": np.concatenate(time),
         "interpolated": np.logical_or.reduce([flags[name] for name in flags if name not in slow]),

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from pytorch_kinematics.urdf_parser_py.urdf import URDF
 from scipy.spatial.transform import Rotation
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.robots.description import INVALID_DESCRIPTION, Pose, Robot, mistakes_in
 from ur5lib.robots.individual import link_matrix, pose_of
 from ur5lib.robots.inertia import joined, tensor
@@ -27,6 +27,8 @@ REVOLUTE_TYPES = ("revolute", "continuous")
 PLACEHOLDER_MASS, PLACEHOLDER_INERTIA = 1.0, 0.01 * np.eye(3)  # kg, kg m²
 ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s: where a file has no limits
 GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s², in the axes of the base link
+MAX_USUAL_ANGLE, MAX_USUAL_LENGTH = 4 * np.pi, 10.0  # rad, m
+XACRO = "xacro"  # in the names of elements that xacro replaces
 RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
 
 
@@ -87,15 +89,39 @@ def _read(path: Path) -> Any:
     """Return links and joints of a URDF. Raises InputError where it is none."""
     expect_file(path)
     try:
-        root = ElementTree.fromstring(path.read_bytes())
+        root = ElementTree.fromstring(content := path.read_bytes())
+    except (ElementTree.ParseError, OSError) as error:
+        raise InputError(f"{path} is no URDF ({error})") from error
+    if b"${" in content or any(XACRO in element.tag for element in root.iter()):
+        raise InputError(f"{path} has macros of xacro; run xacro on it first")
+    _expect_parts(root, path)
+    try:
         _keep(root, "link", "joint")
         for link in root.iter("link"):
             _keep(link, "inertial")
         with redirect_stderr(StringIO()):  # unknown tags of simulators
             return URDF.from_xml_string(ElementTree.tostring(root))
     except Exception as error:  # the parser raises whatever its elements do
-        hint = "; run xacro on it first" if path.suffix == ".xacro" else ""
-        raise InputError(f"{path} is no URDF ({error}){hint}") from error
+        raise InputError(f"{path} is no URDF ({error})") from error
+
+
+def _expect_parts(root: ElementTree.Element, path: Path) -> None:
+    """Raise InputError where links and joints are not each there, once."""
+    if root.tag != "robot":
+        raise InputError(f"{path} is no URDF: it holds <{root.tag}>, not <robot>")
+    names = {tag: [part.get("name", "") for part in root.findall(tag)] for tag in ("link", "joint")}
+    if not names["link"]:
+        raise InputError(f"{path} has no links of its own; give the whole arm's file")
+    for tag, own in names.items():
+        if repeated := sorted({name for name in own if own.count(name) > 1}):
+            raise InputError(f"{path} has the {tag} {repeated[0]!r} twice; rename or remove one")
+    for joint in root.findall("joint"):
+        for end in [*joint.findall("parent"), *joint.findall("child")]:
+            if end.get("link") not in names["link"]:
+                raise InputError(
+                    f"{path}: the {end.tag} of {joint.get('name')}, {end.get('link')!r}, is none "
+                    "of its links; correct the name, or add the link"
+                )
 
 
 def _keep(element: ElementTree.Element, *tags: str) -> None:
@@ -105,10 +131,15 @@ def _keep(element: ElementTree.Element, *tags: str) -> None:
 
 
 def _root(tree: Any, path: Path) -> str:
-    try:
-        return str(tree.get_root())
-    except AssertionError as error:
-        raise InputError(f"{path} has not one root: name the link that stands by --base") from error
+    roots = [link for link in tree.link_map if link not in tree.parent_map]
+    if len(roots) == 1:
+        return roots[0]
+    if not roots:
+        raise InputError(f"{path}: its links hang on each other in a circle; remove a joint")
+    raise InputError(
+        f"{path} has several links that hang on none: {some(roots)}; name the one that stands "
+        "still by --base"
+    )
 
 
 def _known_link(tree: Any, link: str, path: Path) -> str:
@@ -130,12 +161,8 @@ def _path(tree: Any, base: str, tip: str) -> list[Any] | None:
 
 def _tip(tree: Any, base: str, path: Path) -> str:
     """Return the link that the last revolute joint turns, of the only chain that is longest."""
-    turned = {j.child: _path(tree, base, j.child) for j in tree.joints if j.type in REVOLUTE_TYPES}
-    counts = {
-        link: sum(joint.type in REVOLUTE_TYPES for joint in joints)
-        for link, joints in turned.items()
-        if joints and not any(j.type == "prismatic" or j.mimic is not None for j in joints)
-    }
+    turned = {j.child: _path(tree, base, j.child) for j in tree.joints if _turns(j)}
+    counts = {link: sum(map(_turns, joints)) for link, joints in turned.items() if joints}
     ends = [link for link, count in counts.items() if count == max(counts.values())]
     if len(ends) != 1:
         ambiguity = (
@@ -145,6 +172,11 @@ def _tip(tree: Any, base: str, path: Path) -> str:
     return ends[0]
 
 
+def _turns(joint: Any) -> bool:
+    """Return whether a joint turns by itself."""
+    return joint.type in REVOLUTE_TYPES and joint.mimic is None
+
+
 def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
     """Return the joints that move a tip."""
     joints = _path(tree, base, tip)
@@ -152,12 +184,14 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
         raise InputError(f"{path}: {tip} does not hang on {base}; name --base and --tip")
     moving = [joint for joint in joints if joint.type != "fixed"]
     for joint in moving:
-        if joint.type not in REVOLUTE_TYPES or joint.mimic is not None:
+        if not _turns(joint):
             kind = "follows another" if joint.mimic is not None else f"is {joint.type}"
             raise InputError(
                 f"{path}: {joint.name} {kind}; only chains of revolute joints are described: name "
                 f"the link behind it by --base, as {joint.child}, where it stands still"
             )
+    if still := [joint.name for joint in moving if joint.axis is not None and not any(joint.axis)]:
+        raise InputError(f"{path}: the `axis` of {some(still)} is 0 0 0; give its direction")
     if not MIN_JOINTS <= len(moving) <= MAX_JOINTS:
         raise InputError(
             f"{path}: {len(moving)} joints move {tip} against {base}; arms of {MIN_JOINTS} "
@@ -227,10 +261,7 @@ def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Arr
         inertial = tree.link_map[link].inertial
         if inertial is not None and inertial.mass and inertial.inertia is not None:
             pose = np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin)
-            R, moments = pose[:3, :3], inertial.inertia
-            about = tensor(
-                [moments.ixx, moments.iyy, moments.izz, moments.ixy, moments.ixz, moments.iyz]
-            )
+            R, about = pose[:3, :3], _tensor(inertial.inertia)
             parts.append((float(inertial.mass), pose[:3, 3], R @ about @ R.T))
     return joined(parts) if parts else (PLACEHOLDER_MASS, np.zeros(3), PLACEHOLDER_INERTIA)
 
@@ -246,10 +277,7 @@ def _model(links: list[tuple[float, Array, Array]], path: Path) -> dict[str, Any
 
 
 def _motor(joint: Any) -> dict[str, float | None]:
-    limit = joint.limit
-    low, high = (limit.lower or 0.0, limit.upper or 0.0) if limit else (0.0, 0.0)
-    if joint.type == "continuous":
-        low, high = -2 * np.pi, 2 * np.pi
+    low, high = _range(joint)
     return {
         "position_min": None if np.isclose(low, -high) else low,
         "position_max": high,
@@ -257,6 +285,14 @@ def _motor(joint: Any) -> dict[str, float | None]:
         "torque_max": _stated(joint, "effort") or ASSUMED_TORQUE,
         "torque_constant": 1.0,  # measured torques take the place of currents
     }
+
+
+def _range(joint: Any) -> tuple[float, float]:
+    """Return a joint's lowest and highest angle [rad]; of one without limits, a turn each way."""
+    if joint.type == "continuous":
+        return -2 * np.pi, 2 * np.pi
+    limit = joint.limit
+    return (limit.lower or 0.0, limit.upper or 0.0) if limit else (0.0, 0.0)
 
 
 def _stated(joint: Any, key: str) -> float | None:
@@ -286,12 +322,22 @@ def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -
         inertials = [tree.link_map[link].inertial for link in body]
         heavy = [one for one in inertials if one is not None and one.mass]
         masses.append(sum(float(one.mass) for one in heavy))
-        if not heavy or any(one.inertia is None for one in heavy):
+        if not heavy or any(one.inertia is None or not _of_a_body(one.inertia) for one in heavy):
             lacking.append(joint.child)
     if lacking:
-        return f"no mass or inertia of {', '.join(lacking)}"
+        return f"no mass or inertia of a body for {', '.join(lacking)}"
     alike = len(masses) > MIN_JOINTS and len(set(masses)) == 1
     return f"each link weighs {masses[0]:g} kg, as a placeholder does" if alike else ""
+
+
+def _of_a_body(inertia: Any) -> bool:
+    """Return whether a body may have an inertia, but for its rounding."""
+    return bool(np.linalg.eigvalsh(_tensor(inertia)).min() >= 0)
+
+
+def _tensor(moments: Any) -> Array:
+    """Return the inertia tensor (3, 3) of an `inertia`."""
+    return tensor([moments.ixx, moments.iyy, moments.izz, moments.ixy, moments.ixz, moments.iyz])
 
 
 def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
@@ -311,6 +357,16 @@ def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
                 f"no {key} in the `limit` of {', '.join(names)}: {value:g} {unit} taken; correct "
                 f"`{setting}` in the file"
             )
+    ends = {joint.name: max(map(abs, _range(joint))) for joint in joints}
+    if wide := [f"{name} up to {end:.4g}" for name, end in ends.items() if end > MAX_USUAL_ANGLE]:
+        yield f"angles are in rad, but these joints turn far: {', '.join(wide)}; is it in degrees?"
+    if far := [joint.name for joint in joints if _length(joint) > MAX_USUAL_LENGTH]:
+        yield f"lengths are in m, but the origins of {', '.join(far)} are far away: are they in mm?"
+
+
+def _length(joint: Any) -> float:
+    """Return how far a joint lies from that of its parent [m]."""
+    return 0.0 if joint.origin is None else float(np.linalg.norm(joint.origin.xyz or 0.0))
 
 
 def _remarks(

@@ -16,6 +16,8 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
 JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
+# intensity relative to the finer noise, as in _Ratios; a filter of more is lost to rounding
+MAX_DRIVEN = 1e7
 VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # relative to that of the whole recording
 NOISE_WINDOW = 0.1  # s, over which intensities and noise are taken as constant
 # With which the noise of the whole recording counts in a window.
@@ -227,7 +229,11 @@ class _JointRecord:
         count, unit = max(1, round(NOISE_WINDOW / self.period)), position / self.period**2.5
         window_count = count * _window_mean(self.valid.astype(float), self.parts, count)
         jerks, shares = np.array([*product(JERK_BANK, VIBRATION_BANK)]).T
-        bank = ratios._replace(jerk=jerks / unit, vibration=shares * ratios.vibration)
+        most = MAX_DRIVEN / max(1.0, ratios.precision)
+        bank = ratios._replace(
+            jerk=np.minimum(jerks / unit, most),
+            vibration=np.minimum(shares * ratios.vibration, most),
+        )
         driven = np.log([bank.jerk * unit, bank.vibration * unit]).T
         weight, total = np.zeros(len(window_count)), np.zeros((3, len(window_count)))
         best = np.full(len(window_count), -np.inf)

@@ -143,7 +143,8 @@ def missing_recordings(results: Results) -> Iterator[str]:
     if results.tables["force_mae"].empty and not contacts.touched(results):
         yield say("steps.pushes")
     for robot, rows in results.tables["next_recordings"].groupby("robot", sort=False):
-        now, best = rows[rows["after"] == "now"].iloc[0], rows.loc[rows["force"].idxmin()]
+        now = rows[rows["after"] == "now"].iloc[0]
+        best = rows.sort_values("force", kind="stable").iloc[0]
         if best["force"] < WORTHWHILE_BAND_RATIO * now["force"]:
             yield say("steps.narrower", robot=robot, now=now, best=best)
 

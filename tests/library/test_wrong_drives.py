@@ -1,0 +1,181 @@
+"""A made-up industrial arm whose links nobody knows: what is wrong with its log or drives is told.
+
+As `ur5 check` and the workflow see it, and no right log is doubted.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.harness.abb_like import PERIOD, MadeUpArm, write_files
+from tests.conftest import said
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.devices import checked_intake
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.unchecked import unchecked
+from ur5lib.errors import InputError
+from ur5lib.recordings.entries import ENTRY
+from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.robots.description import Robot, robot_of
+from ur5lib.robots.from_urdf import robot_from_urdf
+
+SEEDS, MOTIONS = range(3), 3
+COLUMNS = ["time", "actual_q", "actual_torque"]
+ANGLES = [f"motor_angle_{joint}" for joint in range(1, 7)]
+TORQUES = [f"motor_torque_{joint}" for joint in range(1, 7)]
+Spoil = Callable[[pd.DataFrame], pd.DataFrame]
+
+
+class Cell:
+    """A folder with an arm's URDF and a log of three motions; description: of its user."""
+
+    def __init__(self, seed: int, folder: Path) -> None:
+        self.made, self.folder = MadeUpArm(seed), folder
+        write_files(self.made, seed, folder, {"log": (MOTIONS, 0.03)})
+        robot, _ = robot_from_urdf(folder / "arm.urdf")
+        plain = robot.model_dump(mode="json", exclude_none=True)
+        self.description = self.made.as_described(plain)
+        self.log = pd.read_csv(folder / "log.csv")
+
+    def arm(self, **drives: Any) -> Robot:
+        """Return the arm as described, but for some of its drives."""
+        changed = {"drives": self.description["drives"] | drives}
+        return robot_of(self.description | changed)
+
+    def read(
+        self, spoil: Spoil, arm: Robot, part: int = 0, columns: Sequence[str] = COLUMNS
+    ) -> Intake:
+        """Return one motion of a spoilt log, as read and checked."""
+        spoil(self.log.copy()).to_csv(self.folder / "spoilt.csv", index=False)
+        entry = {"name": "spoilt", "role": "fit", "format": "table-csv", "file": "spoilt.csv"}
+        cut = {"from_s": part * PERIOD, "to_s": (part + 1) * PERIOD}
+        entry |= {"folder": str(self.folder), "columns": columns, **cut}
+        return checked_intake(read_and_repair(ENTRY.validate_python(entry), arm, 0.1), arm)
+
+    def stops(self, spoil: Spoil, arm: Robot | None = None, part: int = 0) -> list[str]:
+        """Return the stop signs of one motion."""
+        arm = arm or self.arm()
+        return [said(sign) for sign in stop_signs(checked(self.read(spoil, arm, part), arm))]
+
+
+def checked(intake: Intake, arm: Robot) -> Checked:
+    return Checked(intake.robot, arm, None, None, True)
+
+
+@pytest.fixture(scope="module", params=SEEDS)
+def cell(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Cell:
+    return Cell(request.param, tmp_path_factory.mktemp("cell"))
+
+
+def right(table: pd.DataFrame) -> pd.DataFrame:
+    return table
+
+
+def times(names: Sequence[str], factor: float) -> Spoil:
+    """Multiply some columns."""
+
+    def spoil(table: pd.DataFrame) -> pd.DataFrame:
+        table[[*names]] *= factor
+        return table
+
+    return spoil
+
+
+def test_a_right_log_is_not_doubted(cell: Cell) -> None:
+    arm = cell.arm()
+    for part in range(MOTIONS):
+        intake = cell.read(right, arm, part)
+        assert stop_signs(checked(intake, arm)) == []
+        assert {one.finding for one in intake.quality.findings} == {"no velocities"}
+        open_ones = {one.finding for one in unchecked(checked(intake, arm))}
+        assert "size not checked" not in open_ones
+
+
+@pytest.mark.parametrize("joint", range(1, 7))
+def test_a_torque_of_the_opposite_sign_is_told_by_its_friction(cell: Cell, joint: int) -> None:
+    """In most motions; of the others, `ur5 check` says that it cannot tell."""
+    told = 0
+    for part in range(MOTIONS):
+        turned = times(TORQUES[joint - 1 : joint], -1)
+        signs = cell.stops(turned, part=part)
+        if signs:
+            (sign,) = signs
+            assert f"reversed on these joints: {joint};" in sign
+            told += 1
+        else:
+            arm = cell.arm()
+            of_part = unchecked(checked(cell.read(turned, arm, part), arm))
+            (note,) = (said(one) for one in of_part if one.finding == "sign not checked")
+            assert str(joint) in note
+    assert told > MOTIONS / 2
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_torques_in_another_unit_are_no_arms_of_that_weight(cell: Cell, factor: float) -> None:
+    (sign,) = cell.stops(times(TORQUES, factor))
+    assert "times what would hold an arm of 250 kg" in sign
+
+
+def test_motors_torques_are_not_those_of_the_joints(cell: Cell) -> None:
+    (sign,) = cell.stops(right, cell.arm(torques="joint"))
+    assert "times what would hold" in sign
+
+
+def test_exchanged_columns_are_no_torques(cell: Cell) -> None:
+    arm = cell.arm()
+    exchanged = cell.read(right, arm, columns=["time", "actual_torque", "actual_q"])
+    (sign,) = stop_signs(checked(exchanged, arm))
+    assert "times what would hold" in said(sign)
+
+
+def test_an_arm_without_a_weight_does_not_tell_the_unit(cell: Cell) -> None:
+    arm = cell.arm().model_copy(update={"weight": None})
+    intake = cell.read(times(TORQUES, 1e3), arm)
+    assert stop_signs(checked(intake, arm)) == []
+    assert "size not checked" in {one.finding for one in unchecked(checked(intake, arm))}
+
+
+def test_joints_counted_from_another_home_leave_their_range(cell: Cell) -> None:
+    home = np.array(cell.description["drives"]["home_deg"]) + 180.0
+    found = cell.read(right, cell.arm(home_deg=home.tolist())).quality.findings
+    (warning,) = (one for one in found if one.finding == "joints beyond their range")
+    assert warning.severity == "warning"
+    assert "correct `home_deg`, `directions`" in said(warning)
+
+
+def test_an_arm_may_turn_farther_than_others(cell: Cell) -> None:
+    """Its own range says how far: joint 6 by 30 turns."""
+    gear = cell.description["motors"]["joint_6"]["gear_ratio"]
+
+    def far(table: pd.DataFrame) -> pd.DataFrame:
+        table["motor_angle_6"] += 60 * np.pi * gear
+        return table
+
+    motors = cell.description["motors"]
+    wide = {"motors": motors | {"joint_6": motors["joint_6"] | {"position_max": 400.0}}}
+    arm = robot_of(cell.description | wide)
+    intake = cell.read(far, arm)
+    assert stop_signs(checked(intake, arm)) == []
+    with pytest.raises(InputError, match="or the arm's limits"):
+        cell.read(far, cell.arm())
+
+
+def test_torques_logged_now_and_then_are_taken_between(cell: Cell) -> None:
+    """Every third row has one, as where topics have rates of their own."""
+
+    def sparse(table: pd.DataFrame) -> pd.DataFrame:
+        table.loc[table.index % 3 != 0, TORQUES] = np.nan
+        return table
+
+    arm = cell.arm()
+    found, whole = cell.read(sparse, arm), cell.read(right, arm)
+    assert stop_signs(checked(found, arm)) == []
+    assert not found.robot["interpolated"].any()
+    names = [f"actual_torque_{joint}" for joint in range(6)]
+    rows = found.robot["time"].size
+    error = found.robot[names].to_numpy() - whole.robot[names].to_numpy()[:rows]
+    assert np.sqrt((error**2).mean()) < 0.1 * whole.robot[names].to_numpy().std()
