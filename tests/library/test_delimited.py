@@ -105,6 +105,7 @@ NAMES = "time,a,b,c,d,e,f"
         (NAMES, ROW + ","),
         ("LabVIEW\t\n" + NAMES.replace(",", "\t"), ROW.replace(",", "\t").replace(".", ",")),
         ("# of a lab\n# " + NAMES, ROW),
+        (NAMES, ",".join(['"{0}"', *['"0,25"'] * 6])),
         (NAMES + ",mode", ROW + ",RUNNING"),
         ('time,"a","b",c,d,e,f,joints', ROW + ",\"['elbow', 'base']\""),
     ],

@@ -75,6 +75,35 @@ def test_an_arm_of_seven_joints_is_exported(tmp_path: Path) -> None:
         read_model(tmp_path / "arm.xml", GRAVITY, 6)
 
 
+def test_shapes_of_a_urdf_may_lie_elsewhere(tmp_path: Path) -> None:
+    """Files of meshes belong to another package: they change no torque."""
+    robot = robot_from_urdf(saved(made_up(3), tmp_path))[0].mounted(GRAVITY)
+    text, states = urdf(robot, rigid_bodies(robot, "maker")), motion(3)
+    shapes = "".join(
+        f'<{tag}><geometry><mesh filename="package://nowhere/link.stl"/></geometry></{tag}>'
+        for tag in ("visual", "collision")
+    )
+    (tmp_path / "shaped.urdf").write_text(text.replace("</inertial>", f"</inertial>{shapes}"))
+    expected = LinkModel(robot, "maker").inverse_dynamics(states.q, states.qd, states.qdd)
+    found = inverse_dynamics(read_model(tmp_path / "shaped.urdf", GRAVITY, 3), states)
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-3)
+    with pytest.raises(InputError, match="cannot be read by MuJoCo"):
+        read_model(tmp_path / "nothing.urdf", GRAVITY, 3)
+
+
+def test_placeholders_are_not_exported_unless_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    root = made_up(3)
+    for mass in root.iter("mass"):
+        mass.set("value", "1.0")
+    describe_urdf(saved(root, tmp_path), None, "link_3", "mine")
+    with pytest.raises(InputError, match=r"are placeholders .* --results .* --model maker"):
+        exported("mine", None, "mjcf", None, "")
+    assert exported("mine", "maker", "mjcf", None, "").startswith("<mujoco")
+
+
 def test_what_is_for_the_axes_of_a_ur_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

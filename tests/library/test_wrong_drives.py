@@ -125,6 +125,12 @@ def test_motors_torques_are_not_those_of_the_joints(cell: Cell) -> None:
     assert "times what would hold" in sign
 
 
+def test_a_torque_that_never_changes_is_none(cell: Cell) -> None:
+    """As of a drive that was not logged; the same refuses the fit."""
+    (sign,) = cell.stops(times(TORQUES[2:3], 0.0))
+    assert "on these joints while they move: 3;" in sign
+
+
 def test_exchanged_columns_are_no_torques(cell: Cell) -> None:
     arm = cell.arm()
     exchanged = cell.read(right, arm, columns=["time", "actual_torque", "actual_q"])

@@ -46,6 +46,7 @@ SMALLEST_SINGULAR_VALUE = 1e-3
 MAX_SIZE_RATIO = 10.0
 # of what holds an arm stretched out; of less, friction may be many times as large
 MIN_SHARE_BORNE = 0.25
+SMALLEST_CHANGE = 1e-9  # Nm, of a torque that is logged
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"
 CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
@@ -256,7 +257,14 @@ def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
     stretched = arm.weight / 2 * STANDARD_GRAVITY * np.linalg.norm(tails, axis=1).sum() / 2
     if np.sqrt((held**2).mean(axis=0)).max() < MIN_SHARE_BORNE * stretched:
         return None
-    return size(means.currents[MEASURED_CURRENT]) / size(held)
+    return float(np.linalg.norm(means.currents[MEASURED_CURRENT]) / size(held))
+
+
+def constant_torques(means: BlockMeans) -> Iterator[Finding]:
+    """Find torques that stay the same while their joints move."""
+    changes = np.ptp(means.currents[MEASURED_CURRENT], axis=0) > SMALLEST_CHANGE
+    if still := (1 + np.flatnonzero(moving_joints(means) & ~changes)).tolist():
+        yield contradiction("constant torques", joints=still)
 
 
 class Held(NamedTuple):

@@ -13,6 +13,7 @@ from ur5lib.checks.arm import (
 from ur5lib.checks.channels import misread_velocities
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
+    constant_torques,
     delayed_currents,
     exchanged_currents,
     foreign_currents,
@@ -59,6 +60,7 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         yield from delayed_currents(checked.answers, checked.driven)
         yield from exchanged_currents(checked.answers)
     if arm.senses_torque() and MEASURED_CURRENT in means.currents:
+        yield from constant_torques(means)
         if arm.links != "known":
             yield from foreign_size(means, arm)
         if checked.tells_signs_by_friction():

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from copy import copy
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -89,14 +90,25 @@ def read_model(file: Path, gravity: Array, joints: int) -> mujoco.MjModel:
     model does not have so many joints.
     """
     try:
-        model = mujoco.MjModel.from_xml_path(str(file))
-    except ValueError as error:
+        model = compiled(file)
+    except (ValueError, OSError, ElementTree.ParseError) as error:
         raise InputError(f"{file} cannot be read by MuJoCo ({error}); name MJCF or URDF") from error
     if model.nv != joints:
         raise InputError(f"{file} has {model.nv} degrees of freedom instead of {joints}")
     model.opt.disableflags |= DISABLED_FLAGS
     model.opt.gravity = gravity  # a URDF has none
     return model
+
+
+def compiled(file: Path) -> mujoco.MjModel:
+    """Return a model as MuJoCo compiles it; of a URDF, without its shapes, whose files may lack."""
+    root = ElementTree.parse(file).getroot()
+    if root.tag != "robot":
+        return mujoco.MjModel.from_xml_path(str(file))
+    for link in root.iter("link"):
+        for shape in [*link.findall("visual"), *link.findall("collision")]:
+            link.remove(shape)
+    return mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
 
 
 def inverse_dynamics(model: mujoco.MjModel, motion: Motion) -> Array:

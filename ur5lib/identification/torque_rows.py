@@ -97,7 +97,8 @@ def torque_rows(
     runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: Smoother, shafts: Array
 ) -> TorqueRows:
     """Return the rows of recordings, in units of which there are enough: the largest of paths,
-    stretches of ten seconds, and blocks. Raises RefusalError without any.
+    stretches of ten seconds, and blocks. Raises RefusalError where there are none, or a joint's
+    torque never changes.
 
     shafts: (n, n), how far each motor (row) turns with each joint, 1 with its own.
     """
@@ -115,6 +116,8 @@ def torque_rows(
     parts = path, whole // BLOCKS_PER_STRETCH
     unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), whole) % MAX_BLOCKS
     rows, torques = np.concatenate(regressor), np.concatenate(torque)
+    if len(still := 1 + np.flatnonzero(np.ptp(torques, axis=0) == 0)):
+        raise RefusalError("no torque of joints", joints=[str(joint) for joint in still])
     units = [(rows[unit == label], torques[unit == label]) for label in np.unique(unit)]
     motors = [*(1 + np.flatnonzero(coupled_motors(shafts)))]
     return TorqueRows(units, [*terms], motors, samples[0].presliding)

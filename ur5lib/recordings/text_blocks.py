@@ -16,6 +16,7 @@ BLOCK_BYTES = 1 << 25  # bytes of a block
 MIN_BLOCK_BYTES = 1 << 20  # bytes; a shorter rest joins the block before it
 BRACKETS, LETTERS = b"()[]", re.compile(rb"[A-DF-Za-df-z]")  # all but the e of 1e-3
 QUOTED_TEXT, SEPARATORS = re.compile(rb'"[^"\n]*"'), re.compile(rb"[,;\t]")
+QUOTED_DECIMAL = re.compile(rb'"([-+]?\d+),(\d+(?:[eE][-+]?\d+)?)"')
 GZIP_SIGNATURE, BYTE_ORDER_MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
@@ -84,7 +85,9 @@ def _plain(block: bytes) -> bytes:
 
 
 def _unquoted(block: bytes) -> bytes:
-    """Return a block without quotes, and with quoted words of several parts as one cell each."""
+    """Return a block without quotes, with quoted words of several parts as one cell each, and with
+    points for quoted decimal commas.
+    """
     top = b"\n".join(block.split(b"\n", 2)[:2])
     if any(map(_has_parts, QUOTED_TEXT.findall(top))):
         separated_by_blanks = not SEPARATORS.search(QUOTED_TEXT.sub(b"", top))
@@ -94,7 +97,7 @@ def _unquoted(block: bytes) -> bytes:
         block = QUOTED_TEXT.sub(
             lambda found: found[0].translate(parted) if _has_parts(found[0]) else found[0], block
         )
-    return block.replace(b'"', b"")
+    return QUOTED_DECIMAL.sub(rb"\1.\2", block).replace(b'"', b"")
 
 
 def _has_parts(quoted: bytes) -> bool:

@@ -130,7 +130,8 @@ def faulty_files(results: Results) -> Iterator[str]:
 def missing_recordings(results: Results) -> Iterator[str]:
     """Ask for recordings that would determine the undetermined or narrow the band of forces."""
     for robot in sorted(results.placeholders.difference(results.listed("parameters", "robot"))):
-        yield say("steps.unknown links", robot=robot)
+        refused = results.rows("remarks", robot=robot, step="identification")
+        yield say("steps.unknown links", robot=robot, why="; ".join(refused["remark"]))
     for row in results.tables["excitation"].dropna(subset="motion").itertuples():
         motion = row.motion[0].lower() + row.motion[1:]
         yield say("steps.advised", robot=row.robot, motion=motion)
