@@ -172,6 +172,15 @@ def test_a_figure_that_cannot_be_drawn_is_refused(
         paper_figure(**asked | changed)
 
 
+def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
+    """It has drawings already, and no configuration yet."""
+    drawn = tmp_path / "results" / "small" / "figures" / "pushed" / "torques.svg"
+    drawn.parent.mkdir(parents=True)
+    drawn.touch()
+    with pytest.raises(InputError, match="no figures of a finished study"):
+        paper_figure(tmp_path / "results" / "small", "pushed/torques")
+
+
 # What reruns, and what does not
 
 

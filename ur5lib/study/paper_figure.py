@@ -49,10 +49,11 @@ def expect_figure(results: Path, figure: str) -> None:
         str(path.relative_to(results / "figures").with_suffix(""))
         for path in results.glob("figures/**/*.svg")
     )
-    if not drawn:
+    configuration = results / "configuration.yaml"
+    if not drawn or not configuration.is_file():
         raise InputError(
-            f"{results} holds no figures of a study; run snakemake first, and name the folder "
-            "results/<study>"
+            f"{results} holds no figures of a finished study; run snakemake first, to its end, and "
+            "name the folder results/<study>"
         )
     if figure not in drawn:
         of_recordings = [name for name in drawn if Path(name).name == figure]
@@ -61,7 +62,7 @@ def expect_figure(results: Path, figure: str) -> None:
             f"{results} has no figure {figure!r}{near}; run snakemake, or `snakemake figures`, "
             f"which draws those of all recordings; see {results}/figures"
         )
-    name = read_yaml(results / "configuration.yaml")["study"]
+    name = read_yaml(configuration)["study"]
     if results.resolve().parts[-2:] != ("results", name):
         raise InputError(f"{results} was results/{name} when it was made; move it back")
 
