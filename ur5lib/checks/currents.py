@@ -19,8 +19,7 @@ from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inertia import link_tail
-from ur5lib.robots.statics import STANDARD_GRAVITY, gravity_regressor, gravity_torque, load_torque
+from ur5lib.robots.statics import gravity_regressor, gravity_torque, load_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -41,12 +40,6 @@ MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
 # of the largest, of torques per mass and first moment; what is smaller does not tell links apart
 SMALLEST_SINGULAR_VALUE = 1e-3
-# times the torque that holds equal links of the described weight, or part of it; of right
-# recordings of six arms, 0.5 to 2.3
-MAX_SIZE_RATIO = 10.0
-# of what holds an arm stretched out; of less, friction may be many times as large
-MIN_SHARE_BORNE = 0.25
-SMALLEST_CHANGE = 1e-9  # Nm, of a torque that is logged
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"
 CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
@@ -236,35 +229,6 @@ def _means(values: Array, count: int) -> Array:
     """Return the means of each `count` rows (N // count, n)."""
     whole = len(values) // count * count
     return np.asarray(values[:whole].reshape(-1, count, values.shape[1]).mean(axis=1))
-
-
-def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find torques that are no arm's of the described weight."""
-    ratio = size_ratio(means, arm)
-    if ratio is not None and not 1 / MAX_SIZE_RATIO < ratio < MAX_SIZE_RATIO:
-        yield contradiction("foreign size", arm=arm.name, weight=arm.weight, ratio=ratio)
-
-
-def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
-    """Return the size of torques relative to what holds half of an arm's weight in equal links with
-    their centres midway; None where it bears little, or its weight is unknown.
-    """
-    if arm.weight is None:
-        return None
-    tails = np.array([rotation.T @ far for rotation, far in map(link_tail, arm.link_poses())])
-    link = arm.weight / 2 / len(tails) * np.column_stack([np.ones(len(tails)), -tails / 2])
-    held = np.einsum("mjkp,kp->mj", gravity_regressor(arm, means.q), link)
-    stretched = arm.weight / 2 * STANDARD_GRAVITY * np.linalg.norm(tails, axis=1).sum() / 2
-    if np.sqrt((held**2).mean(axis=0)).max() < MIN_SHARE_BORNE * stretched:
-        return None
-    return float(np.linalg.norm(means.currents[MEASURED_CURRENT]) / size(held))
-
-
-def constant_torques(means: BlockMeans) -> Iterator[Finding]:
-    """Find torques that stay the same while their joints move."""
-    changes = np.ptp(means.currents[MEASURED_CURRENT], axis=0) > SMALLEST_CHANGE
-    if still := (1 + np.flatnonzero(moving_joints(means) & ~changes)).tolist():
-        yield contradiction("constant torques", joints=still)
 
 
 class Held(NamedTuple):

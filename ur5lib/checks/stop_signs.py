@@ -13,11 +13,9 @@ from ur5lib.checks.arm import (
 from ur5lib.checks.channels import misread_velocities
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
-    constant_torques,
     delayed_currents,
     exchanged_currents,
     foreign_currents,
-    foreign_size,
     turned_currents,
     undeclared_load,
 )
@@ -26,6 +24,7 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
+from ur5lib.checks.sensed_torques import constant_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque

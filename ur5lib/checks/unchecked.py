@@ -21,9 +21,9 @@ from ur5lib.checks.currents import (
     MIN_LEAD_OF_EXCHANGE,
     Answers,
     friction_in_errors,
-    size_ratio,
 )
 from ur5lib.checks.readings import exchanged_order, in_order
+from ur5lib.checks.sensed_torques import size_ratio
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import is_foreign
 from ur5lib.records.quality import Finding, Severity
@@ -119,13 +119,12 @@ def _currents(checked: Checked) -> Iterator[Finding]:
         severity: Severity = "warning" if checked.fitted else "note"
         yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
         return
-    told = checked.arm.tells_gravity()
+    told, sensed = checked.arm.tells_gravity(), checked.arm.senses_torque()
     bearing = torque_constants(means, checked.loaded).ratio if told else {}
     if told and not bearing and TARGET_CURRENT not in means.currents:
         yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
-    if not told and size_ratio(means, checked.arm) is None:
+    if sensed and checked.arm.links != "known" and size_ratio(means, checked.arm) is None:
         yield _note("size not checked", arm=checked.arm.name)
-    sensed = checked.arm.senses_torque()
     if checked.answers is None and not sensed:
         yield _note("currents not checked")
         return
