@@ -124,6 +124,7 @@ THESIS_FILES = {  # name after log_ of the thesis's files, and RTDE name
     "tcp_speed": "actual_TCP_speed",
     "tool_vector": "actual_TCP_pose",
 }
+SENSED_TORQUE = "actual_torque"
 MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current")
 INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # of repaired frames
 RECORDED_CHANNELS = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL_CHANNELS}

@@ -23,7 +23,8 @@ from tests.synthetic import write_recording
 from ur5lib.channels import columns
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import Checked
-from ur5lib.checks.currents import DELAY_STEP, foreign_currents
+from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.delays import DELAY_STEP
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import foreign_torque, given_load
@@ -439,7 +440,7 @@ def test_delays_are_as_far_apart_at_every_rate(made: Path, name: str, robot: str
     taken = simulated(made, name, robot, "floor")
     checked = Checked(taken.table, taken.arm, None, None, fitted=True)
     assert checked.answers is not None
-    steps = np.diff(checked.answers.delays)
+    steps = np.diff(checked.answers.delays.seconds)
     np.testing.assert_allclose(steps, DELAY_STEP, atol=checked.step / 2)
 
 

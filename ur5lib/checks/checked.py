@@ -10,6 +10,7 @@ from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.contacts import felt_contact
 from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
+from ur5lib.checks.delays import Delays, delays_by_motion
 from ur5lib.checks.targets import odd_targets
 from ur5lib.errors import InputError
 from ur5lib.records.quality import Finding
@@ -73,6 +74,18 @@ class Checked:
         if moving_joints(self.means).sum() < (1 if self.driven else MIN_JOINTS_LED_BY_HAND):
             return None
         return answers(self.robot, self.means, self.loaded, self.step)
+
+    @cached_property
+    def delays(self) -> Delays | None:
+        """Return how likely delays of currents, or of motors' torques, are; None as `answers`."""
+        if self.answers is not None:
+            return self.answers.delays
+        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
+        if not enough or not self.arm.senses_torque() or not self.tells_signs_by_friction():
+            return None
+        if not moving_joints(self.means).any():
+            return None
+        return delays_by_motion(self.robot, self.loaded, self.step)
 
     @cached_property
     def odd_targets(self) -> dict[int, Finding]:

@@ -14,32 +14,23 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from ur5lib.channels import MEASURED_CURRENT
-from ur5lib.checks.block_means import DECORRELATION_TIME, BlockMeans, combination, fitted_load, size
+from ur5lib.checks.block_means import BlockMeans, combination, fitted_load, size
 from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.checks.delays import CURRENT_NOISE, Delays, delays_by_motion
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import gravity_regressor, gravity_torque, load_torque
+from ur5lib.robots.statics import gravity_columns, load_torque
 from ur5lib.tables import channel
-from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.arrays import Array, Mask
 
-# difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
-MIN_LEAD_OF_DELAY = 20.0
-# the same of two joints before all others; in right recordings, at most 5
+# difference of log-likelihoods of two joints before all others; in right recordings, at most 5
 MIN_LEAD_OF_EXCHANGE = 60.0
-# likewise of a led arm, before shorter delays; in right ones, at most 1
-MIN_LEAD_OF_DELAY_BY_HAND = 40.0
-CURRENT_NOISE = 0.02  # A; nothing is explained better
-MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 # standard errors by which friction drives; in right recordings, at most 2
 MIN_ERRORS_OF_FRICTION = 4.0
-DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
-MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
-# of the largest, of torques per mass and first moment; what is smaller does not tell links apart
-SMALLEST_SINGULAR_VALUE = 1e-3
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"
 CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
@@ -61,13 +52,11 @@ MIN_SHARE_EXPLAINED_BY_LOAD = 0.2
 class Answers(NamedTuple):
     """How well motions explain currents: log-likelihoods.
 
-    of_delays: of all currents, by how much later they are than the motion, `delays` [s], none in
-    the middle; of_joints: (6, 6), row j: of the current of joint j, column k: by the motion of
-    joint k.
+    delays: of all currents; of_joints: (6, 6), row j: of the current of joint j, column k: by the
+    motion of joint k.
     """
 
-    delays: Array
-    of_delays: Array
+    delays: Delays
     of_joints: Array
 
     def ahead(self) -> Array:
@@ -76,34 +65,19 @@ class Answers(NamedTuple):
             [[own[k] - np.delete(own, k).max() for k in range(len(own))] for own in self.of_joints]
         )
 
-    def behind(self) -> Array:
-        """Return how much likelier no delay is than each."""
-        return np.asarray(self.of_delays[len(self.delays) // 2] - self.of_delays)
-
-    def late(self) -> Mask:
-        """Return which delays matter; none at 1 Hz, where steps are longer than all of these."""
-        return np.asarray(np.abs(self.delays) >= MIN_DELAY)
-
-    def longest_unnoticed(self) -> float:
-        """Return the longest delay [s] that is hardly less likely than none."""
-        if not self.late().any():
-            return MAX_DELAY
-        return float(np.abs(self.delays[self.behind() <= MIN_LEAD_OF_DELAY]).max())
-
 
 def answers(robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float) -> Answers:
     """Return how well motions explain the measured currents.
 
     robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
     """
-    count = max(1, round(DELAY_STEP / step))
-    most = round(MAX_DELAY / (count * step))
-    lags = np.arange(-most, most + 1)
-    likelihoods = innovation_likelihoods(robot, step, lags * count)
-    of_delays = delay_scores(robot, arm, step, count, lags) + np.einsum("ljj->l", likelihoods)
+    by_motion = delays_by_motion(robot, arm, step)
+    lags = np.rint(by_motion.seconds / step).astype(np.int64)
+    likelihoods = innovation_likelihoods(robot, step, lags)
+    of_delays = by_motion.likelihoods + np.einsum("ljj->l", likelihoods)
     variance = _unexplained_squares(means, arm) + CURRENT_NOISE**2
-    of_joints = likelihoods[most] + means.log_likelihood(variance)
-    return Answers(np.asarray(lags * count * step), of_delays, of_joints)
+    of_joints = likelihoods[len(lags) // 2] + means.log_likelihood(variance)
+    return Answers(by_motion._replace(likelihoods=of_delays), of_joints)
 
 
 def is_driven(robot: pd.DataFrame) -> bool:
@@ -142,7 +116,7 @@ def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
 
     Beside gravity: that of the arm's links, or, where nobody knows them, of any links.
     """
-    gravity, rest = _gravity_by_joint(means, arm), [means.qdd, np.ones((len(means.q), 1))]
+    gravity, rest = gravity_columns(arm, means.q), [means.qdd, np.ones((len(means.q), 1))]
     speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
     for joint in np.flatnonzero(moving_joints(means)).tolist():
         columns = np.column_stack([means.friction(joint), gravity[joint], *rest])
@@ -151,58 +125,6 @@ def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
         )
         errors[joint] = value / (error + 1e-9)
     return errors
-
-
-def _gravity_by_joint(means: BlockMeans, arm: Robot) -> list[Array]:
-    """Return the columns (M, c) of gravity on each joint: one of known links, else a basis."""
-    if arm.tells_gravity():
-        return [*means.gravity(arm).T[..., None]]
-    by_link = gravity_regressor(arm, means.q).reshape(*means.q.shape, -1)
-    parts = (np.linalg.svd(by_link[:, joint], False) for joint in range(by_link.shape[1]))
-    return [basis[:, sizes > SMALLEST_SINGULAR_VALUE * sizes[0]] for basis, sizes, _ in parts]
-
-
-def delayed_currents(answers: Answers, driven: bool) -> Iterator[Finding]:
-    """Find currents that come later or earlier than the motion that they drive."""
-    late, behind = answers.late(), answers.behind()
-    if not late.any():
-        return
-    most, shorter = behind[late].min(), behind[~late].min()
-    least = 0.0 if driven else MIN_LEAD_OF_DELAY_BY_HAND
-    if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
-        delay = float(answers.delays[late][np.argmin(behind[late])])
-        code = "late current" if delay > 0 else "early current"
-        yield contradiction(code, seconds=abs(delay))
-
-
-def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags: Labels) -> Array:
-    """Return the log-likelihoods of delays of all currents, from the joints that move.
-
-    robot: a repaired table with a period `step` [s]; lags: in blocks of `count` frames.
-    """
-    # means over blocks, from positions and currents alone
-    q, current = (_means(channel(robot, name), count) for name in ("actual_q", MEASURED_CURRENT))
-    received = 1 - _means(robot[["interpolated"]].to_numpy(float), count)[:, 0]
-    step *= count
-    qd = np.gradient(q, step, axis=0)
-    gravity, qdd = gravity_torque(arm, arm.chosen_model, q), np.gradient(qd, step, axis=0)
-    # blocks whose current is known at every delay
-    most = int(lags.max())
-    rows = np.arange(most, len(q) - most)
-    later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
-    rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]
-    rows = rows[received[rows] >= MIN_SHARE_RECEIVED]
-    # the log-likelihood of each delay
-    scores, independent = np.zeros(len(lags)), len(rows) * step / DECORRELATION_TIME
-    moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
-    for joint in np.flatnonzero(moves):
-        friction = np.tanh(qd[:, joint] / MIN_MOVING_SPEED)
-        terms = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
-        basis, _ = np.linalg.qr(np.column_stack(terms)[rows])
-        currents = later[rows - most, joint]
-        residual = currents - basis @ (basis.T @ currents)
-        scores -= independent / 2 * np.log((residual**2).mean(axis=0) + CURRENT_NOISE**2)
-    return scores
 
 
 def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:
@@ -223,12 +145,6 @@ def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> A
     """Return what a current contains (M, n), each with a coefficient that is not negative."""
     free = np.column_stack([means.qdd[:, joint]] * inertia + [np.ones(len(expected))])
     return np.column_stack([means.friction(joint), expected, free, -free])
-
-
-def _means(values: Array, count: int) -> Array:
-    """Return the means of each `count` rows (N // count, n)."""
-    whole = len(values) // count * count
-    return np.asarray(values[:whole].reshape(-1, count, values.shape[1]).mean(axis=1))
 
 
 class Held(NamedTuple):

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from itertools import islice
 
-from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, columns
+from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, SENSED_TORQUE, columns
 from ur5lib.checks.arm import (
     contradictions_by_gravity,
     foreign_mountings,
@@ -13,12 +13,12 @@ from ur5lib.checks.arm import (
 from ur5lib.checks.channels import misread_velocities
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
-    delayed_currents,
     exchanged_currents,
     foreign_currents,
     turned_currents,
     undeclared_load,
 )
+from ur5lib.checks.delays import delayed_currents
 from ur5lib.checks.exchanged_channels import (
     exchanged_current,
     exchanged_motion,
@@ -55,8 +55,10 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         return
     yield from foreign_torque(means, arm, [checked.configured, checked.declared])
     yield from tool_off_flange(robot, arm)
-    if checked.answers is not None:  # whatever arm and units are
-        yield from delayed_currents(checked.answers, checked.driven)
+    if checked.delays is not None:  # whatever arm and units are
+        name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
+        yield from delayed_currents(checked.delays, checked.driven, name)
+    if checked.answers is not None:
         yield from exchanged_currents(checked.answers)
     if arm.senses_torque() and MEASURED_CURRENT in means.currents:
         yield from constant_torques(means)

@@ -15,13 +15,13 @@ from ur5lib.checks.arm import (
 )
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
-    MIN_DELAY,
     MIN_ERRORS_OF_FRICTION,
     MIN_GRAVITY_TORQUE,
     MIN_LEAD_OF_EXCHANGE,
     Answers,
     friction_in_errors,
 )
+from ur5lib.checks.delays import MIN_DELAY
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.sensed_torques import size_ratio
 from ur5lib.checks.tool import tool_off_flange
@@ -134,12 +134,14 @@ def _currents(checked: Checked) -> Iterator[Finding]:
     signs = [j + 1 for j in unproven if j not in bearing]
     if signs:
         yield _note("sign not checked", joints=signs)
-    if checked.answers is None:
+    if checked.answers is not None and (pairs := [*_pairs_alike(checked.answers)]):
+        yield _note("columns not checked", pairs=_named(pairs))
+    if checked.delays is None:
         yield _note("torques not checked")
         return
-    if pairs := [*_pairs_alike(checked.answers)]:
-        yield _note("columns not checked", pairs=_named(pairs))
-    if (delay := checked.answers.longest_unnoticed()) >= MIN_DELAY:
+    if sensed:
+        yield _note("torque columns not checked")
+    if (delay := checked.delays.longest_unnoticed()) >= MIN_DELAY:
         yield _note("clock not checked", seconds=delay)
 
 

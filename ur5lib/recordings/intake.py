@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import CHANNELS, MEASURED_CURRENT, is_unused, joint_count, meant
+from ur5lib.channels import CHANNELS, MEASURED_CURRENT, SENSED_TORQUE, is_unused, joint_count, meant
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.counting import at_the_joints, counted_as
@@ -29,7 +29,6 @@ from ur5lib.timeseries.arrays import Array
 
 RAW_WRENCH, TCP_FORCE = "ft_raw_wrench", "actual_TCP_force"
 MOTOR_TORQUE = "actual_current_as_torque"
-SENSED_TORQUE = "actual_torque"
 TORQUE_LESS_GRAVITY = "actual_torque_less_gravity"
 TIMES_POSSIBLE = 2.0  # times what a joint can reach; beyond it, a value is no joint's
 

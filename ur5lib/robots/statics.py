@@ -18,6 +18,8 @@ from ur5lib.timeseries.arrays import Array
 
 STANDARD_GRAVITY = 9.81  # m/s²
 MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
+# of the largest, of torques per mass and first moment; what is smaller does not tell links apart
+SMALLEST_SINGULAR_VALUE = 1e-3
 NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
 POSE_TOLERANCE = 1e-6  # m, rad; largest error of a solution
 
@@ -74,6 +76,17 @@ def gravity_regressor(robot: Robot, q: Array) -> Array:
         torque[:, joint, joint:, 0] = -np.einsum("ni,nki->nk", across, arms)
         torque[:, joint, joint:, 1:] = -np.einsum("ni,nkij->nkj", across, rotation[:, links])
     return torque
+
+
+def gravity_columns(robot: Robot, q: Array) -> list[Array]:
+    """Return what gravity may be on each joint, columns (N, c): one of known links; where nobody
+    knows them, an orthonormal basis of what any links would need. q: (N, n) [rad].
+    """
+    if robot.tells_gravity():
+        return [*gravity_torque(robot, robot.chosen_model, q).T[..., None]]
+    by_link = gravity_regressor(robot, q).reshape(*q.shape, -1)
+    parts = (np.linalg.svd(by_link[:, joint], False) for joint in range(q.shape[1]))
+    return [basis[:, sizes > SMALLEST_SINGULAR_VALUE * sizes[0]] for basis, sizes, _ in parts]
 
 
 def _turned_about_z(rotation: Array, angle: Array) -> Array:

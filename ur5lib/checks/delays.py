@@ -1,0 +1,103 @@
+"""Checks of when currents and torques come: the delay after the motion that they drive."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.block_means import DECORRELATION_TIME
+from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.records.quality import Finding, contradiction
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_columns
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array, Mask
+
+# difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
+MIN_LEAD_OF_DELAY = 20.0
+# likewise of a led arm, before shorter delays; in right ones, at most 1
+MIN_LEAD_OF_DELAY_BY_HAND = 40.0
+DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
+MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
+CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
+MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
+
+
+class Delays(NamedTuple):
+    """How much later than the motion all currents come, `seconds`, none in the middle, and the
+    log-likelihoods of these delays.
+    """
+
+    seconds: Array
+    likelihoods: Array
+
+    def behind(self) -> Array:
+        """Return how much likelier no delay is than each."""
+        return np.asarray(self.likelihoods[len(self.seconds) // 2] - self.likelihoods)
+
+    def late(self) -> Mask:
+        """Return which delays matter; none at 1 Hz, where steps are longer than all of these."""
+        return np.asarray(np.abs(self.seconds) >= MIN_DELAY)
+
+    def longest_unnoticed(self) -> float:
+        """Return the longest delay [s] that is hardly less likely than none."""
+        if not self.late().any():
+            return MAX_DELAY
+        return float(np.abs(self.seconds[self.behind() <= MIN_LEAD_OF_DELAY]).max())
+
+
+def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Finding]:
+    """Find currents, or torques, that come later or earlier than the motion that they drive.
+
+    name: of their channel.
+    """
+    late, behind = delays.late(), delays.behind()
+    if not late.any():
+        return
+    most, shorter = behind[late].min(), behind[~late].min()
+    least = 0.0 if driven else MIN_LEAD_OF_DELAY_BY_HAND
+    if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
+        delay = float(delays.seconds[late][np.argmin(behind[late])])
+        code = "late current" if delay > 0 else "early current"
+        yield contradiction(code, name=name, seconds=abs(delay))
+
+
+def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float) -> Delays:
+    """Return the log-likelihoods of delays of all currents, from the joints that move.
+
+    robot: a repaired table with a period `step` [s]; arm: with what it carries.
+    """
+    count = max(1, round(DELAY_STEP / step))
+    most = round(MAX_DELAY / (count * step))
+    lags = np.arange(-most, most + 1)
+    # means over blocks, from positions and currents alone
+    q, current = (_means(channel(robot, name), count) for name in ("actual_q", MEASURED_CURRENT))
+    received = 1 - _means(robot[["interpolated"]].to_numpy(float), count)[:, 0]
+    step *= count
+    qd = np.gradient(q, step, axis=0)
+    qdd = np.gradient(qd, step, axis=0)
+    # blocks whose current is known at every delay
+    rows = np.arange(most, len(q) - most)
+    later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
+    rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]
+    rows = rows[received[rows] >= MIN_SHARE_RECEIVED]
+    gravity = gravity_columns(arm, q[rows])
+    # the log-likelihood of each delay
+    scores, independent = np.zeros(len(lags)), len(rows) * step / DECORRELATION_TIME
+    moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
+    for joint in np.flatnonzero(moves):
+        friction, rate = np.tanh(qd[rows, joint] / MIN_MOVING_SPEED), qd[rows, joint]
+        terms = [friction, rate, gravity[joint], qdd[rows, joint], np.ones(len(rows))]
+        basis, _ = np.linalg.qr(np.column_stack(terms))
+        currents = later[rows - most, joint]
+        residual = currents - basis @ (basis.T @ currents)
+        scores -= independent / 2 * np.log((residual**2).mean(axis=0) + CURRENT_NOISE**2)
+    return Delays(np.asarray(lags * step), scores)
+
+
+def _means(values: Array, count: int) -> Array:
+    """Return the means of each `count` rows (N // count, n)."""
+    whole = len(values) // count * count
+    return np.asarray(values[:whole].reshape(-1, count, values.shape[1]).mean(axis=1))
