@@ -115,6 +115,19 @@ def test_a_torque_of_the_opposite_sign_is_told_by_its_friction(cell: Cell, joint
     assert told > MOTIONS / 2
 
 
+def test_a_direct_drive_tells_no_sign(cell: Cell) -> None:
+    """Its friction may be less than what its links' motion leaves unexplained."""
+    arm = cell.arm()
+    motors = {name: m.model_copy(update={"gear_ratio": 1.0}) for name, m in arm.motors.items()}
+    direct = arm.model_copy(update={"motors": motors})
+    turned = cell.read(times(TORQUES, -1), arm)
+    assert stop_signs(checked(turned, arm)) != []
+    assert stop_signs(checked(turned, direct)) == []
+    open_ones = unchecked(checked(turned, direct))
+    (note,) = (said(one) for one in open_ones if one.finding == "sign not checked")
+    assert "1, 2, 3, 4, 5, 6; they bear" in note
+
+
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_torques_in_another_unit_are_no_arms_of_that_weight(cell: Cell, factor: float) -> None:
     (sign,) = cell.stops(times(TORQUES, factor))

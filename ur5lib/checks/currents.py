@@ -28,6 +28,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 MIN_LEAD_OF_EXCHANGE = 60.0
 # standard errors by which friction drives; in right recordings, at most 2
 MIN_ERRORS_OF_FRICTION = 4.0
+MIN_GEAR_RATIO = 20.0  # of smaller ones, friction may be less than what links leave unexplained
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
@@ -111,6 +112,12 @@ def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
         yield contradiction("turned current", joint=turned[0])
 
 
+def rubbing_joints(arm: Robot) -> Mask:
+    """Return which joints (n,) have friction that motors feel: of a torque, those behind a gear."""
+    ratios = np.array([arm.motor(joint).gear_ratio or 1.0 for joint in arm.joint_numbers])
+    return (ratios >= MIN_GEAR_RATIO) | (not arm.senses_torque())
+
+
 def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
     """Return the friction of joints that move, from 0, at their usual speed, in standard errors.
 
@@ -118,7 +125,7 @@ def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
     """
     gravity, rest = gravity_columns(arm, means.q), [means.qdd, np.ones((len(means.q), 1))]
     speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
-    for joint in np.flatnonzero(moving_joints(means)).tolist():
+    for joint in np.flatnonzero(moving_joints(means) & rubbing_joints(arm)).tolist():
         columns = np.column_stack([means.friction(joint), gravity[joint], *rest])
         value, error = combination(
             columns, means.currents[MEASURED_CURRENT][:, joint], [1.0, speed[joint]]
