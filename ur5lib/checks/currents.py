@@ -107,7 +107,8 @@ def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     errors = friction_in_errors(means, arm)
     turned = [joint + 1 for joint in errors if errors[joint] < -MIN_ERRORS_OF_FRICTION]
     if turned and arm.senses_torque():
-        yield contradiction("turned torques", joints=turned)
+        signs = [-1 if joint in turned else 1 for joint in arm.joint_numbers]
+        yield contradiction("turned torques", joints=turned, signs=str(signs))
     elif turned:
         yield contradiction("turned current", joint=turned[0])
 
