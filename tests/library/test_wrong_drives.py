@@ -141,6 +141,29 @@ def test_motors_torques_are_not_those_of_the_joints(cell: Cell) -> None:
     assert "times what would hold" in sign
 
 
+@pytest.mark.parametrize("pair", [(2, 3), (1, 2), (4, 5)])
+def test_exchanged_torques_are_told_by_the_motion_that_they_follow(
+    cell: Cell, pair: tuple[int, int]
+) -> None:
+    """In most motions; of the others, `ur5 check` says that it cannot tell."""
+    names = [TORQUES[joint - 1] for joint in pair]
+
+    def exchanged(table: pd.DataFrame) -> pd.DataFrame:
+        table[names] = table[names[::-1]].to_numpy()
+        return table
+
+    told, arm = 0, cell.arm()
+    for part in range(MOTIONS):
+        if signs := cell.stops(exchanged, part=part):
+            assert "exchanged" in signs[0] or "reversed" in signs[0]
+            told += "of joints {} and {} are exchanged".format(*pair) in signs[0]
+        else:
+            open_ones = unchecked(checked(cell.read(exchanged, arm, part), arm))
+            (note,) = (said(one) for one in open_ones if one.finding == "columns not checked")
+            assert f"{pair[0]}-{pair[1]}" in note
+    assert told > MOTIONS / 2
+
+
 @pytest.mark.parametrize("seconds", [-0.1, 0.1])
 def test_torques_of_another_clock_are_told(cell: Cell, seconds: float) -> None:
     def late(table: pd.DataFrame) -> pd.DataFrame:

@@ -24,7 +24,7 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
-from ur5lib.checks.sensed_torques import constant_torques, foreign_size
+from ur5lib.checks.sensed_torques import constant_torques, exchanged_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
@@ -64,6 +64,7 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         yield from constant_torques(means)
         if arm.links != "known":
             yield from foreign_size(means, arm)
+        yield from exchanged_torques(means, loaded)
         if checked.tells_signs_by_friction():
             yield from turned_currents(means, loaded)
     if not arm.tells_gravity():

@@ -18,12 +18,11 @@ from ur5lib.checks.currents import (
     MIN_ERRORS_OF_FRICTION,
     MIN_GRAVITY_TORQUE,
     MIN_LEAD_OF_EXCHANGE,
-    Answers,
     friction_in_errors,
 )
 from ur5lib.checks.delays import MIN_DELAY
 from ur5lib.checks.readings import exchanged_order, in_order
-from ur5lib.checks.sensed_torques import size_ratio
+from ur5lib.checks.sensed_torques import gains_of_exchanged_torques, size_ratio
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import is_foreign
 from ur5lib.records.quality import Finding, Severity
@@ -134,20 +133,23 @@ def _currents(checked: Checked) -> Iterator[Finding]:
     signs = [j + 1 for j in unproven if j not in bearing]
     if signs:
         yield _note("sign not checked", joints=signs)
-    if checked.answers is not None and (pairs := [*_pairs_alike(checked.answers)]):
+    if pairs := [*_pairs_alike(checked)]:
         yield _note("columns not checked", pairs=_named(pairs))
     if checked.delays is None:
         yield _note("torques not checked")
         return
-    if sensed:
-        yield _note("torque columns not checked")
     if (delay := checked.delays.longest_unnoticed()) >= MIN_DELAY:
         yield _note("clock not checked", seconds=delay)
 
 
-def _pairs_alike(answers: Answers) -> Iterator[Pair]:
-    """Yield the joints whose currents may be exchanged."""
-    lead = answers.ahead().diagonal()
-    for j, k in combinations(range(len(lead)), 2):
-        if lead[j] + lead[k] < MIN_LEAD_OF_EXCHANGE:
-            yield j, k
+def _pairs_alike(checked: Checked) -> Iterator[Pair]:
+    """Yield the joints whose currents, or measured torques, may be exchanged."""
+    joints = range(len(checked.arm.joints))
+    if checked.answers is not None:
+        lead = checked.answers.ahead().diagonal()
+        gains = {(j, k): -(lead[j] + lead[k]) for j, k in combinations(joints, 2)}
+    else:
+        gains = gains_of_exchanged_torques(checked.means, checked.loaded)
+    for pair in combinations(joints, 2):
+        if gains.get(pair, 0.0) > -MIN_LEAD_OF_EXCHANGE:
+            yield pair
