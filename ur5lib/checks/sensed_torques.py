@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import Pair
 from ur5lib.checks.block_means import BlockMeans, size
 from ur5lib.checks.currents import MIN_LEAD_OF_EXCHANGE, moving_joints
 from ur5lib.checks.delays import CURRENT_NOISE
@@ -20,8 +21,6 @@ MAX_SIZE_RATIO = 10.0
 # of what holds an arm stretched out; of less, friction may be many times as large
 MIN_SHARE_BORNE = 0.25
 SMALLEST_CHANGE = 1e-9  # Nm, of a torque that is logged
-
-Pair = tuple[int, int]  # of joints, from 0
 
 
 def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
