@@ -750,7 +750,10 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
 
 def test_unknown_links_are_the_first_to_record() -> None:
     unknown = replace(study(), placeholders=frozenset({"ur5"}))
-    assert next_steps(unknown)[0] == say("steps.unknown links", robot="ur5")
+    assert next_steps(unknown)[0] == say("steps.unknown links", robot="ur5", why="")
+    why = {"robot": "ur5", "step": "identification", "remark": "no bodies", "code": "no bodies"}
+    told = unknown.tables | {"remarks": pd.DataFrame([why])}
+    assert next_steps(replace(unknown, tables=told))[0].endswith("computed: no bodies.")
     found = {"parameters": pd.DataFrame([{"robot": "ur5"}])}
     assert "links are unknown" not in " ".join(
         next_steps(replace(unknown, tables=unknown.tables | found))
