@@ -15,14 +15,14 @@ import yaml
 
 from benchmarks.harness.abb_like import PERIOD, MadeUpArm, write_files
 from tests.conftest import said
-from ur5lib.checks.checked import Checked
+from ur5lib.checks.checked import Checked, described_arms
 from ur5lib.checks.devices import checked_intake
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.robots.description import Robot, robot_of
+from ur5lib.robots.description import Robot, load_robot, robot_of, robot_path
 from ur5lib.robots.from_urdf import robot_from_urdf
 
 SEEDS, MOTIONS = range(3), 3
@@ -238,3 +238,17 @@ def test_torques_logged_now_and_then_are_taken_between(cell: Cell) -> None:
     rows = found.robot["time"].size
     error = found.robot[names].to_numpy() - whole.robot[names].to_numpy()[:rows]
     assert np.sqrt((error**2).mean()) < 0.1 * whole.robot[names].to_numpy().std()
+
+
+def test_a_wrong_description_of_another_arm_blocks_none(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which lies in the project's folder `robots`, beside that of this study."""
+    monkeypatch.chdir(cell.folder)
+    (cell.folder / "robots").mkdir(exist_ok=True)
+    (cell.folder / "robots" / "other.yaml").write_text("name: other\ndrives: 3\n")
+    arms = described_arms()
+    assert "ur5" in arms
+    assert "other" not in arms
+    with pytest.raises(InputError, match=r"other.yaml .*`drives` is 3; give a mapping"):
+        load_robot(robot_path("other"))
