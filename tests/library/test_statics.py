@@ -7,6 +7,7 @@ from ur5lib.dynamics.flange import link_frames
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots import statics
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.inertia import rigid_bodies
 
 Q = np.random.default_rng(0).uniform(-3, 3, (50, 6))
 LOAD = Payload(mass=2.0, center_of_mass=(0.1, -0.2, 0.3))
@@ -35,3 +36,25 @@ def test_a_load_adds_its_torque(arm: Robot) -> None:
         statics.gravity_torque(a, arm.chosen_model, Q) for a in (arm, arm.carrying(LOAD))
     )
     np.testing.assert_allclose(loaded - bare, statics.load_torque(arm, Q) @ WEIGHT, atol=1e-10)
+
+
+def test_links_weigh_by_the_regressor(arm: Robot) -> None:
+    """τ_j = Σ_k Y_jk [m_k, m_k c_k]."""
+    bodies = rigid_bodies(arm, arm.chosen_model)
+    own = np.column_stack([bodies.mass, bodies.mass[:, None] * bodies.center_of_mass])
+    torque = np.einsum("njkp,kp->nj", statics.gravity_regressor(arm, Q), own)
+    expected = statics.gravity_torque(arm, arm.chosen_model, Q)
+    np.testing.assert_allclose(torque, expected, atol=1e-10)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), (1e-15, -2e-15, -9.81)])
+def test_gravity_of_unknown_links_is_in_its_columns(arm: Robot, gravity: tuple[float, ...]) -> None:
+    """And an upright axis bears none, though its base is turned by as little as rounding."""
+    standing = arm.mounted(gravity)
+    unknown = standing.model_copy(update={"links": "unknown"})
+    torque = statics.gravity_torque(standing, arm.chosen_model, Q).T
+    columns = statics.gravity_columns(unknown, Q)
+    assert columns[0].shape == (len(Q), 0)
+    for basis, own in zip(columns[1:], torque[1:], strict=True):
+        np.testing.assert_allclose(basis @ (basis.T @ own), own, atol=1e-2 * np.abs(torque).max())
+    assert [basis.shape[0] for basis in statics.gravity_columns(unknown, Q[:0])] == [0] * 6

@@ -212,8 +212,8 @@ def _limits(
         wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
         worst = values[np.nanargmax(excess[:, wrong], axis=0), wrong].tolist()
         most = [remark("most", joint=j + 1, value=v) for j, v in zip(wrong, worst, strict=True)]
-        values_of = {"name": name, "each": most, "unit": unit(name)}
-        yield Finding("robot", "joint limits", "note", int(beyond.any(axis=1).sum()), values_of)
+        count, limits = int(beyond.any(axis=1).sum()), {"name": name, "each": most}
+        yield Finding("robot", "joint limits", "note", count, limits | {"unit": unit(name)})
 
 
 def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Finding:

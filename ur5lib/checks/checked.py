@@ -68,8 +68,7 @@ class Checked:
 
         A torque sensor beyond the gear shows no friction, by which motions explain a current.
         """
-        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
-        if not enough or self.arm.senses_torque():
+        if not self.shows_currents() or self.arm.senses_torque():
             return None
         if moving_joints(self.means).sum() < (1 if self.driven else MIN_JOINTS_LED_BY_HAND):
             return None
@@ -80,10 +79,8 @@ class Checked:
         """Return how likely delays of currents, or of motors' torques, are; None as `answers`."""
         if self.answers is not None:
             return self.answers.delays
-        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
-        if not enough or not self.arm.senses_torque() or not self.tells_signs_by_friction():
-            return None
-        if not moving_joints(self.means).any():
+        by_motors = self.arm.senses_torque() and self.tells_signs_by_friction()
+        if not self.shows_currents() or not by_motors or not moving_joints(self.means).any():
             return None
         return delays_by_motion(self.robot, self.loaded, self.step)
 
@@ -96,9 +93,12 @@ class Checked:
     @cached_property
     def contact(self) -> Finding | None:
         """Return a warning of the strongest contact that the currents show."""
-        enough = len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
-        known = enough and self.arm.tells_gravity()
+        known = self.shows_currents() and self.arm.tells_gravity()
         return felt_contact(self.means, self.loaded) if known else None
+
+    def shows_currents(self) -> bool:
+        """Return whether it has enough blocks of currents, or of torques in their place."""
+        return len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
 
     def tells_signs_by_friction(self) -> bool:
         """Return whether friction brakes what efforts drive; sensors beyond gears feel none."""

@@ -115,8 +115,7 @@ def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 def rubbing_joints(arm: Robot) -> Mask:
     """Return which joints (n,) have friction that motors feel: of a torque, those behind a gear."""
-    ratios = np.array([arm.motor(joint).gear_ratio or 1.0 for joint in arm.joint_numbers])
-    return (ratios >= MIN_GEAR_RATIO) | (not arm.senses_torque())
+    return (np.array(arm.gear_ratios()) >= MIN_GEAR_RATIO) | (not arm.senses_torque())
 
 
 def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:

@@ -13,7 +13,7 @@ from ur5lib.channels import SIX_SUFFIXES, joint_count, meant
 from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
 from ur5lib.records.quality import SENSORS, Device
-from ur5lib.robots.description import Vector3
+from ur5lib.robots.description import Direction, Vector3
 from ur5lib.strict import PathText, Strict
 
 if TYPE_CHECKING:
@@ -256,7 +256,7 @@ class Files(Strict):
         description="angle of each joint [°] by the arm's description where the recorded position "
         "is zero: q = home + direction · recorded; default: as the arm's `drives` say, else 0",
     )
-    directions: list[Literal[1, -1]] | None = Field(
+    directions: list[Direction] | None = Field(
         None,
         description="direction of each joint: -1 where the signs of its recorded positions, "
         "velocities, currents and torques are opposite to those of the arm's description; default: "

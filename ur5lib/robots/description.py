@@ -369,6 +369,10 @@ class Robot(Described):
         """Return the constant transforms from the turned joint k to frame k, in order."""
         return list(self.calibration or (link.pose() for link in self.denavit_hartenberg))
 
+    def gear_ratios(self) -> list[float]:
+        """Return the turns of each motor per turn of its joint, 1 where they are not described."""
+        return [self.motor(joint).gear_ratio or 1.0 for joint in self.joint_numbers]
+
     def maker_torque_constants(self) -> list[float]:
         """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
 

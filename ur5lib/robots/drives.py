@@ -46,8 +46,7 @@ def torque_matrix(arm: Robot) -> Array:
 
 def motor_matrix(arm: Robot) -> Array:
     """Return N C (n, n), the turns of the motors per turn of the joints in the counts' signs."""
-    ratios = np.array([arm.motor(joint).gear_ratio or 1.0 for joint in arm.joint_numbers])
-    return ratios[:, None] * arm.coupling_matrix()
+    return np.array(arm.gear_ratios())[:, None] * arm.coupling_matrix()
 
 
 def directions(arm: Robot) -> Array:

@@ -84,9 +84,12 @@ def gravity_columns(robot: Robot, q: Array) -> list[Array]:
     """
     if robot.tells_gravity():
         return [*gravity_torque(robot, robot.chosen_model, q).T[..., None]]
-    by_link = gravity_regressor(robot, q).reshape(*q.shape, -1)
-    parts = (np.linalg.svd(by_link[:, joint], False) for joint in range(q.shape[1]))
-    return [basis[:, sizes > SMALLEST_SINGULAR_VALUE * sizes[0]] for basis, sizes, _ in parts]
+    by_link, joints = gravity_regressor(robot, q), range(q.shape[1])
+    carried = [np.concatenate([*by_link[:, j, j:].swapaxes(0, 1)], axis=1) for j in joints]
+    parts = [np.linalg.svd(own, full_matrices=False)[:2] for own in carried]
+    # of all joints: on an upright axis, there is nothing but rounding
+    largest = max(sizes.max(initial=0.0) for _, sizes in parts)
+    return [basis[:, sizes > SMALLEST_SINGULAR_VALUE * largest] for basis, sizes in parts]
 
 
 def _turned_about_z(rotation: Array, angle: Array) -> Array:

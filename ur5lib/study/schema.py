@@ -19,8 +19,8 @@ CHANNELS_HEAD = """\
 
 These columns are read, by their names in `columns`, in `channels` or in a file's header. The
 suffixes of joints count from 0. Of a pose, a twist or a wrench, the first three columns have the
-first unit. A value beyond the bound is impossible. Columns with other names are left out, which is
-a note.
+first unit. A value beyond the bound is impossible, unless the arm's own limits are wider. Columns
+with other names are left out, which is a note.
 
 | channel | columns | unit | bound |
 | --- | --- | --- | --- |
