@@ -1,6 +1,8 @@
 """The command-line interface `ur5`."""
 
 import math
+import shlex
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal
@@ -15,6 +17,8 @@ RanStudy = Annotated[
     Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
 ]
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
+
+ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits
 
 app = typer.Typer(
     help="Dynamics, friction and contact force of Universal Robots arms, from recordings.",
@@ -122,7 +126,13 @@ def import_(
     from ur5lib.commands.check import text_console
     from ur5lib.commands.exported import described
     from ur5lib.importing.contents import UserStatement
-    from ur5lib.importing.files import add_to_study, as_entries, import_files, write_study
+    from ur5lib.importing.files import (
+        account_table,
+        add_to_study,
+        as_entries,
+        import_files,
+        write_study,
+    )
 
     if robot is not None:
         described(robot)
@@ -134,13 +144,16 @@ def import_(
     imported = import_files(track(files, "reading", console=console, transient=True), stated)
     if study := write or add:
         (write_study if write else add_to_study)(imported, study)
-        for item in imported:
-            typer.echo("\n".join([f"{item.entry['name']}:", *item.comments]))
-        typer.echo(f"{study} written; next: ur5 check {study}")
     else:
         typer.echo(as_entries(imported), nl=False)
-        named = " ".join([*map(str, files), *([f"--robot {robot}"] if robot else [])])
-        typer.echo(f"next: ur5 import {named} --write mine.yaml", err=True)
+    text_console(stderr=not study, width=None if sys.stdout.isatty() else ACCOUNT_WIDTH).print(
+        account_table(imported)
+    )
+    if study:
+        typer.echo(f"{study} written; next: ur5 check {study}")
+    else:
+        given = [word for word in sys.argv[1:] if word != "import"]
+        typer.echo(f"next: ur5 import {shlex.join(given)} --write mine.yaml", err=True)
     if imported.refused:
         raise InputError("\n".join(["not imported:", *imported.refused]))
 

@@ -1,6 +1,6 @@
 """The clock of a file: of several, the one under which velocities are derivatives; or a rate."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,9 @@ ROW_CLOCK = "row number"  # the clock of a file without one
 ASSUMED_RATE = 125.0  # Hz, of rows until velocities tell another
 USUAL_STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 POSSIBLE_STEPS = (1e-4, 20.0)  # s
-MIN_SHARE_OF_CHANGES = 0.1  # of steps; a clock of whole seconds changes in fewer
+MIN_CHANGES = 3  # of a clock
+MAX_SHARE_OF_STEP = 0.1  # of the usual step from row to row; shorter ones tell no row's time
+MIN_SHARE_OF_COARSE_STEPS = 0.5  # that are shorter, in which stamps are those of seconds or packets
 MIN_SHARE_FORWARD = 0.95  # of steps; a clock hardly ever goes back
 MIN_EPOCH_STAMP = 1e9  # s; stamps after 2001 count from 1970
 # size of second to first differences: below 1 of a motion, above of postures
@@ -23,10 +25,16 @@ MIN_POSTURE_DISTANCE = 0.05  # rad, between two postures
 
 
 class FileClocks(NamedTuple):
-    """Increasing time stamps (N,) [s] by name, and the units of those that are not in seconds."""
+    """Increasing time stamps (N,) [s] by name, and the units of those that are not in seconds.
+
+    doubts: why arrays that are named or placed like a clock are none; rate: [Hz] of the rows by
+    stamps that are too coarse, None without these.
+    """
 
     stamps: dict[str, Array]
     units: dict[str, str]
+    doubts: Mapping[str, str] = {}
+    rate: float | None = None
 
 
 def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClocks:
@@ -36,16 +44,33 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
     """
     named = [name for name in arrays if CLOCK_NAME.search(name)]
     stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
-    units = {name: unit for name, values in stamps.items() if (unit := _unit(name, values, stated))}
+    stamps = {name: values for name, values in stamps.items() if is_clock(values)}
+    doubts, rates = dict[str, str](), list[float]()
+    for name, values in stamps.items():
+        if not named and (np.diff(values) == 1).all():
+            doubts[name] = "it counts the rows"
+            continue
+        others = (array for other, array in arrays.items() if other not in stamps)
+        if share := _share_of_coarse_steps(values, others):
+            unit = _unit(name, values, stated)
+            rates += [1 / (UNIT_FACTORS.get(unit, 1.0) * typical_step(values))] if unit else []
+            doubts[name] = (
+                f"{share:.0%} of its steps are far shorter than a row, as of whole seconds or of "
+                "packets: it tells a rate, not the rows' times"
+            )
+    units = {n: u for n, v in stamps.items() if n not in doubts and (u := _unit(n, v, stated))}
     clocks = {name: stamps[name] * UNIT_FACTORS.get(unit, 1.0) for name, unit in units.items()}
-    return FileClocks(clocks, {name: unit for name, unit in units.items() if unit != "s"})
+    not_seconds = {name: unit for name, unit in units.items() if unit != "s"}
+    return FileClocks(clocks, not_seconds, doubts, float(f"{rates[0]:.4g}") if rates else None)
 
 
-def equally_spaced(arrays: Mapping[str, np.ndarray], rate: float | None) -> FileClocks:
+def equally_spaced(
+    arrays: Mapping[str, np.ndarray], rate: float | None, clocks: FileClocks
+) -> FileClocks:
     """Return the rows' numbers as a clock at a rate [Hz], of as many rows as most arrays have."""
     lengths = [max(values.shape) for values in arrays.values() if values.ndim in (1, 2)]
     rows = max(lengths, key=lengths.count, default=0)
-    return FileClocks({ROW_CLOCK: np.arange(rows) / (rate or ASSUMED_RATE)}, {})
+    return clocks._replace(stamps={ROW_CLOCK: np.arange(rows) / (rate or ASSUMED_RATE)}, units={})
 
 
 def is_clock(stamps: Array) -> bool:
@@ -54,8 +79,28 @@ def is_clock(stamps: Array) -> bool:
     return (
         len(steps) >= 2
         and bool(np.mean(steps >= 0) >= MIN_SHARE_FORWARD)
-        and bool(np.mean(steps > 0) >= MIN_SHARE_OF_CHANGES)
+        and bool(np.count_nonzero(steps > 0) >= MIN_CHANGES)
     )
+
+
+def typical_step(stamps: Array) -> float:
+    """Return the mean step from row to row of stamps (N,), pauses and restarts apart."""
+    steps = np.diff(stamps[np.isfinite(stamps)])
+    steps = steps[steps >= 0]
+    return float(np.minimum(steps, np.quantile(steps[steps > 0], 0.99)).mean())
+
+
+def _share_of_coarse_steps(stamps: Array, others: Iterable[np.ndarray]) -> float:
+    """Return the share of steps of stamps (N,) that are far below the usual one; 0 where they are
+    few, or rows of a log that was polled faster than the robot sends, which repeat its data.
+    """
+    short = np.diff(stamps) < MAX_SHARE_OF_STEP * typical_step(stamps)
+    share = float(np.mean(short))
+    if share < MIN_SHARE_OF_COARSE_STEPS:
+        return 0.0
+    beside = (values for values in others if values.shape == stamps.shape)
+    changes = [float(np.mean(np.diff(values)[short] != 0)) for values in beside]
+    return share if max(changes, default=0.0) > 0.5 else 0.0
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:
@@ -68,8 +113,7 @@ def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, A
         if not (beside or name == current):
             continue
         as_read = stamps / UNIT_FACTORS.get(clocks.units.get(name, "s"), 1.0)
-        steps = np.diff(as_read)
-        step = float(np.median(steps[steps > 0]))
+        step = typical_step(as_read)
         for unit in USUAL_STEPS:
             seconds = UNIT_FACTORS.get(unit, 1.0)
             if named_unit(name) == unit or (
@@ -81,14 +125,12 @@ def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, A
 
 def _unit(name: str, stamps: Array, stated: str | None) -> str | None:
     """Return the unit of stamps (N,): stated, by name, or by usual steps; None if no clock."""
-    if not is_clock(stamps):
-        return None
     if (named := stated or named_unit(name)) in USUAL_STEPS:
         return named
-    steps = np.diff(stamps[np.isfinite(stamps)])
-    step = float(np.median(steps[steps > 0]))
+    step = typical_step(stamps)
     unit = next((unit for unit, (low, high) in USUAL_STEPS.items() if low <= step < high), None)
-    within_seconds = unit == "ns" and np.nanmax(stamps) < 1e9 and np.count_nonzero(steps < 0) > 1
+    backwards = np.count_nonzero(np.diff(stamps[np.isfinite(stamps)]) < 0)
+    within_seconds = unit == "ns" and np.nanmax(stamps) < 1e9 and backwards > 1
     return None if within_seconds else unit
 
 

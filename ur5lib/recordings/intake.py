@@ -87,6 +87,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         files=files,
         findings=findings,
         fingerprint=contents,
+        account=recording.account,
     )
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.copies import same_runs
+from ur5lib.records.account import NOTHING
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
@@ -46,6 +47,11 @@ def files(quality: Quality) -> Iterator[Row]:
         yield {"file": file, "sha256": checksum}
 
 
+def account(quality: Quality) -> Iterator[Row]:
+    """Yield what import took each column of a recording's file for."""
+    yield from map(vars, quality.account)
+
+
 def clocks(clocks: Mapping[str, SettledClock]) -> Iterator[Row]:
     """Yield offset and drift of each device's clock against the robot's."""
     for device, clock in clocks.items():
@@ -76,6 +82,10 @@ def quality(
     yield from map(worded, contradictions.stop_signs)
     yield from map(worded, quality.findings)
     yield from map(worded, contradictions.findings)
+    if unused := [row for row in quality.account if row.taken_for == NOTHING]:
+        detail = "; ".join(f"{row.subject}: {row.reason}" for row in unused)
+        about = {"device": "robot", "finding": "columns not used", "severity": "note"}
+        yield about | {"count": len(unused), "detail": detail}
     for device, checksum in quality.files.items():  # `name_copies` keeps those of several
         about = {"device": device, "finding": SAME, "severity": "note"}
         yield about | {"count": int(device in quality.devices), "detail": checksum}
