@@ -53,7 +53,7 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
         others = (array for other, array in arrays.items() if other not in stamps)
         if share := _share_of_coarse_steps(values, others):
             unit = _unit(name, values, stated)
-            rates += [1 / (UNIT_FACTORS.get(unit, 1.0) * typical_step(values))] if unit else []
+            rates += [_rate_by_packets(values) / UNIT_FACTORS.get(unit, 1.0)] if unit else []
             doubts[name] = (
                 f"{share:.0%} of its steps are far shorter than a row, as of whole seconds or of "
                 "packets: it tells a rate, not the rows' times"
@@ -101,6 +101,15 @@ def _share_of_coarse_steps(stamps: Array, others: Iterable[np.ndarray]) -> float
     beside = (values for values in others if values.shape == stamps.shape)
     changes = [float(np.mean(np.diff(values)[short] != 0)) for values in beside]
     return share if max(changes, default=0.0) > 0.5 else 0.0
+
+
+def _rate_by_packets(stamps: Array) -> float:
+    """Return the rows per unit of time by stamps (N,) of seconds or packets: their usual size by
+    their usual distance.
+    """
+    steps = np.diff(stamps)
+    starts = np.flatnonzero(steps > MAX_SHARE_OF_STEP * typical_step(stamps))
+    return float(np.median(np.diff(starts)) / np.median(steps[starts]))
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:

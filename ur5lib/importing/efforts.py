@@ -17,7 +17,7 @@ from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.identity import ArmIdentity, tells_columns
-from ur5lib.importing.spellings import named_unit
+from ur5lib.importing.spellings import is_of_motors, named_unit
 from ur5lib.recordings.delimited import number_in
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -107,6 +107,11 @@ def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
         return block
     file.account.hold("assumed", block, "option", f"one unit of the file is {factor:g} A")
     return replace(block.scaled(factor), stated=CURRENT_CHANNEL)
+
+
+def is_torque_of_joints(block: ColumnBlock) -> bool:
+    """Return whether an effort is named as a torque of the joints, not of motors nor as raw."""
+    return block.meaning() in (TORQUE_CHANNEL, "actual_torque") and not is_of_motors(block.stem())
 
 
 def is_rectified(block: ColumnBlock, velocity: Array) -> bool:
@@ -224,11 +229,15 @@ class GravityShown(NamedTuple):
         most = MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO
         return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
 
-    def factor(self) -> float | None:
-        """Return the amperes of one unit of the file, if all joints tell the same; else None."""
+    def is_of_a_factor(self, unit: str) -> bool:
+        """Return whether joints contradict a unit, but all tell one other factor."""
         ratios = self.ratios("A")
         alike = len(ratios) >= MIN_BEARING_JOINTS and max(ratios) < MAX_FACTOR_RATIO * min(ratios)
-        return float(f"{np.median(ratios):.3g}") if alike else None
+        return alike and self.contradicts(unit)
+
+    def factor(self) -> float:
+        """Return the amperes of one unit of the file, by the joints' median."""
+        return float(np.median(self.ratios("A")))
 
     def likeliest(self) -> tuple[str, float]:
         """Return the likeliest unit, and how much greater its log-likelihood is than the next."""
@@ -276,7 +285,7 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
         account.hold("assumed", block, "option", f"in {UNIT_WORDS[given]}")
         return given
     peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[CURRENT_CHANNEL].bound
-    if named == "A" and peak > bound:
+    if named == "A" and peak > bound and not shown.is_of_a_factor("mA"):
         account.hold("proven", block, "numbers", f"in mA: {peak:.3g} A are more than {bound:g} A")
         return "mA"
     best, lead = shown.likeliest()
@@ -305,12 +314,10 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
         sure = best == LESS_GRAVITY or len(shown.constants) >= MIN_BEARING_JOINTS
         account.hold("proven" if sure else "assumed", block, "numbers", f"in {best}: {sentence}")
         return best
-    if strange and not spelled and (factor := shown.factor()):
-        account.exclude(
-            block,
-            f"in no unit that is known: {sentence}; one factor would explain it: if one unit of "
-            f"the file is {factor:g} A, --unit {CURRENT_CHANNEL}={factor:g} says so",
-        )
+    if best != LESS_GRAVITY and not spelled and shown.is_of_a_factor(best):
+        stated = f"--unit {CURRENT_CHANNEL}={shown.factor():.3g}"
+        unknown = f"in no unit that is known: {sentence}; one factor would explain it, as {stated}"
+        account.exclude(block, unknown)
         return None
     unit = best if named is None or (best == "mA" and named == "A" and not spelled) else named
     account.hold("check", block, "name" if unit == named else "numbers", f"in {unit}; {sentence}")

@@ -30,6 +30,10 @@ class ImportedRecording:
     entry: StudyEntry
     account: list[AccountRow]
 
+    def as_plain(self) -> StudyEntry:
+        """Return the entry with its account, as YAML has it."""
+        return self.entry | {"account": [_Row(asdict(row)) for row in self.account]}
+
     @property
     def arm(self) -> str:
         """Return the arm that it is of."""
@@ -102,7 +106,10 @@ def _checked(file: FileContents) -> list[ImportedRecording]:
             as_stated = AccountRow("role", "validate", "numbers", "assumed", complaints[0])
             account.append(as_stated)
         else:
-            stops = [AccountRow("recording", "", "numbers", "check", one) for one in complaints]
+            stops = [
+                AccountRow("recording", "to be corrected", "numbers", "check", one)
+                for one in complaints
+            ]
             account = [*stops, *account]
     return [ImportedRecording(one, account) for one in (first, *others)]
 
@@ -133,12 +140,11 @@ def _name_each_once(imported: Sequence[ImportedRecording]) -> None:
 
 def as_entries(imported: Sequence[ImportedRecording]) -> str:
     """Return entries as YAML with their accounts, to be pasted below `recordings:` of a study."""
-    entries = [
-        item.entry | {"account": [_Row(asdict(row)) for row in item.account]} for item in imported
-    ]
     texts = (
-        yaml.dump([entry], Dumper=_Dumper, sort_keys=False, width=YAML_WIDTH, allow_unicode=True)
-        for entry in entries
+        yaml.dump(
+            [item.as_plain()], Dumper=_Dumper, sort_keys=False, width=YAML_WIDTH, allow_unicode=True
+        )
+        for item in imported
     )
     return "\n".join(texts)
 

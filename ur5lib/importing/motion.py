@@ -442,7 +442,7 @@ def _velocity_in_degrees(
         velocity,
         "numbers",
         f"the derivative of {position.title} on {fit.moving} joints that move: misses "
-        f"{fit.missed:.1%} of its squares; one column further, it {rival}",
+        f"{100 * fit.missed:.2g} % of its squares; one column further, it {rival}",
     )
     return {1.0: degrees, DEGREES_PER_RADIAN: True, 1 / DEGREES_PER_RADIAN: False}[near]
 

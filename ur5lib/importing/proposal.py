@@ -20,6 +20,7 @@ from ur5lib.importing.efforts import (
     in_stated_unit,
     is_opposite,
     is_rectified,
+    is_torque_of_joints,
     name_efforts,
 )
 from ur5lib.importing.identity import arms_of, identified, tells_columns
@@ -126,9 +127,12 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
     """
     efforts = sorted(moving.beside(EFFORT_MEANINGS), key=lambda block: is_of_motors(block.stem()))
     account, speed = moving.file.account, moving.blocks.get("actual_qd", moving.position).rows
+    of_joints = [block for block in efforts if is_torque_of_joints(block)]
     for block in efforts:
         if "actual_qd" in moving.blocks and is_rectified(block, speed):
             account.exclude(block, RECTIFIED_REASON)
+        elif of_joints and is_of_motors(block.stem()):
+            account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
     efforts = [block for block in efforts if block.names not in account.excluded]
     names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
     if "actual_current" not in names:

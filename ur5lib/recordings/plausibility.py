@@ -142,6 +142,8 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     least = [ROUNDED_SPEED if "_qd_" in name else 0.0 for name in table]
     fallen = [_fallen(values[:, k], leap) for k, leap in enumerate(least)]
     wrong = stray | np.stack(fallen, axis=1)
+    if "time" in table:  # a clock may start anew at zero
+        wrong[:, table.columns.get_loc("time")] &= ~_restarts(table["time"].to_numpy(float))
     noisy = [k for k, name in enumerate(table) if name.startswith(NOISY_COLUMNS)]
     if noisy:
         wrong[:, noisy] |= _dead(values[:, noisy])
@@ -149,6 +151,12 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         return table
     add_finding(findings, "robot", "zeroed cells", "warning", wrong.any(axis=1).sum())
     return table.mask(wrong)
+
+
+def _restarts(time: Array) -> Mask:
+    """Return the stamps (N,) behind which the time goes on from them, below the stamps before."""
+    before, after = np.append(-np.inf, time[:-1]), np.append(time[1:], np.inf)
+    return (after > time) & (after < before)
 
 
 def _fallen(column: Array, least: float) -> Mask:
