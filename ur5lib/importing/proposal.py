@@ -38,6 +38,8 @@ MIN_BLOCKS = 8
 MIN_TURN = 0.1  # rad
 MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
 MAX_GAP = 0.1  # s, that is filled before means are taken
+MAX_NAMELESS_EFFORTS = 8  # that gravity is asked about, of a table without names
+COMPARED_ROWS = 2000  # by which these are chosen
 RECTIFIED_REASON = (
     "never negative on joints that turn both ways: without its sign, it tells no torque"
 )
@@ -134,6 +136,8 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
         elif of_joints and is_of_motors(block.stem()):
             account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
     efforts = [block for block in efforts if block.names not in account.excluded]
+    if sum(block.is_nameless() for block in efforts) > MAX_NAMELESS_EFFORTS:
+        efforts = _following_the_motion(moving, efforts)
     names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
     if "actual_current" not in names:
         return efforts
@@ -143,6 +147,29 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
             block, "beside actual_current: computed from it, or of another kind", "name"
         )
     return [block for block in efforts if all(block is not other for other in computed)]
+
+
+def _following_the_motion(
+    moving: ImportedMotion, efforts: Sequence[ColumnBlock]
+) -> list[ColumnBlock]:
+    """Return the efforts of many that angles and velocities of the joints explain best, by one
+    linear regression, whose cost grows with the number of columns alone.
+    """
+    q = moving.in_si()["actual_q"]
+    rows = np.linspace(0, len(q) - 1, min(len(q), COMPARED_ROWS)).astype(int)
+    qd = np.gradient(q, axis=0)[rows]
+    terms = [np.sin(q[rows]), np.cos(q[rows]), qd, np.sign(qd), np.ones((len(rows), 1))]
+    basis = np.linalg.qr(np.nan_to_num(np.hstack(terms)))[0]
+    values = np.nan_to_num(np.stack([block.rows[rows] for block in efforts], axis=1))
+    centred = (values - values.mean(axis=0)).reshape(len(rows), -1)
+    explained = ((basis.T @ centred) ** 2).sum(axis=0) / ((centred**2).sum(axis=0) + 1e-300)
+    shares = np.median(explained.reshape(len(efforts), -1), axis=1)
+    least = float(np.sort(shares)[-MAX_NAMELESS_EFFORTS])
+    for block, share in zip(efforts, shares, strict=True):
+        if share < least:
+            better = f"the joints' motion explains less of it than of others, {least:.0%} and more"
+            moving.file.account.exclude(block, better)
+    return [block for block, share in zip(efforts, shares, strict=True) if share >= least]
 
 
 def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
