@@ -214,7 +214,12 @@ def read_cells(file: str | Path | TextIO) -> pd.DataFrame:
 
 
 def checksum(path: str | Path) -> str:
-    """Return the SHA-256 of a file, which may be larger than the memory."""
+    """Return the SHA-256 of a file, which may be larger than the memory; of a folder, of those of
+    its files.
+    """
+    if (folder := Path(path)).is_dir():
+        files = sorted(file for file in folder.iterdir() if file.is_file())
+        return hashlib.sha256("".join(map(checksum, files)).encode()).hexdigest()
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

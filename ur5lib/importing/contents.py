@@ -22,7 +22,7 @@ from ur5lib.importing.blocks import (
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
 from ur5lib.importing.spellings import NAME_COLUMN
-from ur5lib.recordings.array_files import ENDINGS, LOADERS
+from ur5lib.recordings.array_files import LOADERS, format_of
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.records.quality import Finding, Log
@@ -129,7 +129,7 @@ class FileContents:
 def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     """Return a file's contents. Raises InputError for an unreadable file."""
     findings: list[Finding] = []
-    format, account = ENDINGS.get(path.suffix.lower(), TABLE_FORMAT), Account()
+    format, account = format_of(path) or TABLE_FORMAT, Account()
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
     if header.columns:
         arrays = _table(path, header, findings, account)

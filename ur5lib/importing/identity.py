@@ -225,9 +225,10 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Or
 def names_order(moving: ImportedMotion) -> bool:
     """Return whether names determine the joints' order: a driver's, RTDE's, or the user."""
     file, block = moving.file, moving.position
-    if file.format == "rosbag":
-        return not any(finding.finding == UNNAMED_JOINTS_FINDING for finding in file.findings)
     first_name = block.names[0]
+    if file.format == "rosbag":
+        unnamed = [f for f in file.findings if f.finding == UNNAMED_JOINTS_FINDING]
+        return not any(first_name.startswith(f"{f.values['topic']}/") for f in unnamed)
     if file.header.entry or (block.stated and len(block.names) > 1):
         return True
     rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)

@@ -34,18 +34,20 @@ LEVELS_OF_DATA_SET = 4  # folders of a LeRobot data set above its files
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 
 
-def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
+def array_format(
+    name: str, kind: str, *endings: str, is_folder: bool = False
+) -> Callable[[Load], Load]:
     """Register a function that loads a format; whatever it raises becomes an InputError.
 
-    name: in a study; kind: for messages; endings: of such files, none where it is a folder. Arrays
-    that the file lacks are left out.
+    name: in a study; kind: for messages; endings: of such files, none where it is always a folder;
+    is_folder: whether it may be one. Arrays that the file lacks are left out.
     """
 
     def registered(load: Load) -> Load:
         @wraps(load)
         def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
             expect_file(path)
-            if not (path.is_file() if endings else path.is_dir()):
+            if not ((endings and path.is_file()) or (is_folder and path.is_dir())):
                 raise InputError(
                     f"{path} is missing or not {kind}; add it, or remove the recording from the "
                     "study"
@@ -145,6 +147,11 @@ def _column(column: pa.ChunkedArray) -> np.ndarray:
     widths = pc.if_else(pc.is_valid(column), lengths, 0).to_numpy()
     values = pc.list_flatten(column).cast(pa.float64()).to_numpy()
     return rows_of(values, widths, int(widths[0]) if len(widths) else 0)
+
+
+def format_of(path: Path) -> str | None:
+    """Return the format of a file by its ending, None where that tells none. A folder is a bag."""
+    return "rosbag" if path.is_dir() else ENDINGS.get(path.suffix.lower())
 
 
 def rows_of(values: np.ndarray, widths: np.ndarray, width: int) -> Array:

@@ -107,7 +107,9 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """
     folder = Path(entry["folder"])
     matches = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))
-    for file in sorted(file for file in matches if (folder / file).is_file()):
+    may_be_folder = entry.get("format") == "rosbag"
+    there = (file for file in matches if may_be_folder or (folder / file).is_file())
+    for file in sorted(there):
         path_in_folder = FORBIDDEN_CHARACTERS.sub("-", str(file.with_suffix("")))
         day = DAY_IN_PATH.search(str(file))
         date = {"date": "-".join(day.groups())} if day else {}
