@@ -22,6 +22,7 @@ from ur5lib.importing.clocks import (
 from ur5lib.importing.contents import FileContents, block_widths
 from ur5lib.importing.spellings import TARGET_OR_TORQUE, last_part, named_unit, names_command
 from ur5lib.records.account import NOTHING, Evidence
+from ur5lib.importing.unwrapped import with_continuous_angles
 from ur5lib.robots.drives import turns_matrix
 from ur5lib.timeseries.arrays import Array
 
@@ -157,6 +158,7 @@ def find_motion(file: FileContents) -> ImportedMotion:
     By their names; without names, by the derivative. Raises InputError where no block can be the
     positions.
     """
+    file = with_continuous_angles(file)
     position, velocity = _by_name(file) or _nameless(file)
     file, rate, still = _timed(file, position, velocity)
     file = _with_polled_target(file, file.block(position.names))
