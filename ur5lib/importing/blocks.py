@@ -28,7 +28,6 @@ JOINTS_OF_UR = 6
 OTHER_JOINT_COUNTS = (4, 5, 7, 8, 9)  # a gripper's fingers among them
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 MIN_MOTORS = 4  # of an arm
-SMALLEST_NUMBER = 1e-100  # below it, an array was never filled
 
 
 @dataclass(frozen=True)
@@ -57,10 +56,6 @@ class ColumnBlock:
         whole = [float(f"{factor:.7g}") for factor in self.factors or (1.0,)]
         unit_names = {1.0: None, -1.0: OPPOSITE_SIGN, 1e-3: "mA"}
         return unit_names.get(whole[0], whole) if len({*whole}) == 1 else whole
-
-    def is_silent(self) -> bool:
-        """Return whether the block holds no number but zero, or what was never filled."""
-        return not (np.abs(np.nan_to_num(self.rows)) > SMALLEST_NUMBER).any()
 
     def without(self, column: int) -> "ColumnBlock":
         """Return the block without a column; those of an array have its name and a number."""

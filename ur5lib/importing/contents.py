@@ -25,6 +25,7 @@ from ur5lib.importing.spellings import NAME_COLUMN
 from ur5lib.recordings.array_files import LOADERS, format_of
 from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
+from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
@@ -148,8 +149,8 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
     parts = without_gripper(parts, joints, account) if stated.joints() else parts
     all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
-    silent = [block for block in all_blocks if block.is_silent()]
-    blocks = [block for block in all_blocks if not block.is_silent()]
+    silent = [block for block in all_blocks if is_silent(block.rows)]
+    blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
 

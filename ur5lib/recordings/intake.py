@@ -17,6 +17,7 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.held_samples import fresh_samples
+from ur5lib.recordings.plausibility import drop_unwritten
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, repair_samples
 from ur5lib.recordings.starts import place_sensors
@@ -101,8 +102,11 @@ def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Find
 
     Raises InputError where they have not the positions of the arm's joints.
     """
-    _expect_joints(raw.robot, arm)
-    frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
+    unwritten: list[Finding] = []
+    written = replace(raw.robot, table=drop_unwritten(raw.robot.table, unwritten))
+    _expect_joints(written, arm)
+    frames, findings = _known_channels(written.table, "force" in raw.sensors)
+    findings += unwritten
     return with_currents(at_the_joints(frames, arm), arm, findings), findings
 
 

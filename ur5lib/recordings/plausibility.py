@@ -1,6 +1,8 @@
 """Detection of impossible values: shifted bytes, wrong units, absurd times, lost cells."""
 
 import math
+import re
+from collections import defaultdict
 from collections.abc import Mapping
 
 import numpy as np
@@ -8,7 +10,7 @@ import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.channels import CHANNELS, MOST_JOINTS, columns
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.recordings.ordering import epochs
 from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.tables import unit
@@ -132,12 +134,30 @@ def _islands(time: Array) -> Mask:
     return strays & (strays.mean() <= MAX_SHARE_IMPOSSIBLE)
 
 
+def is_silent(values: Array) -> bool:
+    """Return whether values (N, k) hold nothing but zeros, and numbers that nobody wrote."""
+    return not (np.abs(values) >= SMALLEST_VALUE).any()
+
+
+def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
+    """Return a table without channels of stray bytes, as of efforts that a driver never sets."""
+    channels = defaultdict[str, list[str]](list)
+    for name in table:
+        channels[re.sub(r"_\d+$", "", name)].append(name)
+    silent = [n for n, names in channels.items() if is_silent(table[names].to_numpy(float))]
+    names = [name for name in silent if np.nan_to_num(table[channels[name]].to_numpy(float)).any()]
+    add_finding(findings, "robot", "unwritten channels", "warning", len(names), names=some(names))
+    unwritten = [column for name in names for column in channels[name]]
+    return table.drop(columns=unwritten) if unwritten else table
+
+
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """Return a table with NaN where a column falls to exactly zero at once, or a current is zero
     while those of other joints are not.
     """
     values = table.to_numpy(float)
-    stray = (values != 0.0) & (np.abs(values) < SMALLEST_VALUE)
+    near_zero = np.abs(values) < SMALLEST_VALUE
+    stray = (values != 0.0) & near_zero & ~near_zero.all(axis=0)
     # velocities of slow joints are rounded to zero
     least = [ROUNDED_SPEED if "_qd_" in name else 0.0 for name in table]
     fallen = [_fallen(values[:, k], leap) for k, leap in enumerate(least)]
