@@ -1,5 +1,6 @@
 """`ur5 import` of logs in the forms that public data sets and loggers have."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -170,10 +171,14 @@ def test_a_channel_that_holds_text_is_no_number(tmp_path: Path, made: Made) -> N
         import_files([path], UserStatement("ur5"))
 
 
-def test_lists_in_cells_are_named(tmp_path: Path, made: Made) -> None:
-    table = pd.DataFrame({"time": made[0]} | {n: made[1][n].tolist() for n in MOVED})
-    with pytest.raises(InputError, match="give each number of a list its own column"):
-        import_files([saved(table, tmp_path / "run.csv")], UserStatement("ur5"))
+@pytest.mark.parametrize("printed", [np.ndarray.tolist, list])
+def test_lists_in_cells_are_read(tmp_path: Path, made: Made, printed: Callable[..., Any]) -> None:
+    """As Python prints them, or NumPy, without commas and on several lines."""
+    table = pd.DataFrame({"time": made[0]} | {n: printed(made[1][n]) for n in MOVED})
+    entry, _ = imported(saved(table, tmp_path / "run.csv"))
+    assert entry["columns"] == ["time", *MOVED]
+    q = channel(read_recording(entry).robot.table, "actual_q")
+    np.testing.assert_allclose(q, made[1]["actual_q"], atol=1e-8)
 
 
 def test_an_arm_that_the_pose_excludes_is_told(tmp_path: Path, made: Made) -> None:

@@ -23,7 +23,12 @@ from ur5lib.importing.blocks import (
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
 from ur5lib.importing.spellings import NAME_COLUMN
 from ur5lib.recordings.array_files import LOADERS, format_of
-from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
+from ur5lib.recordings.delimited import (
+    expect_row_each_sample,
+    first_cells,
+    number_in,
+    read_numbers,
+)
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.quality import Finding, Log
@@ -131,6 +136,8 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     """Return a file's contents. Raises InputError for an unreadable file."""
     findings: list[Finding] = []
     format, account = format_of(path) or TABLE_FORMAT, Account()
+    if format == TABLE_FORMAT:
+        expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
     if header.columns:
         arrays = _table(path, header, findings, account)
