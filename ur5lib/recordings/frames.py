@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
+from ur5lib.recordings.bunched_stamps import evenly_stamped
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
 from ur5lib.records.quality import Finding, add_finding
@@ -72,7 +73,7 @@ def repair_frames(
     findings: list[Finding] = []
     _expect_frames(frames, source)
     given, frames = frames, _whole_channels(frames, findings, source)
-    possible = drop_implausible(frames, source, "robot", findings, bounds)
+    possible = drop_implausible(evenly_stamped(frames, findings), source, "robot", findings, bounds)
     frames = in_order(possible, findings)
     del possible
     for name in [*given]:
