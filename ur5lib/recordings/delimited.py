@@ -126,13 +126,16 @@ def expect_row_each_sample(path: Path) -> None:
     """Raise InputError for a table that has a row for each joint, and a column for each sample."""
     data = next(text_blocks(Log(path, "robot", [])))
     lines = [line for line in data.split(b"\n", LEAD_LINES) if line.strip()]
-    cells = lines[0].split(_delimiter(lines[0])) if lines else []
+    mark = _delimiter(lines[0]) if lines else b","
+    cells = lines[0].split(mark) if lines else []
     wide = len(cells) >= max(MIN_SAMPLES, SAMPLES_A_ROW * len(lines)) and len(lines) < LEAD_LINES
     if wide and all(map(_is_cell, cells[1:])):
+        opener = "gzip.open" if path.suffix == ".gz" else "open"
+        rows = f"csv.reader({opener}({str(path)!r}, 'rt'), delimiter={mark.decode()!r})"
         raise InputError(
             f"{path}: the table has one row a joint ({len(lines)} rows of {len(cells)} cells); "
-            f'transpose it: python -c "import pandas; pandas.read_csv({path.name!r}, header=None)'
-            ".T.to_csv('turned.csv', header=False, index=False)\""
+            'transpose it: python -c "import csv, gzip; '
+            f"csv.writer(open('turned.csv', 'w', newline='')).writerows(zip(*{rows}))\""
         )
 
 

@@ -39,10 +39,10 @@ FIELDS = {  # that are read of each kind of message
 
 
 class Joints(NamedTuple):
-    """The joints of a message: their names, none where it does not name each once, and number."""
+    """The joints of a message: their names, none where it does not name each once, and how many."""
 
     names: tuple[str, ...] = ()
-    count: int = 0
+    width: int = 0
 
 
 class Messages:
@@ -83,7 +83,7 @@ class Messages:
             self.joints,
             key=lambda joints: (
                 joint_order(joints.names) is not None,
-                len(JOINTS) <= joints.count <= MOST_JOINTS,
+                len(JOINTS) <= joints.width <= MOST_JOINTS,
                 counts[self.joints[joints]],
             ),
         )
@@ -99,7 +99,7 @@ class Messages:
         Nothing where none of them has it; NaN in those without it.
         """
         widths = np.array(self.widths[field])
-        width, names = joints.count or int(widths[kept][0]), joints.names
+        width, names = joints.width or int(widths[kept][0]), joints.names
         if not width or not (widths[kept] == width).any():
             return np.empty((0, 0))
         rows = rows_of(np.array(self.values[field]), widths, width)[kept]
@@ -212,7 +212,7 @@ def _joints_of(message: Any) -> Joints:
 
 
 def _in_any_order(joints: Joints) -> tuple[frozenset[str], int]:
-    return frozenset(joints.names), joints.count
+    return frozenset(joints.names), joints.width
 
 
 def _numbers(field: Any) -> Array:
@@ -227,11 +227,11 @@ def _topic_arrays(topic: str, messages: Messages, path: Path, findings: list[Fin
     usual = messages.usual_joints()
     kept = messages.about(usual)
     log = Log(path, "robot", findings)
-    about = {"topic": topic, "joints": usual.names or f"the {usual.count} of most"}
+    about = {"topic": topic, "joints": usual.names or f"the {usual.width} of most"}
     log.add("other messages", "note", np.count_nonzero(~kept), "", **about)
     if joint_order(usual.names) is None:
         code = "" if usual.names else "nameless joints"
-        log.add("unnamed joints", "note", usual.count, code, **about)
+        log.add("unnamed joints", "note", usual.width, code, **about)
     arrays = {
         f"{topic}/stamp": np.array(messages.stamps)[kept],
         f"{topic}/bag_stamp": np.array(messages.received)[kept],

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.records.quality import Finding, add_finding
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 TURN = 2 * np.pi  # rad
 # all in turns, between rows that were received
@@ -91,7 +91,7 @@ def _lengths(time: Array) -> Array:
     return np.fmax(steps / usual, 1.0)
 
 
-def _nearest(wanted: Mask) -> tuple[Array, Array]:
+def _nearest(wanted: Mask) -> tuple[Labels, Labels]:
     """Return the nearest wanted places (N,) before and after each place, at an end the only one."""
     places, every = np.flatnonzero(wanted), np.arange(len(wanted))
     before = np.searchsorted(places, every) - 1
