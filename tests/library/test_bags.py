@@ -22,7 +22,7 @@ from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.study.reading import of_each_file, read_study
 from ur5lib.study.selection import Selection
-from ur5lib.tables import channel
+from ur5lib.tables import channel, checksum
 from ur5lib.thesis.reference import PublishedValues
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
@@ -180,6 +180,17 @@ def test_the_description_says_what_belongs_to_a_bag(tmp_path: Path, made: Made) 
     (folder / "metadata.yaml").write_text("rosbag2_bagfile_information: 7\n")
     with pytest.raises(InputError, match=r"holds 2 bags"):
         loaded(folder)
+
+
+def test_a_sensor_in_a_folder_is_read(tmp_path: Path, made: Made, ur5: Robot) -> None:
+    folder, wrench = tmp_path / "run", np.random.default_rng(2).normal(size=(len(made[0]), 6))
+    folder.mkdir()
+    write_bag(folder / "run.bag", made[0], {"actual_q": made[1]["actual_q"]}, wrench=wrench)
+    entry = entry_of("rosbag", folder, ["actual_q"])
+    its = {"time": "/wrench/stamp", "ft_f": "/wrench/force", "ft_t": "/wrench/torque"}
+    taken = read_and_check(entry | {"force_sensor": {"channels": its}}, ur5, 0.1)
+    assert taken.quality.files == {"force": checksum(folder)}
+    np.testing.assert_allclose(taken.sensors["force"].drop(columns="time"), wrench)
 
 
 def test_a_folder_without_a_bag_is_said_to_be_one(tmp_path: Path) -> None:
