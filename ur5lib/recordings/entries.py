@@ -44,8 +44,9 @@ UNIT_FACTORS = {  # from these units to SI
 RunFile = Annotated[
     PathText,
     Field(
-        description="path within the recording's folder; a pattern, as `2026-*/*.csv`, stands for "
-        "an entry of each file that it matches, named after it and dated by its path"
+        description="path within the recording's folder, of a bag also its folder; a pattern, as "
+        "`2026-*/*.csv`, stands for an entry of each file that it matches, named after it and "
+        "dated by its path"
     ),
 ]
 
