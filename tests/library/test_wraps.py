@@ -91,6 +91,21 @@ def test_an_angle_that_rests_at_the_border_rests() -> None:
     assert np.ptp(whole) < 20 * NOISE
 
 
+def test_damaged_rows_of_an_angle_that_wraps_stay_damaged() -> None:
+    time, angle = moving(125.0, 2.0, 3)
+    cut = wrapped(angle, -np.pi)
+    whole, count = unwrapped(cut, time)
+    assert count
+    spikes = np.arange(40, len(cut), 250)
+    spikes = spikes[np.abs(cut[spikes]) < 2.8]
+    for off in (-5.2, -4.0, np.pi, 5.2):
+        damaged = cut.copy()
+        damaged[spikes] += off
+        mended, _ = unwrapped(damaged, time)
+        np.testing.assert_allclose(np.delete(mended, spikes), np.delete(whole, spikes))
+        np.testing.assert_allclose(mended[spikes] - whole[spikes], off)
+
+
 DRAW = np.random.default_rng(7)
 LONG = np.linspace(-3.0, 3.0, 2000) + DRAW.normal(0, NOISE, 2000)
 NO_WRAPS = {

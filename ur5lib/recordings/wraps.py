@@ -79,8 +79,9 @@ def _wraps(turns: Array, time: Array) -> Mask:
     rest = step - np.rint(step)
     beside = smooth[before] & smooth[after]
     proven = far & beside & (np.abs(rest - moved) <= TOLERANCE + most)
-    # of an angle that wraps, a jump by more than half a turn, as over lost rows, is a wrap, too
-    return proven | (proven.any() & beside & (size > 0.5) & (size <= 1 + MAX_MOTION))
+    # of an angle that wraps, a single jump by more than half a turn, as over lost rows, is one too
+    single = beside & (after - before == 2) & (size > 0.5) & (size <= 1 + MAX_MOTION)
+    return proven | (single & proven.any())
 
 
 def _lengths(time: Array) -> Array:
