@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 import scipy.io
 
-from tests.entries import read_recording
+from tests.entries import read_and_check, read_recording
 from tests.library.test_import_cases import driven, motion
 from ur5lib.importing.contents import NO_STATEMENT, UserStatement
 from ur5lib.importing.files import ImportedRecording, import_files
@@ -94,14 +94,16 @@ def test_names_of_a_polling_script(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("stamps", [np.floor(1.7e9 + TIME), 1.7e9 + PACKETS, PACKETS])
 @pytest.mark.parametrize("measured", [True, False])
-def test_stamps_of_seconds_and_packets_tell_the_rate(
+def test_rows_of_one_second_or_packet_are_put_at_equal_steps(
     tmp_path: Path, stamps: Array, measured: bool
 ) -> None:
     blocks = MOTION if measured else {"q": Q, "current": CURRENT}
     (one,) = imported({"timestamp": stamps} | columns(**blocks), tmp_path)
-    assert one.entry["rate"] == pytest.approx(1 / PERIOD, rel=2e-3)
     assert "far shorter than a row" in row_of(one, "timestamp").reason
-    assert len(read_recording(one.entry).robot.table) == len(TIME)
+    assert row_of(one, "current_0").taken_for == "actual_current"
+    quality = read_and_check(one.entry, ARM, 0.05).quality
+    assert quality.period_s == pytest.approx(PERIOD, rel=5e-3)
+    assert quality.frames == pytest.approx(len(TIME), abs=25)
 
 
 def test_numbers_of_postures_are_no_clock(tmp_path: Path) -> None:

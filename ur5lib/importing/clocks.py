@@ -7,16 +7,16 @@ import numpy as np
 
 from ur5lib.importing.spellings import CLOCK_NAME, named_unit
 from ur5lib.recordings.arrays import seconds_of
+from ur5lib.recordings.bunched_stamps import close_rows, even_times
 from ur5lib.recordings.entries import UNIT_FACTORS
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 ROW_CLOCK = "row number"  # the clock of a file without one
 ASSUMED_RATE = 125.0  # Hz, of rows until velocities tell another
 USUAL_STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 POSSIBLE_STEPS = (1e-4, 20.0)  # s
 MIN_CHANGES = 3  # of a clock
-MAX_SHARE_OF_STEP = 0.1  # of the usual step from row to row; shorter ones tell no row's time
-MIN_SHARE_OF_COARSE_STEPS = 0.5  # that are shorter, in which stamps are those of seconds or packets
+MIN_SHARE_OF_NEW_ROWS = 0.5  # among those that are close to the one before
 MIN_SHARE_FORWARD = 0.95  # of steps; a clock hardly ever goes back
 MIN_EPOCH_STAMP = 1e9  # s; stamps after 2001 count from 1970
 # size of second to first differences: below 1 of a motion, above of postures
@@ -27,14 +27,14 @@ MIN_POSTURE_DISTANCE = 0.05  # rad, between two postures
 class FileClocks(NamedTuple):
     """Increasing time stamps (N,) [s] by name, and the units of those that are not in seconds.
 
-    doubts: why arrays that are named or placed like a clock are none; rate: [Hz] of the rows by
-    stamps that are too coarse, None without these.
+    doubts: why an array that is placed like a clock is none; notes: on stamps of bunches of rows,
+    which are put at equal steps.
     """
 
     stamps: dict[str, Array]
     units: dict[str, str]
     doubts: Mapping[str, str] = {}
-    rate: float | None = None
+    notes: Mapping[str, str] = {}
 
 
 def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClocks:
@@ -45,32 +45,44 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
     named = [name for name in arrays if CLOCK_NAME.search(name)]
     stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
     stamps = {name: values for name, values in stamps.items() if is_clock(values)}
-    doubts, rates = dict[str, str](), list[float]()
-    for name, values in stamps.items():
-        if not named and (np.diff(values) == 1).all():
-            doubts[name] = "it counts the rows"
-            continue
-        others = (array for other, array in arrays.items() if other not in stamps)
-        if share := _share_of_coarse_steps(values, others):
-            unit = _unit(name, values, stated)
-            rates += [_rate_by_packets(values) / UNIT_FACTORS.get(unit, 1.0)] if unit else []
-            doubts[name] = (
-                f"{share:.0%} of its steps are far shorter than a row, as of whole seconds or of "
-                "packets: it tells a rate, not the rows' times"
+    if not named and any((np.diff(values) == 1).all() for values in stamps.values()):
+        return FileClocks({}, {}, dict.fromkeys(stamps, "it counts the rows"))
+    units = {name: unit for name, values in stamps.items() if (unit := _unit(name, values, stated))}
+    clocks, notes = dict[str, Array](), dict[str, str]()
+    others = [array for name, array in arrays.items() if name not in stamps]
+    for name, unit in units.items():
+        clocks[name] = stamps[name] * UNIT_FACTORS.get(unit, 1.0)
+        close = close_rows(clocks[name])
+        if close.any() and _rows_are_new(close, others):
+            clocks[name] = even_times(clocks[name], close)
+            notes[name] = (
+                f"{close.mean():.0%} of its steps are far shorter than a row, as of whole seconds "
+                "or of packets: the rows are put at equal steps"
             )
-    units = {n: u for n, v in stamps.items() if n not in doubts and (u := _unit(n, v, stated))}
-    clocks = {name: stamps[name] * UNIT_FACTORS.get(unit, 1.0) for name, unit in units.items()}
     not_seconds = {name: unit for name, unit in units.items() if unit != "s"}
-    return FileClocks(clocks, not_seconds, doubts, float(f"{rates[0]:.4g}") if rates else None)
+    return FileClocks(clocks, not_seconds, {}, notes)
+
+
+def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:
+    """Return whether rows close to the one before hold other data; a log that was polled faster
+    than the robot sends repeats them. close: by step (N - 1,).
+    """
+    beside = (values for values in arrays if values.shape == (len(close) + 1,))
+    columns = (
+        array.T if len(array) > len(array.T) else array for array in arrays if array.ndim == 2
+    )
+    wide = (row for array in columns for row in array if len(row) == len(close) + 1)
+    changes = [float(np.mean(np.diff(values)[close] != 0)) for values in (*beside, *wide)]
+    return max(changes, default=0.0) > MIN_SHARE_OF_NEW_ROWS
 
 
 def equally_spaced(
-    arrays: Mapping[str, np.ndarray], rate: float | None, clocks: FileClocks
+    arrays: Mapping[str, np.ndarray], rate: float | None, doubts: Mapping[str, str]
 ) -> FileClocks:
     """Return the rows' numbers as a clock at a rate [Hz], of as many rows as most arrays have."""
     lengths = [max(values.shape) for values in arrays.values() if values.ndim in (1, 2)]
     rows = max(lengths, key=lengths.count, default=0)
-    return clocks._replace(stamps={ROW_CLOCK: np.arange(rows) / (rate or ASSUMED_RATE)}, units={})
+    return FileClocks({ROW_CLOCK: np.arange(rows) / (rate or ASSUMED_RATE)}, {}, doubts)
 
 
 def is_clock(stamps: Array) -> bool:
@@ -88,28 +100,6 @@ def typical_step(stamps: Array) -> float:
     steps = np.diff(stamps[np.isfinite(stamps)])
     steps = steps[steps >= 0]
     return float(np.minimum(steps, np.quantile(steps[steps > 0], 0.99)).mean())
-
-
-def _share_of_coarse_steps(stamps: Array, others: Iterable[np.ndarray]) -> float:
-    """Return the share of steps of stamps (N,) that are far below the usual one; 0 where they are
-    few, or rows of a log that was polled faster than the robot sends, which repeat its data.
-    """
-    short = np.diff(stamps) < MAX_SHARE_OF_STEP * typical_step(stamps)
-    share = float(np.mean(short))
-    if share < MIN_SHARE_OF_COARSE_STEPS:
-        return 0.0
-    beside = (values for values in others if values.shape == stamps.shape)
-    changes = [float(np.mean(np.diff(values)[short] != 0)) for values in beside]
-    return share if max(changes, default=0.0) > 0.5 else 0.0
-
-
-def _rate_by_packets(stamps: Array) -> float:
-    """Return the rows per unit of time by stamps (N,) of seconds or packets: their usual size by
-    their usual distance.
-    """
-    steps = np.diff(stamps)
-    starts = np.flatnonzero(steps > MAX_SHARE_OF_STEP * typical_step(stamps))
-    return float(np.median(np.diff(starts)) / np.median(steps[starts]))
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:

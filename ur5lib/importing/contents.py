@@ -147,8 +147,10 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     clocks = FileClocks({}, {}) if stated.rate else clocks_of(arrays, stated.units.get("time"))
     for name, reason in clocks.doubts.items():
         account.state("left out", (name,), name, "numbers", reason)
+    for name, note in clocks.notes.items():
+        account.state("assumed", (name,), name, "numbers", note)
     if not clocks.stamps:
-        clocks = equally_spaced(arrays, stated.rate or clocks.rate, clocks)
+        clocks = equally_spaced(arrays, stated.rate, clocks.doubts)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None

@@ -21,8 +21,8 @@ from ur5lib.importing.clocks import (
 )
 from ur5lib.importing.contents import FileContents, block_widths
 from ur5lib.importing.spellings import TARGET_OR_TORQUE, last_part, named_unit, names_command
-from ur5lib.records.account import NOTHING, Evidence
 from ur5lib.importing.unwrapped import with_continuous_angles
+from ur5lib.records.account import NOTHING, Evidence
 from ur5lib.robots.drives import turns_matrix
 from ur5lib.timeseries.arrays import Array
 
@@ -288,20 +288,15 @@ def _timed(
         return file, None, True
     rows = file.clocks.stamps[ROW_CLOCK]
     if velocity and (rate := _rate(agreement(position.rows, velocity.rows, rows), rows)):
-        beside = f"; by its stamps {file.clocks.rate:g}" if file.clocks.rate else ""
         file.account.tell(
             "proven",
             "rate",
             f"{rate:g} Hz",
             "numbers",
-            f"{position.title} changes by {velocity.title} at {rate:g} rows a second{beside}",
+            f"{position.title} changes by {velocity.title} at {rate:g} rows a second",
         )
         stamps = np.arange(len(rows)) / rate
         return file.on_clock(ROW_CLOCK, ROW_CLOCK, stamps, "s"), rate, False
-    if file.clocks.rate:
-        by_stamps = "by the stamps, which are too coarse for a clock"
-        file.account.tell("assumed", "rate", f"{file.clocks.rate:g} Hz", "numbers", by_stamps)
-        return file, file.clocks.rate, False
     file.account.tell(
         "check",
         "rate",

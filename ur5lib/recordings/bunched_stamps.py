@@ -25,14 +25,25 @@ def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFram
     are, and so do those that repeat the data of the row before.
     """
     time = frames["time"].to_numpy(float)
-    steps = np.diff(time)
-    if not _are_bunched(steps) or not _are_new(frames, close := steps < _far_step(steps)):
+    close = close_rows(time)
+    if not close.any() or not _are_new(frames, close):
         return frames
-    bunch = np.cumsum(np.append(False, ~close))
-    even = _on_lines(time, _stretches(time, bunch)[bunch])
+    even = even_times(time, close)
     values = {"step_ms": 1000 * float(np.median(np.diff(even)))}
     add_finding(findings, "robot", "bunched stamps", "warning", close.sum(), "", **values)
     return frames.assign(time=even)
+
+
+def close_rows(time: Array) -> Mask:
+    """Return which steps of stamps (N,) [s] are far shorter than a row, none where they are few."""
+    steps = np.diff(time)
+    return steps < _far_step(steps) if _are_bunched(steps) else np.zeros(len(steps), bool)
+
+
+def even_times(time: Array, close: Mask) -> Array:
+    """Return stamps (N,) [s] at equal steps between pauses; close: steps within bunches (N - 1,)."""
+    bunch = np.cumsum(np.append(False, ~close))
+    return _on_lines(time, _stretches(time, bunch)[bunch])
 
 
 def _are_bunched(steps: Array) -> bool:
