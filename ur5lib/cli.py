@@ -121,9 +121,8 @@ def import_(
     add: Annotated[Path | None, typer.Option(help="study to append the entries to")] = None,
 ) -> None:
     """Write the study entry of recordings, with what is proven, assumed, or to be checked."""
-    from rich.progress import track
-
-    from ur5lib.commands.check import text_console
+    typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
+    from ur5lib.commands.console import announced
     from ur5lib.commands.exported import described
     from ur5lib.importing.contents import UserStatement
     from ur5lib.importing.files import (
@@ -140,8 +139,7 @@ def import_(
     stated = UserStatement(
         robot or "", tuple((columns or "").split(",")) if columns else (), rate, units
     )
-    console = text_console(stderr=True)
-    imported = import_files(track(files, "reading", console=console, transient=True), stated)
+    imported = import_files(announced(files), stated)
     if study := write or add:
         (write_study if write else add_to_study)(imported, study)
     else:
@@ -201,7 +199,7 @@ def record(
     ] = False,
 ) -> None:
     """Record arm, force sensor and IMU together into raw/, and print the study's entry."""
-    from ur5lib.commands.check import text_console
+    from ur5lib.commands.console import text_console
     from ur5lib.commands.record import RecordOptions, record
 
     without_these = tuple(without or ())

@@ -4,12 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 from rich.console import Console
 from rich.padding import Padding
-from rich.progress import track
 from rich.table import Table
 
 from ur5lib.channels import MEASURED_CURRENT
@@ -20,6 +18,7 @@ from ur5lib.checks.devices import checked_intake
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.checks.unchecked import unchecked
+from ur5lib.commands.console import announced, text_console
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.carried import carried, disagreements
@@ -79,8 +78,10 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
         console.print(f"not simulated yet: {unmade}; `snakemake` will simulate it first")
     if not there:
         return 0
-    recordings = track(there, "reading", console=console, transient=True)
-    results = {recording.name: look_through(recording, study) for recording in recordings}
+    results = {
+        recording.name: look_through(recording, study)
+        for recording in announced(there, lambda recording: recording.name)
+    }
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = settled(
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
@@ -90,11 +91,6 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
     if not named and len({*months.values()}) > 1:
         console.print(by_month(months, qualities))
     return severe_ones
-
-
-def text_console(**settings: Any) -> Console:
-    """Return a console that prints text from outside unchanged, without markup or emoji names."""
-    return Console(markup=False, emoji=False, **settings)
 
 
 def print_tables(
