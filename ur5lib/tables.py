@@ -165,7 +165,8 @@ def columns(name: str, count: int = 6) -> list[str]:
 def channel(table: pd.DataFrame, name: str, count: int | None = None) -> Array:
     """Return a channel as a copied array (N, count), by default of all its columns."""
     have = count or next(k for k in range(len(table.columns) + 1) if f"{name}_{k}" not in table)
-    return table[columns(name, max(1, have))].to_numpy(np.float64, copy=True)
+    values = [table[column].to_numpy(np.float64) for column in columns(name, max(1, have))]
+    return np.array(values).T  # one column after the other in memory, as pandas has them
 
 
 def named(values: Array, name: str) -> dict[str, Array]:
