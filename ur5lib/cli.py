@@ -1,6 +1,7 @@
 """The command-line interface `ur5`."""
 
 import math
+import os
 import shlex
 import sys
 from collections.abc import Iterable
@@ -90,6 +91,7 @@ def check(
     ] = None,
 ) -> None:
     """Check every recording of a study: read it, repair it, and print the findings."""
+    _use_one_thread()
     from ur5lib.commands.check import print_findings
     from ur5lib.workspace.new import next_command
 
@@ -122,6 +124,7 @@ def import_(
 ) -> None:
     """Write the study entry of recordings, with what is proven, assumed, or to be checked."""
     typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
+    _use_one_thread()
     from ur5lib.commands.console import announced
     from ur5lib.commands.exported import described
     from ur5lib.importing.contents import UserStatement
@@ -154,6 +157,11 @@ def import_(
         typer.echo(f"next: ur5 import {shlex.join(given)} --write mine.yaml", err=True)
     if imported.refused:
         raise InputError("\n".join(["not imported:", *imported.refused]))
+
+
+def _use_one_thread() -> None:
+    """Let NumPy, which is loaded next, use one core: threads take longer for small matrices."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def _pair(stated: str) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -19,6 +20,7 @@ from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.commands.console import announced, text_console
+from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.carried import carried, disagreements
@@ -80,10 +82,11 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
         console.print(f"not simulated yet: {unmade}; `snakemake` will simulate it first")
     if not there:
         return 0
-    results = {
-        recording.name: look_through(recording, study)
-        for recording in announced(there, lambda recording: recording.name)
-    }
+    names = [recording.name for recording in there]
+    # without its recordings, which would go to each process with each of them
+    alone = study.model_copy(update={"recordings": []})
+    with side_by_side(partial(look_through, study=alone), there) as looked:
+        results = dict(zip(announced(names), looked, strict=True))
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = settled(
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}

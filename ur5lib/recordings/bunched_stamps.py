@@ -41,7 +41,7 @@ def close_rows(time: Array) -> Mask:
 
 
 def even_times(time: Array, close: Mask) -> Array:
-    """Return stamps (N,) [s] at equal steps between pauses; close: steps within bunches (N - 1,)."""
+    """Return stamps (N,) [s] at equal steps between pauses; close: steps in bunches (N - 1,)."""
     bunch = np.cumsum(np.append(False, ~close))
     return _on_lines(time, _stretches(time, bunch)[bunch])
 
