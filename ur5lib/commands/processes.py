@@ -30,14 +30,16 @@ def side_by_side(
     if count < 2:
         yield map(function, items)
         return
+    processes = ProcessPoolExecutor(count, initializer=_start)
     try:
-        with ProcessPoolExecutor(count, initializer=_start) as processes:
-            yield processes.map(function, items)
+        yield processes.map(function, items)
     except BrokenProcessPool as error:
         raise InputError(
             "a process that read recordings ended early, perhaps for lack of memory; "
             "end other programs, or check a study of fewer recordings"
         ) from error
+    finally:
+        processes.shutdown(cancel_futures=True)
 
 
 def _start() -> None:
