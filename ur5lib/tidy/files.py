@@ -12,12 +12,11 @@ from ur5lib.records.account import NOTHING
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
-from ur5lib.report.page.findings import sentence, worded
+from ur5lib.report.page.findings import SAME_RUN, sentence, worded
 from ur5lib.signals.clock import SettledClock
 from ur5lib.tidy import Row
 
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
-SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
@@ -130,20 +129,17 @@ def name_copies(quality: pd.DataFrame) -> pd.DataFrame:
 def _repeated(runs: pd.DataFrame) -> dict[Any, Row]:
     """Return the findings of the runs that several recordings hold, by their places."""
     by_name = zip(runs["recording"], runs["detail"].fillna("").astype(str), strict=True)
-    others: dict[str, list[str]] = {name: [] for name in runs["recording"]}
+    holders: dict[str, set[str]] = {name: {name} for name in runs["recording"]}
     for one, other in same_runs({name: [*map(int, rows.split())] for name, rows in by_name}):
-        others[one].append(other)
-        others[other].append(one)
-    return {
-        at: {
-            **row,
-            "severity": "stop",
-            "count": len(others[row["recording"]]),
-            "detail": sentence(SAME_RUN, {"others": others[row["recording"]]}),
-        }
-        for at, row in runs.iterrows()
-        if others[row["recording"]]
-    }
+        holders[one].add(other)
+        holders[other].add(one)
+    repeated = {}
+    for at, row in runs.iterrows():
+        names = [name for name in holders if name in holders[row["recording"]]]
+        if len(names) > 1:
+            detail = sentence(SAME_RUN, {"names": names})
+            repeated[at] = {**row, "severity": "stop", "count": len(names) - 1, "detail": detail}
+    return repeated
 
 
 def _copy(row: pd.Series, alike: pd.DataFrame) -> Row:
