@@ -125,7 +125,7 @@ def import_(
     """Write the study entry of recordings, with what is proven, assumed, or to be checked."""
     typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
     _use_one_thread()
-    from ur5lib.commands.console import announced
+    from ur5lib.commands.console import announced, text_console
     from ur5lib.commands.exported import described
     from ur5lib.importing.contents import UserStatement
     from ur5lib.importing.files import (
