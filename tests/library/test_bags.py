@@ -81,9 +81,8 @@ def test_an_order_that_no_message_names_is_not_proven(tmp_path: Path, made: Made
         write_bag(tmp_path / "run.bag", made[0], kept, names=names)
         (found,) = import_files([tmp_path / "run.bag"], UserStatement("ur5"))
         assert {"actual_q", "actual_qd"} <= found.entry["channels"].keys()
-        about_order = [line for line in found.comments if "joints' order" in line]
-        assert about_order
-        assert all(line.startswith("# check") for line in about_order)
+        orders = [row.confidence for row in found.account if row.subject == "the joints' order"]
+        assert orders == ["check"]
 
 
 def test_names_of_another_topic_do_not_doubt_the_arm_s(tmp_path: Path, made: Made) -> None:
@@ -91,7 +90,8 @@ def test_names_of_another_topic_do_not_doubt_the_arm_s(tmp_path: Path, made: Mad
     wrench = np.ones((len(made[0]), 6))
     write_bag(tmp_path / "run.bag", made[0], kept, wrench=wrench)
     (found,) = import_files([tmp_path / "run.bag"], UserStatement("ur5"))
-    assert any(line.startswith("# proven: the joints' order, by") for line in found.comments)
+    orders = [row.evidence for row in found.account if row.subject == "the joints' order"]
+    assert orders == ["name"]
 
 
 ARM = tuple(f"a{joint}" for joint in range(1, 8))

@@ -1,6 +1,6 @@
 """What import states about a file, gathered into one row for each of its columns."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol, get_args
 
@@ -72,13 +72,13 @@ class Account:
         return [*self.of_file, *_merged(joined)]
 
 
-def _joined(told: Iterable[AccountRow], meaning: str) -> AccountRow:
+def _joined(told: Sequence[AccountRow], meaning: str) -> AccountRow:
     """Return the one row of a block's statements, the weightiest first.
 
-    meaning: empty where the block is left out, whatever else was found about it.
+    meaning: empty where the block is left out: then it says why, not what else was found about it.
     """
-    weight = [*WEIGHT] if meaning else [*reversed(WEIGHT)]
-    ordered = sorted(told, key=lambda row: weight.index(row.confidence))
+    kept = [row for row in told if meaning or row.confidence == "left out"] or [*told]
+    ordered = sorted(kept, key=lambda row: WEIGHT.index(row.confidence))
     return AccountRow(
         ordered[0].subject,
         meaning or NOTHING,

@@ -13,10 +13,11 @@ from ur5lib.importing.account import Account
 from ur5lib.importing.spellings import (
     GRIPPER_WORDS,
     WHOLE_NAMES,
-    kind_of_joints,
     kind_of_quantity,
+    names_positions,
     place_of,
     quantity,
+    without_unit,
     words,
 )
 from ur5lib.recordings.entries import OPPOSITE_SIGN
@@ -28,6 +29,7 @@ JOINTS_OF_UR = 6
 OTHER_JOINT_COUNTS = (4, 5, 7, 8, 9)  # a gripper's fingers among them
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 MIN_MOTORS = 4  # of an arm
+AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,8 @@ class ColumnBlock:
 
     names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
     time stamps; factors: by which the file's numbers were multiplied, none if they are as read;
-    joints: of the file's arm; stated: the channel that the user gives it.
+    joints: of the file's arm; stated: its meaning, where the user, the numbers or the whole of
+    which it is a part tell it, and not its own name.
     """
 
     names: tuple[str, ...]
@@ -57,9 +60,9 @@ class ColumnBlock:
         unit_names = {1.0: None, -1.0: OPPOSITE_SIGN, 1e-3: "mA"}
         return unit_names.get(whole[0], whole) if len({*whole}) == 1 else whole
 
-    def without(self, column: int) -> "ColumnBlock":
-        """Return the block without a column; those of an array have its name and a number."""
-        kept = [k for k in range(self.rows.shape[1]) if k != column]
+    def only(self, kept: Iterable[int]) -> "ColumnBlock":
+        """Return the block of some columns; those of an array have its name and a number."""
+        kept = [*kept]
         every = self.names if len(self.names) > 1 else [f"{self.names[0]}_{k}" for k in range(9)]
         return replace(self, names=tuple(every[k] for k in kept), rows=self.rows[:, kept])
 
@@ -82,11 +85,16 @@ class ColumnBlock:
 
 
 def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
-    """Return the names of each quantity's columns, by their places."""
+    """Return the names of each quantity's columns, by their places.
+
+    Joints and axes of one name (`torque_0`, `torque_x`) are two quantities, and so is a place's
+    second column.
+    """
     stems = defaultdict[str, dict[int, str]](dict)
     for name in names:
         stem, place = place_of(name)
-        stems[stem][place] = name
+        stem += "_axes" if without_unit(name).endswith(AXES) else ""
+        stems[name if place in stems[stem] else stem][place] = name
     return stems
 
 
@@ -113,7 +121,7 @@ def _by_motor(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
     """Yield the columns of a quantity that are named by motor and quantity, as elbow_flex.pos."""
     tails = defaultdict[tuple[str, str], list[str]](list)
     for name in names:
-        path, _, leaf = name.rpartition("/")
+        path, _, leaf = without_unit(name).rpartition("/")
         motor, mark, tail = leaf.rpartition(".") if "." in leaf else leaf.rpartition("_")
         if mark and kind_of_quantity(tail) and not words(motor) & GRIPPER_WORDS:
             tails[path, mark + tail].append(name)
@@ -145,9 +153,7 @@ def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
 
     Raises InputError where they are more than an arm's.
     """
-    counts = {
-        block.rows.shape[1]: block.title for block in blocks if kind_of_joints(block.stem()) == "q"
-    }
+    counts = {block.rows.shape[1]: block.title for block in blocks if names_positions(block.stem())}
     others = max((count for count in counts if count in OTHER_JOINT_COUNTS), default=JOINTS_OF_UR)
     if JOINTS_OF_UR in counts:
         return JOINTS_OF_UR
@@ -167,18 +173,19 @@ def without_gripper(
     It is the only one whose positions are small numbers above zero, or else the last.
     """
     wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
-    positions = [b for b in wide if b.is_nameless() or kind_of_joints(b.stem()) == "q"]
-    whole = any(b.rows.shape[1] == joints and kind_of_joints(b.stem()) == "q" for b in blocks)
+    positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
+    whole = any(b.rows.shape[1] == joints and names_positions(b.stem()) for b in blocks)
     if whole or not positions:
         return [*blocks]
     low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
     inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
     column = int(inside[0]) if len(inside) == 1 else joints
-    kept = [b.without(column) if any(b is one for one in wide) else b for b in blocks]
+    kept = [k for k in range(joints + 1) if k != column]
+    parts = [b.only(kept) if any(b is one for one in wide) else b for b in blocks]
     for block in wide:
         named = block.names[column] if len(block.names) > 1 else f"{block.title}_{column}"
         of_gripper = (
             f"one more than {joints} joints: taken for a gripper's; else --columns names it"
         )
         account.state("check", (named,), named, "numbers", of_gripper)
-    return kept
+    return parts

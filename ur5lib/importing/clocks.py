@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.spellings import CLOCK_NAME, named_unit
 from ur5lib.recordings.arrays import seconds_of
 from ur5lib.recordings.bunched_stamps import close_rows, even_times
@@ -38,13 +39,16 @@ class FileClocks(NamedTuple):
 
 
 def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClocks:
-    """Return the clocks among arrays: those with the name of one, or else the first array.
+    """Return the clocks among arrays: those with the name of one, or else the first array; where
+    no column has a name, the first or the last one.
 
     stated: the unit that the user gives.
     """
-    named = [name for name in arrays if CLOCK_NAME.search(name)]
-    stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
+    named, ends = [name for name in arrays if CLOCK_NAME.search(name)], [*arrays][:1]
+    ends += [*arrays][-1:] if "".join(ends).startswith(NAMELESS_PREFIX) else []
+    stamps = {name: seconds_of(arrays[name]) for name in named or ends}
     stamps = {name: values for name, values in stamps.items() if is_clock(values)}
+    stamps = stamps if named else dict([*stamps.items()][:1])
     if not named and any((np.diff(values) == 1).all() for values in stamps.values()):
         return FileClocks({}, {}, dict.fromkeys(stamps, "it counts the rows"))
     units = {name: unit for name, values in stamps.items() if (unit := _unit(name, values, stated))}

@@ -9,7 +9,6 @@ import numpy as np
 from ur5lib.channels import CHANNELS
 from ur5lib.checks.arm import MAX_CONSTANT_RATIO, torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
-from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT
 from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
 from ur5lib.checks.readings import CLEAR_LEAD, Order, readings, unit_scores, usual_orders
@@ -19,6 +18,7 @@ from ur5lib.importing.contents import FileContents
 from ur5lib.importing.identity import ArmIdentity, tells_columns
 from ur5lib.importing.spellings import is_of_motors, named_unit
 from ur5lib.recordings.delimited import number_in
+from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -30,7 +30,8 @@ LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
 MAX_FACTOR_RATIO = 1.15  # of the largest to the smallest factor of joints that tell the same
 MIN_BEARING_JOINTS = 2  # that tell a unit together
-MIN_TURNING_JOINTS = 3  # that turn both ways, where efforts have both signs
+MIN_FOLDED_JOINTS = 3  # whose efforts would change their sign
+FOLDED_SHARE = 0.02  # of the largest effort, to which one that changes its sign falls
 UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and --unit name it"
 LESS_GRAVITY_REASON = (
     "in Nm, less gravity, which does not explain it as it explains every current and motor torque; "
@@ -114,14 +115,15 @@ def is_torque_of_joints(block: ColumnBlock) -> bool:
     return block.meaning() in (TORQUE_CHANNEL, "actual_torque") and not is_of_motors(block.stem())
 
 
-def is_rectified(block: ColumnBlock, velocity: Array) -> bool:
-    """Return whether efforts lost their sign: none is negative, though joints turn both ways.
+def is_frozen(block: ColumnBlock) -> bool:
+    """Return whether no number of an effort changes."""
+    return not np.diff(block.rows, axis=0).any()
 
-    velocity: (N, n), columns as in the block.
-    """
-    low, high = np.nanmin(velocity, axis=0), np.nanmax(velocity, axis=0)
-    both_ways = (low < -MIN_MOVING_SPEED) & (high > MIN_MOVING_SPEED)
-    return int(both_ways.sum()) >= MIN_TURNING_JOINTS and bool(np.nanmin(block.rows) >= 0)
+
+def is_rectified(block: ColumnBlock) -> bool:
+    """Return whether efforts lost their sign: none is negative, though several fall to zero."""
+    low, high = np.nanmin(block.rows, axis=0), np.nanmax(block.rows, axis=0)
+    return bool((low >= 0).all()) and int((low < FOLDED_SHARE * high).sum()) >= MIN_FOLDED_JOINTS
 
 
 def _step(sizes: Array) -> float:
@@ -143,11 +145,11 @@ def _step(sizes: Array) -> float:
     return np.nan
 
 
-def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
-    """Return whether an effort has the opposite sign: with it, friction would drive the joints.
+def lead_of_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> float:
+    """Return by how much of log-likelihood gravity explains an effort better with the opposite
+    sign, 0 unless as read friction would drive the joints.
 
-    Only where gravity agrees: it explains the turned effort far better. Joints that sense their
-    torque have no friction; turned, these must hold the arm's gravity.
+    Joints that sense their torque have no friction; turned, these must hold the arm's gravity.
     """
     effort, brakes = means.currents[name], []
     for column in range(effort.shape[1]):
@@ -158,10 +160,10 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
     fits = [torque_constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
     if sum(brakes) >= 0 and not any(fit.ratio and not fit.foreign() for fit in fits):
-        return False
+        return 0.0
     orders = usual_orders(effort.shape[1])
     as_read, turned = (readings(way, arms, orders)[0].score for way in ways)
-    return turned - as_read > CLEAR_LEAD
+    return turned - as_read if turned - as_read > CLEAR_LEAD else 0.0
 
 
 def name_efforts(
@@ -286,7 +288,11 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
         return given
     peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[CURRENT_CHANNEL].bound
     if named == "A" and peak > bound and not shown.is_of_a_factor("mA"):
-        account.hold("proven", block, "numbers", f"in mA: {peak:.3g} A are more than {bound:g} A")
+        sure: Confidence = "check" if shown.contradicts("mA") else "assumed"
+        sure = "proven" if shown.constants and sure != "check" else sure
+        told = f"; {shown.in_words()}" if shown.constants else ""
+        too_many = f"in mA: {peak:.3g} A are more than {bound:g} A{told}"
+        account.hold(sure, block, "numbers", too_many)
         return "mA"
     best, lead = shown.likeliest()
     without_name = not named and block.meaning() != "effort"
@@ -336,8 +342,11 @@ def _targets(efforts: Sequence[ColumnBlock], file: FileContents) -> list[ColumnB
     ]
     for effort, size in zip(nameless, rough, strict=True):
         if any(effort is one for one in smooth):
-            noise = f"a target: its noise is {size / max(rough):.1%} of that of the roughest effort"
-            file.account.hold("proven", effort, "numbers", noise)
+            noise = (
+                f"computed, as a target: its noise is {size / max(rough):.1%} of that of the "
+                "roughest effort; gravity alone has as little: --columns tells which it is"
+            )
+            file.account.hold("check", effort, "numbers", noise)
     return [*named, *smooth]
 
 

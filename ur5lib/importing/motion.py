@@ -293,7 +293,8 @@ def _timed(
             "rate",
             f"{rate:g} Hz",
             "numbers",
-            f"{position.title} changes by {velocity.title} at {rate:g} rows a second",
+            f"{position.title} changes by {velocity.title} at {rate:g} rows a second; at "
+            f"{2 * rate:g}, it would change twice as fast",
         )
         stamps = np.arange(len(rows)) / rate
         return file.on_clock(ROW_CLOCK, ROW_CLOCK, stamps, "s"), rate, False

@@ -18,18 +18,26 @@ from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
     in_stated_unit,
-    is_opposite,
+    is_frozen,
     is_rectified,
     is_torque_of_joints,
+    lead_of_opposite,
     name_efforts,
 )
 from ur5lib.importing.identity import arms_of, identified, tells_columns
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.spellings import CLOCK_NAME, is_of_motors, unused
-from ur5lib.importing.wrenches import CONTACT_FORCE, change, frame_of, wrench_blocks
+from ur5lib.importing.wrenches import (
+    CONTACT_FORCE,
+    change,
+    frame_of,
+    with_parted_wrench,
+    wrench_blocks,
+)
 from ur5lib.recordings.delimited import number_in
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.plausibility import SMALLEST_VALUE
 from ur5lib.records.account import Confidence, Evidence
 from ur5lib.timeseries.arrays import Array
 
@@ -41,9 +49,11 @@ MAX_GAP = 0.1  # s, that is filled before means are taken
 MAX_NAMELESS_EFFORTS = 8  # that gravity is asked about, of a table without names
 COMPARED_ROWS = 2000  # by which these are chosen
 RECTIFIED_REASON = (
-    "never negative on joints that turn both ways: without its sign, it tells no torque"
+    "never negative, though it often falls to zero: without its sign, it tells no torque"
 )
+FROZEN_REASON = "no number of it changes, so it was not measured"
 SILENT_REASON = "zero throughout, so not recorded"
+STRAY_REASON = f"stray bytes, nearer to zero than {SMALLEST_VALUE:g}: not recorded"
 OTHER_CLOCK = "another clock; the rows are timed by the one above"
 FURTHER_CHANNELS = (
     "joint_control_output",
@@ -85,7 +95,7 @@ class Proposal:
 
 def propose(file: FileContents) -> Proposal:
     """Return the proposal for a file. Raises InputError where it holds no positions."""
-    moving = find_motion(file)
+    moving = find_motion(with_parted_wrench(file))
     file, clock = moving.file, moving.position.clock
     efforts = {
         f"effort{k}": in_stated_unit(block, file) for k, block in enumerate(_efforts(moving))
@@ -128,10 +138,12 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
     Beside recorded channels, a file may hold what was computed from them.
     """
     efforts = sorted(moving.beside(EFFORT_MEANINGS), key=lambda block: is_of_motors(block.stem()))
-    account, speed = moving.file.account, moving.blocks.get("actual_qd", moving.position).rows
+    account = moving.file.account
     of_joints = [block for block in efforts if is_torque_of_joints(block)]
     for block in efforts:
-        if "actual_qd" in moving.blocks and is_rectified(block, speed):
+        if is_frozen(block):
+            account.exclude(block, FROZEN_REASON)
+        elif is_rectified(block):
             account.exclude(block, RECTIFIED_REASON)
         elif of_joints and is_of_motors(block.stem()):
             account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
@@ -178,10 +190,13 @@ def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
     arms = [described(name) for name in ([stated] if stated else arms_of(file))]
     arms = [*filter(tells_columns, arms)]
     for name, block in efforts.items():
-        if arms and is_opposite(means, name, arms):
+        if arms and (lead := lead_of_opposite(means, name, arms)):
             efforts[name] = block.scaled(-1.0)
             means.currents[name] *= -1
-            turned = "it has the opposite sign: else friction would drive, and gravity agrees"
+            turned = (
+                "it has the opposite sign: else friction would drive, and gravity explains it so "
+                f"by {lead:.3g} of log-likelihood before the sign as read"
+            )
             file.account.hold("proven", block, "numbers", turned)
 
 
@@ -231,14 +246,12 @@ def _doubt_numbers(moving: ImportedMotion, why: str) -> None:
 def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
     """Return whether a wrench shows a contact."""
     most = change(wrench) if wrench else 0.0
+    changes = f"the force changes by {most:.3g} N; without contact by {CONTACT_FORCE:.0f} at most"
     if most > CONTACT_FORCE:
-        reason = (
-            f"the force changes by {most:.0f} N; without contact by {CONTACT_FORCE:.0f} at most"
-        )
-        file.account.tell("proven", "role", "contact", "numbers", reason)
+        file.account.tell("proven", "role", "contact", "numbers", changes)
         return True
-    reason = "nothing touches the arm; otherwise write contact"
-    file.account.tell("assumed", "role", "fit", "position", reason)
+    shown = changes if wrench else "nothing touches the arm; otherwise write contact"
+    file.account.tell("assumed", "role", "fit", "numbers" if wrench else "position", shown)
     return False
 
 
@@ -251,7 +264,7 @@ def _account_for_the_rest(proposal: Proposal) -> None:
     if file.header.layout:
         account.tell("assumed", "columns", f"those of {file.header.layout}", "position", "as many")
     for block in file.silent:
-        account.exclude(block, SILENT_REASON if np.isfinite(block.rows).any() else "no numbers")
+        account.exclude(block, _why_silent(block.rows))
     taken = {b.names for blocks in (*proposal.channels.values(), proposal.sensor) for b in blocks}
     for name in file.clocks.stamps:
         by: Evidence = "name" if CLOCK_NAME.search(name) else "position"
@@ -263,6 +276,12 @@ def _account_for_the_rest(proposal: Proposal) -> None:
             account.hold("assumed", block, "option" if block.stated else "name", "")
         elif block.names not in taken and block.names not in account.excluded:
             account.exclude(block, unused(block.stem()), "name")
+
+
+def _why_silent(rows: Array) -> str:
+    if not np.isfinite(rows).any():
+        return "no numbers"
+    return STRAY_REASON if np.nan_to_num(rows).any() else SILENT_REASON
 
 
 def is_clockless(proposal: Proposal) -> bool:

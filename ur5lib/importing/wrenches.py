@@ -1,6 +1,7 @@
 """The frame and the sign of a wrench: those in which it explains the efforts."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import permutations
 from typing import NamedTuple
 
@@ -35,12 +36,25 @@ class WrenchFrame(NamedTuple):
         return self.by_arm == (self.axes == "flange" or arm.wrist_sensor)
 
 
+def with_parted_wrench(file: FileContents) -> FileContents:
+    """Return a file with force and torque as two blocks, where one of six columns holds both."""
+    parts = [
+        part
+        for block in file.blocks
+        for part in (_parted(block) if block.meaning() == "wrench" else [block])
+    ]
+    return replace(file, blocks=parts)
+
+
+def _parted(wrench: ColumnBlock) -> list[ColumnBlock]:
+    return [
+        replace(wrench.only(range(k, k + 3)), stated=meaning)
+        for k, meaning in ((0, "force"), (3, "torque"))
+    ]
+
+
 def wrench_blocks(file: FileContents, clock: str) -> list[ColumnBlock]:
     """Return the blocks of force and torque, that of a force alone, or none."""
-    whole = file.meant("wrench", clock)
-    if whole is not None and len(whole.names) == 6:
-        parts = [(whole.names[k : k + 3], whole.rows[:, k : k + 3]) for k in (0, 3)]
-        return [ColumnBlock(names, rows, whole.clock) for names, rows in parts]
     force, torque = (file.meant(meaning, clock) for meaning in ("force", "torque"))
     return [block for block in (force, torque) if block is not None] if force else []
 
