@@ -300,6 +300,12 @@ def test_rows_of_topics_of_their_own_prove_velocities(tmp_path: Path) -> None:
     sparse = pd.concat([joints, speeds]).sort_values("time")
     (one,) = imported({name: sparse[name].to_numpy() for name in sparse}, tmp_path)
     assert row_of(one, "qd_0").confidence == "proven"
+    forces = pd.DataFrame({"time": TIME + 1.1e-3} | columns(force=FORCE))
+    warm = pd.DataFrame({"time": TIME + 1.2e-3} | columns(joint_temperatures=FORCE + 30))
+    sparse = pd.concat([joints, speeds, forces, warm]).sort_values("time")
+    (one,) = imported({name: sparse[name].to_numpy() for name in sparse}, tmp_path)
+    assert row_of(one, "time").reason == ""  # no bunches of rows
+    assert not [row for row in one.account if row.subject == "recording"]
 
 
 def lerobot(folder: Path, named: bool) -> Path:

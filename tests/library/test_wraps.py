@@ -167,8 +167,8 @@ def test_a_file_with_angles_from_0_to_360_degrees_is_imported_and_read(
     pd.DataFrame({"time": rows["time"], **degrees, **speeds}).to_csv(path, index=False)
     (found,) = import_files([path], UserStatement("ur5"))
     assert found.entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
-    assert any("wraps by 360° in columns 1" in line for line in found.comments)
-    assert not any("not the derivative" in line for line in found.comments)
+    assert any("wraps by 360° in columns 1" in row.reason for row in found.account)
+    assert not any("not the derivative" in row.reason for row in found.account)
     taken = read_and_check(found.entry, ur5, 0.1)
     (note,) = (one for one in taken.quality.findings if one.finding == "wrapped angles")
     assert note.severity == "note"

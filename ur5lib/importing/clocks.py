@@ -69,14 +69,16 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
 
 def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:
     """Return whether rows close to the one before hold other data; a log that was polled faster
-    than the robot sends repeats them. close: by step (N - 1,).
+    than the robot sends repeats them, and one of several topics leaves cells empty.
+
+    close: by step (N - 1,).
     """
     beside = (values for values in arrays if values.shape == (len(close) + 1,))
     columns = (
         array.T if len(array) > len(array.T) else array for array in arrays if array.ndim == 2
     )
     wide = (row for array in columns for row in array if len(row) == len(close) + 1)
-    changes = [float(np.mean(np.diff(values)[close] != 0)) for values in (*beside, *wide)]
+    changes = [float(np.mean(np.abs(np.diff(values)[close]) > 0)) for values in (*beside, *wide)]
     return max(changes, default=0.0) > MIN_SHARE_OF_NEW_ROWS
 
 

@@ -25,6 +25,8 @@ def with_lists_apart(block: bytes) -> bytes:
     begin = block.rfind(b"\n", 0, start) + 1
     above, head = block[:begin].rstrip(b"\n").rpartition(b"\n")[::2]
     named, rows = LETTER.search(NUMBER_WORDS.sub(b"", head)) is not None, block[begin:]
+    if begin and not named:
+        return block
     first = LIST.sub(lambda found: PLACE * _count(found), rows[:HEAD_BYTES]).partition(b"\n")[0]
     mark = next((mark for mark in (b";", b"\t", b",") if mark in first), b",")
     apart = LIST.sub(lambda found: _apart(found, mark), rows)
