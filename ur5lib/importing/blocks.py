@@ -22,6 +22,7 @@ from ur5lib.importing.spellings import (
 )
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.rosbag import JOINTS, joint_order
+from ur5lib.records.account import Evidence
 from ur5lib.timeseries.arrays import Array
 
 NAMELESS_PREFIX = "column "  # and its number: a column of a table without a header
@@ -70,6 +71,11 @@ class ColumnBlock:
     def title(self) -> str:
         """Return the name, or the first and the last one."""
         return self.names[0] if len(self.names) == 1 else f"{self.names[0]} … {self.names[-1]}"
+
+    @property
+    def evidence(self) -> Evidence:
+        """Return what tells a block whose numbers prove nothing: the user, its name, its place."""
+        return "option" if self.stated else "position" if self.is_nameless() else "name"
 
     def is_nameless(self) -> bool:
         """Return whether the block is from a table without a header."""

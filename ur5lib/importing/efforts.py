@@ -89,14 +89,10 @@ def _without_constants(
     if not before.contradicts("A"):
         return block, means
     constants = ", ".join(f"{abs(1 / factor):.4g}" for factor in factors)
-    account.hold(
-        "proven",
-        block,
-        "numbers",
-        f"a current rounded to {1e3 * ROUNDING_STEP:.0f} mA, times a driver's constants (joint by "
-        f"joint {constants} Nm/A): whole multiples of these alone; without them, gravity tells "
-        f"{after.constants_in_words()}, with them {before.constants_in_words()}",
-    )
+    steps = f"a current rounded to {1e3 * ROUNDING_STEP:.0f} mA, times a driver's constants (joint "
+    steps += f"by joint {constants} Nm/A): whole multiples of these alone; without them, gravity "
+    tells = f"tells {after.constants_in_words()}, with them {before.constants_in_words()}"
+    account.hold("proven", block, "numbers", steps + tells)
     return divided, trial
 
 
@@ -137,11 +133,8 @@ def _step(sizes: Array) -> float:
             return np.nan
         step = levels @ counts / (counts @ counts)
         if np.abs(levels - step * counts).max() < 0.01 * step:  # not its half or third as well
-            return (
-                float(step)
-                if LARGEST_MULTIPLE_RANGE[0] < counts.max() < LARGEST_MULTIPLE_RANGE[1]
-                else np.nan
-            )
+            least, most = LARGEST_MULTIPLE_RANGE
+            return float(step) if least < counts.max() < most else np.nan
     return np.nan
 
 
@@ -182,17 +175,13 @@ def name_efforts(
         if means and telling:
             known = means, telling, identity.order, file.account
             blocks[name], means = _without_constants(name, block, *known)
-    units = {
-        name: _unit(block, _shown_by_gravity(means, telling, name), file)
-        for name, block in blocks.items()
-    }
-    targets = _targets([blocks[name] for name, unit in units.items() if unit], file)
+    shown = {name: _shown_by_gravity(means, telling, name) for name in blocks}
+    units = {name: _unit(block, shown[name], file) for name, block in blocks.items()}
+    known_units = {name: unit for name, unit in units.items() if unit}
+    targets = _targets([blocks[name] for name in known_units], file)
     channels: dict[str, ColumnBlock] = {}
-    for name, block in blocks.items():
-        unit = units[name]
-        if unit is None:
-            continue
-        target = any(block is other for other in targets)
+    for name, unit in known_units.items():
+        block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
         if channel == TORQUE_CHANNEL and arm and (arm.senses_torque() or not arm.is_ur()):
             channel = "actual_torque"
@@ -249,10 +238,8 @@ class GravityShown(NamedTuple):
     def in_words(self) -> str:
         """Return the likeliest unit and its rival, and the constants beside the maker's."""
         best, rival, *_ = sorted(self.scores, key=lambda unit: -self.scores[unit])
-        tells = (
-            f"gravity tells {UNIT_WORDS[best]}, by {self.scores[best] - self.scores[rival]:.3g} of "
-            f"log-likelihood before {UNIT_WORDS[rival]}"
-        )
+        before = f"log-likelihood before {UNIT_WORDS[rival]}"
+        tells = f"gravity tells {UNIT_WORDS[best]}, by {self.likeliest()[1]:.3g} of {before}"
         return f"{tells}: {self.constants_in_words()}" if self.constants else tells
 
     def constants_in_words(self) -> str:
@@ -334,21 +321,15 @@ def _targets(efforts: Sequence[ColumnBlock], file: FileContents) -> list[ColumnB
     """Return the efforts that were computed: by their names, or nameless and without noise."""
     named = [effort for effort in efforts if (effort.meaning() or "").startswith("target")]
     nameless = [effort for effort in efforts if effort.is_nameless()]
-    rough = [float(np.nanmedian(roughness(effort.rows) / _spread(effort))) for effort in nameless]
-    smooth = [
-        effort
-        for effort, roughness_of_effort in zip(nameless, rough, strict=True)
-        if roughness_of_effort < MAX_ROUGHNESS_RATIO * max(rough)
+    spreads = [np.nanstd(effort.rows, axis=0) + SMALLEST_SIZE for effort in nameless]
+    rough = [
+        float(np.nanmedian(roughness(effort.rows) / spread))
+        for effort, spread in zip(nameless, spreads, strict=True)
     ]
     for effort, size in zip(nameless, rough, strict=True):
-        if any(effort is one for one in smooth):
-            noise = (
-                f"computed, as a target: its noise is {size / max(rough):.1%} of that of the "
-                "roughest effort; gravity alone has as little: --columns tells which it is"
-            )
-            file.account.hold("check", effort, "numbers", noise)
-    return [*named, *smooth]
-
-
-def _spread(block: ColumnBlock) -> Array:
-    return np.asarray(np.nanstd(block.rows, axis=0) + SMALLEST_SIZE)
+        if size < MAX_ROUGHNESS_RATIO * max(rough):
+            noise = f"computed: its noise is {size / max(rough):.1%} of that of the roughest effort"
+            either = "a target, or gravity alone, which is as smooth: --columns tells which"
+            file.account.hold("check", effort, "numbers", f"{noise}; {either}")
+            named.append(effort)
+    return named

@@ -48,18 +48,13 @@ MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
 MAX_GAP = 0.1  # s, that is filled before means are taken
 MAX_NAMELESS_EFFORTS = 8  # that gravity is asked about, of a table without names
 COMPARED_ROWS = 2000  # by which these are chosen
-RECTIFIED_REASON = (
-    "never negative, though it often falls to zero: without its sign, it tells no torque"
-)
+RECTIFIED_REASON = "never negative, though it falls to zero: without its sign, it tells no torque"
 FROZEN_REASON = "no number of it changes, so it was not measured"
 SILENT_REASON = "zero throughout, so not recorded"
 STRAY_REASON = f"stray bytes, nearer to zero than {SMALLEST_VALUE:g}: not recorded"
 OTHER_CLOCK = "another clock; the rows are timed by the one above"
 FURTHER_CHANNELS = (
-    "joint_control_output",
-    "actual_TCP_pose",
-    "actual_TCP_force",
-    "actual_TCP_speed",
+    *("joint_control_output", "actual_TCP_pose", "actual_TCP_force", "actual_TCP_speed"),
     "joint_temperatures",
 )
 
@@ -88,6 +83,11 @@ class Proposal:
         return self.moving.file
 
     @property
+    def force_channels(self) -> dict[str, list[ColumnBlock]]:
+        """Return the blocks of the force sensor by channel."""
+        return {n: [block] for n, block in zip(("ft_f", "ft_t"), self.sensor, strict=False)}
+
+    @property
     def clock(self) -> str:
         """Return the name of the robot's time stamps."""
         return self.moving.position.clock
@@ -97,9 +97,7 @@ def propose(file: FileContents) -> Proposal:
     """Return the proposal for a file. Raises InputError where it holds no positions."""
     moving = find_motion(with_parted_wrench(file))
     file, clock = moving.file, moving.position.clock
-    efforts = {
-        f"effort{k}": in_stated_unit(block, file) for k, block in enumerate(_efforts(moving))
-    }
+    efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
     if means:
@@ -117,10 +115,9 @@ def propose(file: FileContents) -> Proposal:
     units |= {n: unit for n, unit in words.items() if n in channels}
     pushed = _pushed(wrench, file)
     measured = [block.names for name, block in named.items() if name.startswith("actual")]
-    proving = [name for name, block in efforts.items() if block.names in measured][:1]
-    alone = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
-    proof = alone if pushed and proving else None
-    frame = frame_of(wrench, proof, loads, robot, file) if wrench else None
+    proving = [n for n, block in efforts.items() if block.names in measured][:1] if pushed else []
+    proof = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
+    frame = frame_of(wrench, proof if proving else None, loads, robot, file) if wrench else None
     opposite, sensor = bool(frame and robot and frame.is_opposite(robot)), list[ColumnBlock]()
     if frame and frame.axes == "flange":
         sensor = wrench
@@ -153,12 +150,11 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
     names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
     if "actual_current" not in names:
         return efforts
-    computed = [b for b, n in zip(efforts, names, strict=True) if n not in UNITS_BY_CHANNEL]
-    for block in computed:
-        account.exclude(
-            block, "beside actual_current: computed from it, or of another kind", "name"
-        )
-    return [block for block in efforts if all(block is not other for other in computed)]
+    beside = "beside actual_current: computed from it, or of another kind"
+    for block, name in zip(efforts, names, strict=True):
+        if name not in UNITS_BY_CHANNEL:
+            account.exclude(block, beside, "name")
+    return [block for block in efforts if block.names not in account.excluded]
 
 
 def _following_the_motion(
@@ -177,11 +173,11 @@ def _following_the_motion(
     explained = ((basis.T @ centred) ** 2).sum(axis=0) / ((centred**2).sum(axis=0) + 1e-300)
     shares = np.median(explained.reshape(len(efforts), -1), axis=1)
     least = float(np.sort(shares)[-MAX_NAMELESS_EFFORTS])
+    better = f"the joints' motion explains less of it than of others, {least:.0%} and more"
     for block, share in zip(efforts, shares, strict=True):
         if share < least:
-            better = f"the joints' motion explains less of it than of others, {least:.0%} and more"
             moving.file.account.exclude(block, better)
-    return [block for block, share in zip(efforts, shares, strict=True) if share >= least]
+    return [block for block in efforts if block.names not in moving.file.account.excluded]
 
 
 def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
@@ -193,10 +189,8 @@ def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
         if arms and (lead := lead_of_opposite(means, name, arms)):
             efforts[name] = block.scaled(-1.0)
             means.currents[name] *= -1
-            turned = (
-                "it has the opposite sign: else friction would drive, and gravity explains it so "
-                f"by {lead:.3g} of log-likelihood before the sign as read"
-            )
+            so = f"gravity explains it so by {lead:.3g} of log-likelihood before the sign as read"
+            turned = f"it has the opposite sign: else friction would drive, and {so}"
             file.account.hold("proven", block, "numbers", turned)
 
 
@@ -211,36 +205,27 @@ def _means(
     if wrench:  # a force without moments as if it acted at the flange
         rows = np.hstack([block.rows for block in wrench])
         values["wrench"] = np.pad(rows, ((0, 0), (0, 6 - rows.shape[1])))
-    columns = {
-        f"{name}_{k}": rows[:, k] for name, rows in values.items() for k in range(rows.shape[1])
-    }
-    nothing = np.empty((0, 6))
+    columns = {f"{n}_{k}": part for n, rows in values.items() for k, part in enumerate(rows.T)}
     if moving.still:
-        return None, nothing
+        return None, np.empty((0, 6))
     fresh = np.diff(moving.time, prepend=-np.inf) > 0
     table = pd.DataFrame({"time": moving.time - moving.time[0], **columns})[fresh]
-    # in rad since `find_motion`
     anywhere = dict.fromkeys((f"actual_q_{k}" for k in range(moving.file.joints)), math.inf)
-    table = table.reset_index(drop=True)
+    source, lasts = str(moving.file.path), np.ptp(moving.time)
     try:
-        robot, timing, _ = repair_frames(table, None, MAX_GAP, str(moving.file.path), anywhere)
-        means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
+        whole = table.reset_index(drop=True)
+        robot, timing, _ = repair_frames(whole, None, MAX_GAP, source, anywhere)
+        means = block_means(robot, timing.period, [n for n in values if n not in moving.blocks])
+        if len(means.q) < MIN_BLOCKS:
+            step = np.median(np.diff(moving.time[fresh]))
+            raise InputError(f"it lasts {lasts:.3g} s in steps of {step:.3g} s")
     except InputError as error:
-        _doubt_numbers(moving, str(error))
-        return None, nothing
-    if len(means.q) < MIN_BLOCKS:
-        lasts, step = np.ptp(moving.time), np.median(np.diff(moving.time[fresh]))
-        _doubt_numbers(moving, f"it lasts {lasts:.3g} s in steps of {step:.3g} s")
-        return None, nothing
-    turned = np.ptp(means.q, axis=0) > MIN_TURN
-    loads = means.currents.pop("wrench", nothing)
-    # postures of one kind, seen often
+        short = f"too short, or with too many gaps for numbers to tell more ({error})"
+        moving.file.account.tell("check", "columns", "as named", "name", short)
+        return None, np.empty((0, 6))
+    loads = means.currents.pop("wrench", np.empty((0, 6)))
+    turned = np.ptp(means.q, axis=0) > MIN_TURN  # else postures of one kind, seen often
     return replace(means, offset=bool(turned.sum() < MIN_TURNING_JOINTS)), loads
-
-
-def _doubt_numbers(moving: ImportedMotion, why: str) -> None:
-    reason = f"too short, or with too many gaps for numbers to tell more ({why})"
-    moving.file.account.tell("check", "columns", "as named", "name", reason)
 
 
 def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
@@ -273,7 +258,7 @@ def _account_for_the_rest(proposal: Proposal) -> None:
             account.state(told, (name,), name, by, "" if name == proposal.clock else OTHER_CLOCK)
     for block in file.blocks:
         if block.names in taken and block.names not in account.of_columns:
-            account.hold("assumed", block, "option" if block.stated else "name", "")
+            account.hold("assumed", block, block.evidence, "")
         elif block.names not in taken and block.names not in account.excluded:
             account.exclude(block, unused(block.stem()), "name")
 
@@ -291,11 +276,9 @@ def is_clockless(proposal: Proposal) -> bool:
 
 def meanings(proposal: Proposal) -> dict[tuple[str, ...], str]:
     """Return channel and unit of the blocks that an entry has, by the names of their columns."""
-    sensor = dict(zip(("ft_f", "ft_t"), ([block] for block in proposal.sensor), strict=False))
     told = {
-        block.names: channel
-        + (f" [{proposal.units[channel]}]" if channel in proposal.units else "")
-        for channel, blocks in (proposal.channels | sensor).items()
+        block.names: f"{channel} [{unit}]" if (unit := proposal.units.get(channel)) else channel
+        for channel, blocks in (proposal.channels | proposal.force_channels).items()
         for block in blocks
     }
     unit = proposal.contents.clocks.units.get(proposal.clock, "s")
