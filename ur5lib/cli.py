@@ -3,6 +3,7 @@
 import math
 import os
 import shlex
+import signal
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -72,6 +73,7 @@ def fetch(
     from ur5lib.datasets.fetching import fetch as fetch_dataset
     from ur5lib.workspace.new import copy_study, next_command
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # removes temporary files
     if dataset is None:
         _print(listing())
         return
