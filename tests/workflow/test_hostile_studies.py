@@ -192,3 +192,24 @@ def test_the_usual_study_runs_nothing_either(lab: Workflow, name: str, command: 
     assert done.returncode != 0
     assert "config.yaml: `__use_yte__` tells Snakemake to run code" in done.stderr
     assert not (lab.folder / TRACE).exists()
+
+
+WAYS = {  # to start, from another folder than the project's: there, and with which Snakefile
+    "the root's": ("elsewhere", "Snakefile"),
+    "the catalogue's": ("elsewhere", "workflow/Snakefile"),
+    "in its folder": ("workflow", None),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_study_is_data_wherever_snakemake_starts(lab: Workflow, way: str) -> None:
+    folder, snakefile = WAYS[way]
+    here = Workflow(lab.folder / folder)
+    here.folder.mkdir(exist_ok=True)
+    here.environment |= {"PYTHONPATH": str(lab.folder)}
+    (here.folder / "theirs.yaml").write_text(PROGRAMS["a value"], encoding="utf-8")
+    chosen = ["--snakefile", str(lab.folder / snakefile)] if snakefile else []
+    ran = here.run(*chosen, "--cores", "1", "--dry-run", "--configfile", "theirs.yaml")
+    assert ran.returncode != 0
+    assert "theirs.yaml: `__use_yte__` tells Snakemake to run code" in ran.stdout
+    assert not (here.folder / TRACE).exists()
