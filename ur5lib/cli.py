@@ -42,8 +42,14 @@ def _options(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="the version")
     ] = False,
+    no_extensions: Annotated[
+        bool,
+        typer.Option("--no-extensions", help="run no file of the folder extensions"),
+    ] = False,
 ) -> None:
-    pass
+    from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
+
+    os.environ[USE_VARIABLE] = LEFT_OUT if no_extensions else NAMED
 
 
 @app.command()
