@@ -39,6 +39,7 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
+    context: typer.Context,
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="the version")
     ] = False,
@@ -50,6 +51,7 @@ def _options(
     from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
 
     os.environ[USE_VARIABLE] = LEFT_OUT if no_extensions else NAMED
+    context.call_on_close(lambda: os.environ.pop(USE_VARIABLE, None))
 
 
 @app.command()

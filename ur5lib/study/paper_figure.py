@@ -7,8 +7,9 @@ from pathlib import Path
 
 from ur5lib.errors import InputError, perhaps, some, unknown
 from ur5lib.strict import read_yaml
-from ur5lib.workspace.places import SNAKEFILE
+from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
 
+PROFILE = WORKFLOW / "profiles" / "default"
 FORMATS = ("pdf", "svg", "png")
 WIDTHS, FONT_SIZES = (40, 400), (4, 20)  # mm, points
 
@@ -30,6 +31,7 @@ def paper_figure(
     file, place = f"paper/{figure}_{sizes}.{format}", results.resolve()
     study = str(place / "configuration.yaml")
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE)]
+    command += ["--workflow-profile", str(PROFILE)]  # not one that lies beside the results
     command += ["--configfile", study, "--cores", "1", "--quiet", "all"]
     command += [
         "--allowed-rules",
