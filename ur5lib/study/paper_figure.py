@@ -32,7 +32,7 @@ def paper_figure(
     study = str(place / "configuration.yaml")
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE)]
     command += ["--workflow-profile", str(PROFILE)]  # not one that lies beside the results
-    command += ["--configfile", study, "--cores", "1", "--quiet", "all"]
+    command += ["--configfile", study, "--cores", "1", "--quiet", "rules"]
     command += [
         "--allowed-rules",
         f"paper_{Path(figure).name}",
