@@ -24,6 +24,7 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
+from ur5lib.checks.rectified import rectified_efforts
 from ur5lib.checks.sensed_torques import constant_torques, exchanged_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
@@ -55,8 +56,10 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         return
     yield from foreign_torque(means, arm, checked.payloads)
     yield from tool_off_flange(robot, arm)
+    name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
+    if checked.shows_currents() and checked.tells_signs_by_friction():
+        yield from rectified_efforts(means, loaded, name)
     if checked.delays is not None:  # whatever arm and units are
-        name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
         yield from delayed_currents(checked.delays, checked.driven, name)
     if checked.answers is not None:
         yield from exchanged_currents(checked.answers)
