@@ -10,7 +10,7 @@ from ur5lib.checks.arm import (
     likeliest,
     torque_constants,
 )
-from ur5lib.checks.channels import misread_velocities
+from ur5lib.checks.channels import misread_velocities, untold_motion
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
     exchanged_currents,
@@ -30,6 +30,7 @@ from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.quality import Finding, contradiction
+from ur5lib.tables import channel
 
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
@@ -50,6 +51,8 @@ def stop_signs(checked: Checked) -> list[Finding]:
 def _contradictions(checked: Checked) -> Iterator[Finding]:
     """Yield what contradicts the arm and what it carries, the strongest evidence first."""
     robot, arm, loaded = checked.robot, checked.arm, checked.loaded
+    positions, segment = channel(robot, "actual_q"), robot["segment"].to_numpy()
+    yield from untold_motion(positions, segment, checked.step, arm.velocity_limits())
     yield from misread_velocities(robot, checked.step)
     means = checked.means
     if len(means.q) < MIN_BLOCKS:
