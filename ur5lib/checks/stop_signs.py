@@ -36,6 +36,7 @@ CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far 
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
+    (f"filled_{kind}_{name}" for kind in ("actual", "target") for name in ("q", "current")),
 )
 
 
