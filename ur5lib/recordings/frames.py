@@ -11,6 +11,7 @@ from scipy.interpolate import PchipInterpolator
 from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.bunched_stamps import evenly_stamped
+from ur5lib.recordings.frozen import without_frozen
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
 from ur5lib.records.quality import Finding, add_finding
@@ -81,7 +82,8 @@ def repair_frames(
     _expect_frames(frames, source)
     timing = _timing_of_positions(frames, cycle, source)
     _report_steps(timing, findings)
-    steps, holes, vectors = _steps(frames), _holes(frames), _vectors(frames)
+    holes, frames = _holes(frames), without_frozen(frames, findings)
+    steps, vectors = _steps(frames), _vectors(frames)
     stretches = _stretches(frames, timing, max_gap)
     arrays = {name: frames[name].to_numpy() for names in vectors.values() for name in names}
     del frames

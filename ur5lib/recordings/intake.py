@@ -16,6 +16,7 @@ from ur5lib.recordings.counting import at_the_joints, counted_as
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.frozen import frozen_end
 from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.plausibility import drop_unwritten
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
@@ -194,11 +195,12 @@ def with_slow_sensor(
     raw: RawRecording, frames: pd.DataFrame, findings: list[Finding]
 ) -> tuple[RawRecording, pd.DataFrame]:
     """Return a recording and its robot's frames with the force sensor as a device of its own, where
-    it is slower than the rows of the robot's file.
+    it is slower than the rows of the robot's file, or stays the same from some row on.
     """
     columns = [name for name in FORCE_CHANNELS if name in frames]
     samples = frames[["time", *columns]].dropna() if columns else frames[:0]
-    if fresh_samples(samples[columns].to_numpy(float)) is None:
+    values, time = samples[columns].to_numpy(float), samples["time"].to_numpy(float)
+    if fresh_samples(values) is None and frozen_end(values, time) is None:
         return raw, frames
     log = Log(Path(raw.robot.source), "force", findings)
     record = log.unless_unusable(lambda: repair_samples(samples, log))
