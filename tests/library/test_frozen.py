@@ -51,6 +51,11 @@ def test_frozen_velocities_are_left_out(log: pd.DataFrame) -> None:
     assert len(table) == len(log)
 
 
+def test_an_arm_without_power_that_is_led_by_hand_has_no_currents(log: pd.DataFrame) -> None:
+    log.loc[FROZEN, columns("actual_current")] = 0.0
+    assert repaired(log)[1] == []
+
+
 @pytest.mark.parametrize("seconds", [SINCE, 0.5])
 def test_a_force_that_is_zero_from_some_moment_on_ends_there(
     log: pd.DataFrame, tmp_path: Path, seconds: float

@@ -118,8 +118,8 @@ def _untold_joints(
     """
     farthest = MAX_SPEED_RATIO * period * np.array(velocity_max)
     leaps = (np.abs(np.diff(q, axis=0)) > farthest).any(axis=1)
-    parts = unbroken(segment, np.append(0, np.cumsum(leaps)))
-    parts = [q[part] for part in parts if part.stop - part.start >= MIN_SLOW_SAMPLES]
+    stretches = unbroken(segment, np.append(0, np.cumsum(leaps)))
+    parts = [q[rows] for rows in stretches if rows.stop - rows.start >= MIN_SLOW_SAMPLES]
     if period < SLOW_PERIOD or not parts:
         return []
     missed, bent = (

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import joint_count
-from ur5lib.records.quality import Device, Finding, add_finding
+from ur5lib.records.quality import Device, Finding
 from ur5lib.timeseries.arrays import Array
 
 MIN_FROZEN_TIME = 1.0  # s; in right logs of eight arms, no value of a moving joint lasts for 0.25 s
@@ -82,7 +82,8 @@ def _contradicts(frames: pd.DataFrame, name: str, joint: int, rows: slice) -> bo
     """Return whether a joint's channel cannot stay the same in some rows, in which it moves."""
     part = frames.iloc[rows]
     if name not in ("actual_q", "actual_qd"):
-        return _travels(part, joint)
+        efforts = part[[column for column in part if column.rpartition("_")[0] == name]]
+        return _travels(part, joint) and bool(efforts.any(axis=None))  # an arm without power: none
     time, q = part["time"].to_numpy(float), part[f"actual_q_{joint}"].to_numpy(float)
     if f"actual_qd_{joint}" not in part:
         return False
@@ -124,6 +125,6 @@ def _report(findings: list[Finding], device: Device, frozen: list[Frozen], time:
     values = {
         "names": sorted({one.column for one in frozen}),
         "since_s": float(time[since] - time[0]),
-        "seconds": float(time[until - 1] - time[since]),
+        "seconds": float(np.ptp(time[since:until])),
     }
-    add_finding(findings, device, "frozen channel", "warning", until - since, **values)
+    findings.append(Finding(device, "frozen channel", "warning", until - since, values))
