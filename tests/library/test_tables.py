@@ -19,8 +19,10 @@ from ur5lib.errors import InputError
 from ur5lib.tables import (
     channel,
     named,
+    read_cells,
     read_columns,
     read_csv,
+    read_footer,
     read_json,
     read_record,
     read_table,
@@ -133,6 +135,63 @@ def test_a_full_disk_leaves_the_old_file_and_no_half_one(
     with full_disk(), pytest.raises(InputError, match=r"file cannot be written .*; check .*disk"):
         write(long.get(write, table), path)
     assert [(file.name, file.read_bytes()) for file in tmp_path.iterdir()] == [("file", old)]
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a power failure leaves the name without its content."""
+    path, flushed = tmp_path / "x.json", list[tuple[str, bool]]()
+
+    def fsync(number: int) -> None:
+        flushed.append((Path(f"/proc/self/fd/{number}").read_text(), path.exists()))
+
+    monkeypatch.setattr("os.fsync", fsync)
+    write_json([1], path)
+    assert flushed == [(path.read_text(), False)]
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda _: b"",
+    "cut": lambda data: data[: len(data) // 2],
+    "zeros": lambda data: bytes(len(data)),
+}
+READERS: dict[str, list[Callable[[Path], object]]] = {
+    "x.parquet": [read_table, read_units, read_footer, lambda path: read_columns(path, ["time"])],
+    "x.csv": [read_csv, read_cells],
+    "x.json": [read_json, lambda path: read_record(dict[str, list[float]], path)],
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("name", READERS)
+def test_a_damaged_result_is_named_with_the_command_that_makes_it_anew(
+    table: pd.DataFrame, tmp_path: Path, name: str, damage: str
+) -> None:
+    path = tmp_path / "a study" / name
+    write_table(table, path.with_suffix(".parquet"))
+    write_csv(table, path.with_suffix(".csv"))
+    write_json({"time": table["time"].to_numpy()}, path.with_suffix(".json"))
+    for read in READERS[name]:
+        read(path)
+    path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    for read in READERS[name]:
+        with pytest.raises(InputError) as stop:
+            read(path)
+        sentence = str(stop.value)
+        assert sentence.startswith(f"{path} is damaged (")
+        assert sentence.endswith(f"(rm '{path}'), and run snakemake again")
+        assert "\n" not in sentence
+
+
+def test_pages_cut_out_of_a_table_are_damage(table: pd.DataFrame, tmp_path: Path) -> None:
+    """Its footer, at the end, is whole."""
+    path = tmp_path / "x.parquet"
+    write_table(table, path)
+    content = path.read_bytes()
+    path.write_bytes(content[:4] + bytes(100) + content[104:])
+    with pytest.raises(InputError, match="is damaged"):
+        read_columns(path, ["time"], footer=read_footer(path))
 
 
 @contextmanager

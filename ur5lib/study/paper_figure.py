@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 from ur5lib.errors import InputError, perhaps, some, unknown
-from ur5lib.strict import read_yaml
+from ur5lib.study.reading import read_plain
+from ur5lib.tables import intact
 from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
 
 PROFILE = WORKFLOW / "profiles" / "default"
@@ -64,7 +65,8 @@ def expect_figure(results: Path, figure: str) -> None:
             f"{results} has no figure {figure!r}{near}; run snakemake, or `snakemake figures`, "
             f"which draws those of all recordings; see {results}/figures"
         )
-    name = read_yaml(configuration)["study"]
+    with intact(configuration):
+        name = read_plain(configuration)["study"]
     if results.resolve().parts[-2:] != ("results", name):
         raise InputError(f"{results} was results/{name} when it was made; move it back")
 
