@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 import typer
 
 from ur5lib import __version__
-from ur5lib.errors import InputError, unknown
+from ur5lib.errors import InputError, printable, unknown
 
 Results = Annotated[Path, typer.Argument(help="results of a study: results/<study>")]
 RanStudy = Annotated[
@@ -493,9 +493,18 @@ for command in app.registered_commands:
 
 
 def main() -> None:
-    """Run the command; an InputError is printed as one sentence and gives exit status 1."""
+    """Run the command; an error that a user can correct is one sentence, with exit status 1."""
     try:
         app()
     except InputError as error:
         typer.echo(f"ur5: {error}", err=True)
+        raise SystemExit(1) from error
+    except OSError as error:
+        if error.filename is None:
+            raise
+        typer.echo(
+            f"ur5: {printable(str(error.filename))} cannot be used ({error.strerror}); check its "
+            "name and the permissions",
+            err=True,
+        )
         raise SystemExit(1) from error

@@ -1,5 +1,6 @@
 """The description of any serial arm of revolute joints, from its URDF."""
 
+import math
 import re
 from collections.abc import Iterator
 from contextlib import redirect_stderr
@@ -18,7 +19,7 @@ from ur5lib.robots.description import INVALID_DESCRIPTION, Pose, Robot, mistakes
 from ur5lib.robots.individual import link_matrix, pose_of
 from ur5lib.robots.inertia import joined, tensor
 from ur5lib.robots.statics import STANDARD_GRAVITY
-from ur5lib.strict import expect_file
+from ur5lib.strict import expect_file, quoted
 from ur5lib.timeseries.arrays import Array
 
 MIN_JOINTS = 2
@@ -28,6 +29,7 @@ PLACEHOLDER_MASS, PLACEHOLDER_INERTIA = 1.0, 0.01 * np.eye(3)  # kg, kg m²
 ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s: where a file has no limits
 GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s², in the axes of the base link
 MAX_USUAL_ANGLE, MAX_USUAL_LENGTH = 4 * np.pi, 10.0  # rad, m
+NUMERIC_TAGS = ("origin", "axis", "mass", "inertia", "limit")
 XACRO = "xacro"  # in the names of elements that xacro replaces
 RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
 
@@ -99,10 +101,13 @@ def _read(path: Path) -> Any:
         _keep(root, "link", "joint")
         for link in root.iter("link"):
             _keep(link, "inertial")
+        _expect_finite(root, path)
         with redirect_stderr(StringIO()):  # unknown tags of simulators
             return URDF.from_xml_string(ElementTree.tostring(root))
+    except InputError:
+        raise
     except Exception as error:  # the parser raises whatever its elements do
-        raise InputError(f"{path} is no URDF ({error})") from error
+        raise InputError(f"{path} is no URDF ({' '.join(str(error).split())})") from error
 
 
 def _expect_parts(root: ElementTree.Element, path: Path) -> None:
@@ -122,6 +127,27 @@ def _expect_parts(root: ElementTree.Element, path: Path) -> None:
                     f"{path}: the {end.tag} of {joint.get('name')}, {end.get('link')!r}, is none "
                     "of its links; correct the name, or add the link"
                 )
+
+
+def _expect_finite(root: ElementTree.Element, path: Path) -> None:
+    """Raise InputError for a number of a link or a joint that is NaN or infinite."""
+    for part in root:
+        for element in part.iter():
+            numbers = element.items() if element.tag in NUMERIC_TAGS else ()
+            for key, text in numbers:
+                if any(map(_is_unbounded, text.split())):
+                    raise InputError(
+                        f"{path}: `{key}` in the <{element.tag}> of {part.get('name')} is "
+                        f"{quoted(text)}; give a number"
+                    )
+
+
+def _is_unbounded(word: str) -> bool:
+    """Return whether a word is NaN or an infinite number."""
+    try:
+        return not math.isfinite(float(word))
+    except ValueError:
+        return False
 
 
 def _keep(element: ElementTree.Element, *tags: str) -> None:
@@ -205,11 +231,16 @@ def _hanging_links(
     tree: Any, link: str, place: Array, ends: set[str]
 ) -> Iterator[tuple[str, Array]]:
     """Yield a link and what hangs on it, with poses (4, 4), up to the joints `ends`."""
-    yield link, place
-    for name, child in tree.child_map.get(link, []):
-        if name not in ends:
-            origin = _pose_matrix(tree.joint_map[name].origin)
-            yield from _hanging_links(tree, child, place @ origin, ends)
+    waiting, met = [(link, place)], set[str]()
+    while waiting:
+        link, place = waiting.pop()
+        if link in met:  # of a circle
+            continue
+        met.add(link)
+        yield link, place
+        for name, child in reversed(tree.child_map.get(link, [])):
+            if name not in ends:
+                waiting.append((child, place @ _pose_matrix(tree.joint_map[name].origin)))
 
 
 def _joint_frames(
