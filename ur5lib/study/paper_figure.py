@@ -31,7 +31,7 @@ def paper_figure(
     sizes = f"{millimetres(width):g}mm_{_within(font_size, FONT_SIZES, '--font-size'):g}pt"
     file, place = f"paper/{figure}_{sizes}.{format}", results.resolve()
     study = str(place / "configuration.yaml")
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE)]
+    command = [sys.executable, "-P", "-m", "snakemake", "--snakefile", str(SNAKEFILE)]
     command += ["--workflow-profile", str(PROFILE)]  # not one that lies beside the results
     command += ["--configfile", study, "--cores", "1", "--quiet", "rules"]
     command += [
