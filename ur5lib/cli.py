@@ -346,11 +346,18 @@ def describe(
         str | None, typer.Option(help="link of the flange; default: the last that turns")
     ] = None,
     name: Annotated[str | None, typer.Option(help="name of the arm; default: the file's")] = None,
+    physical: Annotated[
+        bool,
+        typer.Option(
+            "--physical",
+            help="where no body has the inertia of a link, add a model with the nearest possible",
+        ),
+    ] = False,
 ) -> None:
     """Describe an arm by its URDF: writes robots/<name>.yaml, for `robot: <name>` in a study."""
     from ur5lib.commands.described import describe_urdf
 
-    _print(describe_urdf(file, base, tip, name))
+    _print(describe_urdf(file, base, tip, name, physical))
 
 
 @app.command()
