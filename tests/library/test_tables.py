@@ -116,7 +116,11 @@ def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
         write_text("text", tmp_path / "results" / "report.html")
 
 
-def test_numbers_are_written_as_pandas_writes_them(tmp_path: Path) -> None:
+@pytest.mark.parametrize("rows", [7, 40, 1000])
+def test_numbers_are_written_as_pandas_writes_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int
+) -> None:
+    monkeypatch.setattr(tables, "ROWS", rows)  # that are written at once
     numbers = np.random.default_rng(3).standard_normal((40, 3)) * [1e-9, 1.0, 1e9]
     numbers[5, 1], numbers[6, 0], numbers[7, 2] = np.nan, np.inf, -np.inf
     table = pd.DataFrame(numbers, columns=["time [s]", 'a, "b"', "nan"])
