@@ -19,7 +19,7 @@ def impossibility(mass: float, inertia: Array) -> str:
     """
     if mass <= 0:
         return f"its mass is {mass:g} kg"
-    moments = np.linalg.eigvalsh(inertia)
+    moments = np.asarray(np.linalg.eigvalsh(inertia), np.float64)
     principal = f"its principal moments of inertia are {_listed(moments)} kg m²"
     if moments[0] <= 0:
         return f"{principal}, which must be positive"
