@@ -29,6 +29,7 @@ ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
 MAX_FACTOR_RATIO = 1.15  # of the largest to the smallest factor of joints that tell the same
+MAX_SHOWN_RATIO = 100.0  # times a known constant; beyond it, gravity shows none
 MIN_BEARING_JOINTS = 2  # that tell a unit together
 MIN_FOLDED_JOINTS = 3  # whose efforts would change their sign
 FOLDED_SHARE = 0.02  # of the largest effort, to which one that changes its sign falls
@@ -256,7 +257,8 @@ def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) ->
     if means is None or arm is None:
         return GravityShown({}, {}, ())
     fit = torque_constants(means, arm, name)
-    constants = {joint: ratio * fit.known[joint] for joint, ratio in fit.ratio.items()}
+    shown = {joint: ratio for joint, ratio in fit.ratio.items() if ratio < MAX_SHOWN_RATIO}
+    constants = {joint: ratio * fit.known[joint] for joint, ratio in shown.items()}
     return GravityShown(unit_scores(means, name, arm), constants, fit.known)
 
 

@@ -209,7 +209,7 @@ def _means(
     if moving.still:
         return None, np.empty((0, 6))
     fresh = np.diff(moving.time, prepend=-np.inf) > 0
-    table = pd.DataFrame({"time": moving.time - moving.time[0], **columns})[fresh]
+    table = pd.DataFrame({"time": moving.time - np.nanmin(moving.time), **columns})[fresh]
     anywhere = dict.fromkeys((f"actual_q_{k}" for k in range(moving.file.joints)), math.inf)
     source, lasts = str(moving.file.path), np.ptp(moving.time)
     try:
