@@ -9,7 +9,6 @@ import numpy as np
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
-from ur5lib.importing.account import Account
 from ur5lib.importing.spellings import (
     GRIPPER_WORDS,
     WHOLE_NAMES,
@@ -28,7 +27,6 @@ from ur5lib.timeseries.arrays import Array
 NAMELESS_PREFIX = "column "  # and its number: a column of a table without a header
 JOINTS_OF_UR = 6
 OTHER_JOINT_COUNTS = (4, 5, 7, 8, 9)  # a gripper's fingers among them
-GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 MIN_MOTORS = 4  # of an arm
 AXES = ("x", "y", "z")
 
@@ -169,29 +167,3 @@ def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
             f"{MOST_JOINTS}. Save the arm's joints without those of a gripper"
         )
     return others
-
-
-def without_gripper(
-    blocks: Sequence[ColumnBlock], joints: int, account: Account
-) -> list[ColumnBlock]:
-    """Return blocks without the column of a gripper, where positions have one more than the joints.
-
-    It is the only one whose positions are small numbers above zero, or else the last.
-    """
-    wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
-    positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
-    whole = any(b.rows.shape[1] == joints and names_positions(b.stem()) for b in blocks)
-    if whole or not positions:
-        return [*blocks]
-    low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
-    inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
-    column = int(inside[0]) if len(inside) == 1 else joints
-    kept = [k for k in range(joints + 1) if k != column]
-    parts = [b.only(kept) if any(b is one for one in wide) else b for b in blocks]
-    for block in wide:
-        named = block.names[column] if len(block.names) > 1 else f"{block.title}_{column}"
-        of_gripper = (
-            f"one more than {joints} joints: taken for a gripper's; else --columns names it"
-        )
-        account.state("check", (named,), named, "numbers", of_gripper)
-    return parts

@@ -18,10 +18,9 @@ from ur5lib.importing.blocks import (
     grouped,
     joints_of,
     with_names,
-    without_gripper,
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
-from ur5lib.importing.spellings import NAME_COLUMN
+from ur5lib.importing.spellings import NAME_COLUMN, names_positions
 from ur5lib.recordings.array_files import LOADERS, format_of
 from ur5lib.recordings.delimited import (
     expect_row_each_sample,
@@ -37,6 +36,7 @@ from ur5lib.timeseries.arrays import Array
 
 TABLE_FORMAT = "table-csv"
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
+GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 REPEATED_INFIX = " again "  # and its number: a column whose name is taken
 NIST_COLUMNS = [  # of NIST's UR5 degradation measurements, whose files have no header
     "time",
@@ -156,12 +156,37 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
     parts = [*_blocks({name: arrays[name] for name in rest}, clocks, width, account)]
     joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
-    parts = without_gripper(parts, joints, account) if stated.joints() else parts
+    parts = _without_gripper(parts, joints, account) if stated.joints() else parts
     all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
     silent = [block for block in all_blocks if is_silent(block.rows)]
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _without_gripper(
+    blocks: Sequence[ColumnBlock], joints: int, account: Account
+) -> list[ColumnBlock]:
+    """Return blocks without the column of a gripper, where positions have one more than the joints:
+    the only one of small numbers above zero, or else the last.
+    """
+    wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
+    positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
+    whole = any(b.rows.shape[1] == joints and names_positions(b.stem()) for b in blocks)
+    if whole or not positions:
+        return [*blocks]
+    low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
+    inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
+    column = int(inside[0]) if len(inside) == 1 else joints
+    kept = [k for k in range(joints + 1) if k != column]
+    parts = [b.only(kept) if any(b is one for one in wide) else b for b in blocks]
+    for block in wide:
+        named = block.names[column] if len(block.names) > 1 else f"{block.title}_{column}"
+        of_gripper = (
+            f"one more than {joints} joints: taken for a gripper's; else --columns names it"
+        )
+        account.state("check", (named,), named, "numbers", of_gripper)
+    return parts
 
 
 def _width_of_nameless(columns: int, joints: int | None) -> int:
@@ -198,9 +223,8 @@ def read_header(path: Path, stated: UserStatement = NO_STATEMENT) -> TableHeader
         name if first_place[name] == k else f"{name}{REPEATED_INFIX}{k + 1}"
         for k, name in enumerate(cells)
     ]
-    return TableHeader(
-        names, [name for name in names if name not in first_place and not is_unnamed(name)]
-    )
+    repeated = [name for name in names if name not in first_place and not is_unnamed(name)]
+    return TableHeader(names, repeated)
 
 
 def _stated_header(path: Path, stated: UserStatement, count: int) -> TableHeader:
@@ -223,14 +247,10 @@ def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
     names = described(stated.robot).joints if stated.joints() else ()
     if len({*names}) < len(names):  # sizes of joints, of which several are equal
         return [*cells]
-    numbers = {name: str(k) for k, name in enumerate(names)}
-    names_in_cell = {cell: [name for name in names if name in cell] for cell in cells}
-    return [
-        cell.replace(parts[-1], numbers[parts[-1]])
-        if (parts := sorted(names_in_cell[cell], key=len))
-        else cell
-        for cell in cells
-    ]
+    longest_first = sorted(enumerate(names), key=lambda numbered: -len(numbered[1]))
+    found = [next((pair for pair in longest_first if pair[1] in cell), None) for cell in cells]
+    pairs = zip(cells, found, strict=True)
+    return [cell.replace(pair[1], str(pair[0])) if pair else cell for cell, pair in pairs]
 
 
 def _table(
@@ -271,8 +291,8 @@ def _blocks(
     for name, values in arrays.items():
         clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
         if clock is None:
-            no_clock = "no clock of the file has as many stamps as it has rows"
-            account.state("left out", (name,), name, "numbers", no_clock)
+            reason = "no clock of the file has as many stamps as it has rows"
+            account.state("left out", (name,), name, "numbers", reason)
         elif values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
             yield ColumnBlock((name,), _possible(tall), clock)
