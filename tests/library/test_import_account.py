@@ -126,6 +126,13 @@ def test_joints_and_axes_of_one_name_are_two_quantities(tmp_path: Path) -> None:
     assert row_of(one, "torque_x").taken_for == NOTHING
 
 
+def test_a_second_block_of_a_name_is_left_out_beside_the_first(tmp_path: Path) -> None:
+    table = columns(**MOTION, filtered_qd=0.9 * QD, motor_q=100 * Q)
+    (one,) = imported({"time": TIME} | table, tmp_path, UserStatement("ur5e"))
+    assert row_of(one, "filtered_qd_0").reason == "named like actual_qd, as qd_0 … qd_5 before"
+    assert row_of(one, "motor_q_0").reason == "named like actual_q, as q_0 … q_5 before"
+
+
 def test_a_title_above_an_index_without_a_name(tmp_path: Path) -> None:
     table = pd.DataFrame({"time": TIME} | columns(**MOTION)).to_csv(sep=";")
     (tmp_path / "run.csv").write_text("Log of robot 7, cell 3\n\n" + table)

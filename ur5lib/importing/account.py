@@ -63,10 +63,7 @@ class Account:
 
 
 def _joined(told: Sequence[AccountRow], meaning: str) -> AccountRow:
-    """Return the one row of a block's statements, the weightiest first.
-
-    meaning: empty where the block is left out: then it says why, not what else was found about it.
-    """
+    """Return the one row of a block's statements; without a meaning, of why it is left out."""
     kept = [row for row in told if meaning or row.confidence == "left out"] or [*told]
     ordered = sorted(kept, key=lambda row: WEIGHT.index(row.confidence))
     return AccountRow(

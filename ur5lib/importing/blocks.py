@@ -89,11 +89,7 @@ class ColumnBlock:
 
 
 def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
-    """Return the names of each quantity's columns, by their places.
-
-    Joints and axes of one name (`torque_0`, `torque_x`) are two quantities, and so is a place's
-    second column.
-    """
+    """Return the names of each quantity's columns by their places, of joints and axes apart."""
     stems = defaultdict[str, dict[int, str]](dict)
     for name in names:
         stem, place = place_of(name)

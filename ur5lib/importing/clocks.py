@@ -68,10 +68,8 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
 
 
 def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:
-    """Return whether rows close to the one before hold other data; a log that was polled faster
-    than the robot sends repeats them, and one of several topics leaves cells empty.
-
-    close: by step (N - 1,).
+    """Return whether rows close (N - 1,) to the one before hold other data: a log that was polled
+    too fast repeats them, one of several topics leaves cells empty.
     """
     beside = (values for values in arrays if values.shape == (len(close) + 1,))
     columns = (
@@ -109,10 +107,7 @@ def typical_step(stamps: Array) -> float:
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:
-    """Yield name, unit and stamps (N,) [s] of the clocks that blocks on one of them may have.
-
-    They are as long, beside it in the file, and in each unit that their steps allow.
-    """
+    """Yield name, unit and stamps (N,) [s] of clocks beside one in the file, in possible units."""
     for name, stamps in clocks.stamps.items():
         beside = len(stamps) == len(clocks.stamps[current]) and "/" not in name + current
         if not (beside or name == current):
@@ -148,10 +143,7 @@ def irregularity(stamps: Array) -> float:
 
 
 def are_postures(q: Array) -> bool:
-    """Return whether rows (N, n) [rad] are postures, each for itself, and no samples of a motion.
-
-    Random or stepped postures leap from one to the next; a motion is smooth.
-    """
+    """Return whether rows (N, n) [rad] leap from posture to posture, and are no smooth motion."""
     steps = np.diff(q, axis=0)
     far = np.abs(steps) > MIN_POSTURE_DISTANCE
     path = np.abs(steps).sum()

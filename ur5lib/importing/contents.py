@@ -190,10 +190,7 @@ def _without_gripper(
 
 
 def _width_of_nameless(columns: int, joints: int | None) -> int:
-    """Return of how many columns a group is in a table without names.
-
-    joints: of the arm that the user names, beside which each group may have a gripper's column.
-    """
+    """Return of how many columns, joints or a gripper, a group is in a table without names."""
     counts = (joints, joints + 1) if joints else (JOINTS_OF_UR, 7, 8)
     fitting = (count for count in counts if columns % count == 0)
     return next(fitting, joints or JOINTS_OF_UR)
@@ -283,10 +280,7 @@ def is_unnamed(name: str) -> bool:
 def _blocks(
     arrays: dict[str, np.ndarray], clocks: FileClocks, width: int | None, account: Account
 ) -> Iterator[ColumnBlock]:
-    """Yield the arrays of several columns, and the groups of single columns.
-
-    width: of the groups of a table whose columns have no names.
-    """
+    """Yield the arrays of several columns, and groups of single ones; width: of nameless ones."""
     single = []
     for name, values in arrays.items():
         clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
@@ -316,10 +310,7 @@ def _possible(values: np.ndarray) -> Array:
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
-    """Return the clock of an array: equally long, and nearest to it in the file's tree.
-
-    Of clocks with equal stamps, as in each structure of a MAT file, the first.
-    """
+    """Return an array's clock: as long, nearest in the file's tree, of equal ones the first."""
     same = [clock for clock, stamps in clocks.items() if len(stamps) == length]
     if not same:
         return None

@@ -54,10 +54,8 @@ EFFORT_MEANINGS = ("effort", *UNITS_BY_CHANNEL)
 
 
 def as_amperes(block: ColumnBlock) -> ColumnBlock:
-    """Return a block in amperes if its columns may be rounded currents times constants of a driver.
-
-    Such columns are whole multiples of steps, none of which is a power of ten; what the steps are
-    in units of the rounding must be torque constants that motors have.
+    """Return a block in amperes if its columns may be rounded currents times constants of a driver:
+    whole multiples of steps, no power of ten, which are torque constants that motors may have.
     """
     steps = np.array([_step(np.abs(column)) for column in block.rows.T])
     if len(steps) != JOINTS_OF_UR:
@@ -295,10 +293,7 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
 
 
 def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) -> str | None:
-    """Return the unit that gravity tells, which a name may contradict; None if it is no known one.
-
-    shown: clearly likelier in one unit than in others.
-    """
+    """Return the unit that gravity tells clearly, and a name may contradict; None if unknown."""
     named, spelled = _named_unit(block), named_unit(block.names[0]) in UNIT_WORDS
     best, sentence = shown.likeliest()[0], shown.in_words()
     if best == LESS_GRAVITY and not spelled and block.meaning() in ("effort", TORQUE_CHANNEL):

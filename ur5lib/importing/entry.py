@@ -42,10 +42,7 @@ def entry_of(proposal: Proposal) -> StudyEntry:
 
 
 def episodes(proposal: Proposal) -> list[StudyEntry]:
-    """Return the span of each episode as `from_s` and `to_s` with its name, none without episodes.
-
-    Episodes follow one another in one file, each with an index of its own.
-    """
+    """Return the span of each episode of a file as `from_s` and `to_s` with its name, if any."""
     file = proposal.contents
     every = [b for b in file.blocks + file.silent if last_part(b.stem()) == EPISODE_INDEX]
     if not every or proposal.moving.still:

@@ -93,9 +93,7 @@ def _take_columns(
 
 
 def _checked(file: FileContents) -> list[ImportedRecording]:
-    """Return the entry of a file, or of each episode, with the stop signs of a recording that is
-    read through it (the first, of episodes).
-    """
+    """Return the entry of a file, or of each episode, with the stop signs of the first one read."""
     proposal = propose(file)
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
     first, *others = [entry | part for part in episodes(proposal)] or [entry]

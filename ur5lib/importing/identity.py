@@ -230,10 +230,7 @@ def _arm(
     placed: PosedReadings,
     names: Sequence[str],
 ) -> str:
-    """Return the arm that nothing names: by the pose, or the likeliest by gravity.
-
-    likely: readings in the file's order, the likeliest first; names: of arms with as many joints.
-    """
+    """Return the arm that nothing names: by the pose, or the likeliest (the first) by gravity."""
     possible = [*dict.fromkeys(reading.arm for reading in placed.good)] or [*names]
     name_it = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
     rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
@@ -261,10 +258,7 @@ def _arm(
 
 
 def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
-    """Return the torque constants that gravity tells of the joints that bear, in words.
-
-    And whether these are the known ones.
-    """
+    """Return, in words, the torque constants that gravity tells; and whether they are as known."""
     arm, ordered = described(reading.arm), means.part(columns=reading.order)
     units = zip(means.currents, reading.units, strict=True)
     effort, unit = next((pair for pair in units if pair[1] != "neither"), ("", ""))

@@ -186,10 +186,9 @@ def _ratio(slope: Array, rate: Array) -> float | None:
 
 
 def find_motion(file: FileContents) -> ImportedMotion:
-    """Return the positions, the velocities, and the targets of both.
+    """Return positions, velocities and targets, by their names, or else by the derivative.
 
-    By their names; without names, by the derivative. Raises InputError where no block can be the
-    positions.
+    Raises InputError where no block can be the positions.
     """
     file = with_continuous_angles(file)
     file = _without_copies(file)
@@ -220,13 +219,8 @@ def _without_copies(file: FileContents) -> FileContents:
 
 def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
     """Return the positions and the velocities that names tell."""
-    named = [block for block in file.blocks if block.meaning() == "actual_q"]
-    if not named:
-        return None
-    position, *others = named
-    for other in others:
-        file.account.exclude(other, f"named like positions, as {position.title} before", "name")
-    return position, file.meant("actual_qd", position.clock)
+    position = next((block for block in file.blocks if block.meaning() == "actual_q"), None)
+    return position and (position, file.meant("actual_qd", position.clock))
 
 
 def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileContents:
@@ -277,10 +271,7 @@ def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float
 def _likely_pairs(
     blocks: Sequence[ColumnBlock], stamps: Mapping[str, Array]
 ) -> Iterator[tuple[ColumnBlock, ColumnBlock]]:
-    """Yield the blocks of one clock that correlate, column by column, with the slopes of another.
-
-    All pairs are compared by one product of matrices for each column.
-    """
+    """Yield the blocks of one clock that correlate, column by column, with slopes of another."""
     by_clock = groupby(sorted(blocks, key=lambda block: block.clock), lambda block: block.clock)
     for clock, same in ((clock, [*group]) for clock, group in by_clock):
         pairs = [
@@ -332,10 +323,7 @@ def _timed(
 
 
 def _rate(fit: Agreement, rows: Array) -> float | None:
-    """Return the rate [Hz] of rows of which velocities are derivatives, None where most are not.
-
-    rows: their stamps [s] at the rate that the agreement is of.
-    """
+    """Return the rate [Hz] of rows, agreeing at stamps (N,) [s], None where most do not agree."""
     if fit.share <= 0.5 or fit.ratio <= 0:
         return None
     return float(f"{fit.ratio / (rows[1] - rows[0]):.4g}")
@@ -425,10 +413,7 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
 def _velocity_in_degrees(
     file: FileContents, position: ColumnBlock, velocity: ColumnBlock, degrees: bool
 ) -> bool:
-    """Return whether velocities are in degrees; those that are no derivative are left out.
-
-    degrees: whether the positions are.
-    """
+    """Return whether velocities are in degrees, as positions; no derivatives are left out."""
     account, stamps = file.account, file.clocks.stamps[position.clock]
     fit = agreement(position.rows, velocity.rows, stamps)
     if not fit.moving:
@@ -481,9 +466,8 @@ def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> 
 
 
 def _size(motion: Array, target: Array) -> float | None:
-    """Return the ratio of a target to what follows it (N, n), None where nothing moves.
-
-    NaN where most joints that move do not follow.
+    """Return the ratio of a target to what follows it (N, n), NaN where most joints that move do
+    not; None where nothing moves.
     """
     moving, good = _ratios(motion - np.nanmean(motion, axis=0), target)
     if not moving:

@@ -130,10 +130,7 @@ def propose(file: FileContents) -> Proposal:
 
 
 def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
-    """Return the efforts: by RTDE's names alone, where one is actual_current.
-
-    Beside recorded channels, a file may hold what was computed from them.
-    """
+    """Return the efforts that were recorded, without those that were computed from them."""
     efforts = sorted(moving.beside(EFFORT_MEANINGS), key=lambda block: is_of_motors(block.stem()))
     account = moving.file.account
     of_joints = [block for block in efforts if is_torque_of_joints(block)]
@@ -241,10 +238,7 @@ def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
 
 
 def _account_for_the_rest(proposal: Proposal) -> None:
-    """State of each block that nothing was stated about what its name tells, or why it is left out.
-
-    And the assumed layout of a table.
-    """
+    """State what the names of the other blocks tell, or why these are left out."""
     file, account = proposal.contents, proposal.contents.account
     if file.header.layout:
         account.tell("assumed", "columns", f"those of {file.header.layout}", "position", "as many")
@@ -260,7 +254,10 @@ def _account_for_the_rest(proposal: Proposal) -> None:
         if block.names in taken and block.names not in account.of_columns:
             account.hold("assumed", block, block.evidence, "")
         elif block.names not in taken and block.names not in account.excluded:
-            account.exclude(block, unused(block.stem()), "name")
+            meaning = block.meaning() or ""
+            first = next(iter(proposal.channels.get(meaning, [])), None)
+            alike = f"named like {meaning}, as {first.title} before" if first else ""
+            account.exclude(block, alike or unused(block.stem()), "name")
 
 
 def _why_silent(rows: Array) -> str:
