@@ -16,6 +16,7 @@ from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.contents import NO_STATEMENT, UserStatement
 from ur5lib.importing.files import ImportedRecording, import_files
+from ur5lib.importing.motion import agreement
 from ur5lib.records.account import NOTHING, AccountRow
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
@@ -131,6 +132,10 @@ def test_a_second_block_of_a_name_is_left_out_beside_the_first(tmp_path: Path) -
     (one,) = imported({"time": TIME} | table, tmp_path, UserStatement("ur5e"))
     assert row_of(one, "filtered_qd_0").reason == "named like actual_qd, as qd_0 … qd_5 before"
     assert row_of(one, "motor_q_0").reason == "named like actual_q, as q_0 … q_5 before"
+
+
+def test_positions_that_no_row_holds_have_no_derivative() -> None:
+    assert agreement(np.full_like(Q, np.nan), QD, TIME).share == 0.0
 
 
 def test_a_title_above_an_index_without_a_name(tmp_path: Path) -> None:

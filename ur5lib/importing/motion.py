@@ -143,7 +143,7 @@ def slopes_and_rates(
     width = max(1, round(span / max(float(np.median(step)), 1e-4))) if len(step) else 1
     rise = np.diff(position, axis=0)
     whole = step < MAX_SLOPE_STEP
-    if not with_leaps:
+    if len(position) and not with_leaps:
         whole &= ~_leaps(rise, np.ptp(position, axis=0))
     rise = rise[whole]
     step = step[whole, None]
