@@ -138,6 +138,13 @@ def test_positions_that_no_row_holds_have_no_derivative() -> None:
     assert agreement(np.full_like(Q, np.nan), QD, TIME).share == 0.0
 
 
+def test_a_clock_gives_way_to_the_rate_that_the_user_names(tmp_path: Path) -> None:
+    stated = UserStatement("ur5e", rate=125.0)
+    (one,) = imported({"time": 2 * TIME} | columns(**MOTION), tmp_path, stated)
+    assert row_of(one, "time").reason == "the rows are timed by --rate"
+    assert one.entry["rate"] == 125.0
+
+
 def test_a_title_above_an_index_without_a_name(tmp_path: Path) -> None:
     table = pd.DataFrame({"time": TIME} | columns(**MOTION)).to_csv(sep=";")
     (tmp_path / "run.csv").write_text("Log of robot 7, cell 3\n\n" + table)

@@ -20,7 +20,7 @@ from ur5lib.importing.blocks import (
     with_names,
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
-from ur5lib.importing.spellings import NAME_COLUMN, names_positions
+from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, names_positions
 from ur5lib.recordings.array_files import LOADERS, format_of
 from ur5lib.recordings.delimited import (
     expect_row_each_sample,
@@ -144,13 +144,7 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     else:
         arrays = LOADERS[format](path, None, findings)
     account.order.extend(header.columns or arrays)
-    clocks = FileClocks({}, {}) if stated.rate else clocks_of(arrays, stated.units.get("time"))
-    for name, reason in clocks.doubts.items():
-        account.state("left out", (name,), name, "numbers", reason)
-    for name, note in clocks.notes.items():
-        account.state("assumed", (name,), name, "numbers", note)
-    if not clocks.stamps:
-        clocks = equally_spaced(arrays, stated.rate, clocks.doubts)
+    clocks = _clocks(arrays, stated, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
@@ -162,6 +156,21 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _clocks(
+    arrays: Mapping[str, np.ndarray], stated: UserStatement, account: Account
+) -> FileClocks:
+    """Return the clocks among arrays, or else the rows' numbers; state why others are none."""
+    timed = {n: values for n, values in arrays.items() if not stated.rate or CLOCK_NAME.search(n)}
+    clocks = clocks_of(timed, stated.units.get("time"))
+    if stated.rate:
+        clocks = FileClocks({}, {}, dict.fromkeys(clocks.stamps, "the rows are timed by --rate"))
+    for name, reason in clocks.doubts.items():
+        account.state("left out", (name,), name, "numbers", reason)
+    for name, note in clocks.notes.items():
+        account.state("assumed", (name,), name, "numbers", note)
+    return clocks if clocks.stamps else equally_spaced(arrays, stated.rate, clocks.doubts)
 
 
 def _without_gripper(
