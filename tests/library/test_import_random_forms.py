@@ -146,7 +146,7 @@ def is_marked(log: RandomLog, channel: str, found: ImportedRecording) -> bool:
     names = log.quantities.get(QUANTITY_OF.get(channel, ""), [])
     doubts = [row for row in found.account if row.confidence in ("check", "left out")]
     if log.form["names"] == "none":
-        return any(row.subject.startswith("column ") for row in doubts)
+        return any(row.subject.startswith(("column ", *OF_FILE)) for row in doubts)
     of_channel = [row for row in doubts if row.taken_for.startswith(channel)]
     of_columns = [row for row in doubts if any(name in row.subject for name in names)]
     if log.form["kind"] in ("bag", "db3", "mcap", "folder"):

@@ -220,7 +220,7 @@ def _without_copies(file: FileContents) -> FileContents:
 def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
     """Return the positions and the velocities that names tell."""
     position = next((block for block in file.blocks if block.meaning() == "actual_q"), None)
-    return position and (position, file.meant("actual_qd", position.clock))
+    return (position, file.meant("actual_qd", position.clock)) if position else None
 
 
 def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileContents:
