@@ -191,7 +191,9 @@ def test_rows_of_topics_of_their_own_prove_velocities(tmp_path: Path) -> None:
     joints = pd.DataFrame({"time": TIME} | columns(q=Q, current=CURRENT))
     speeds = pd.DataFrame({"time": TIME + 1e-3} | columns(qd=QD))
     sparse = pd.concat([joints, speeds]).sort_values("time")
-    topics = {f"/{name}" if name != "time" else "__time": sparse[name].to_numpy() for name in sparse}
+    topics = {
+        f"/{name}" if name != "time" else "__time": sparse[name].to_numpy() for name in sparse
+    }
     (one,) = imported(topics, tmp_path)
     assert row_of(one, "/qd_0").confidence == "proven"
     findings = read_and_check(one.entry, ARM, 0.05).quality.findings
