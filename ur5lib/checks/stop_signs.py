@@ -15,6 +15,7 @@ from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
     exchanged_currents,
     foreign_currents,
+    rubs_like_a_target,
     turned_currents,
     undeclared_load,
 )
@@ -41,7 +42,11 @@ def stop_signs(checked: Checked) -> list[Finding]:
     """Return the stop signs of a recording, of which the columns CHECKED_COLUMNS are enough."""
     if copied := [*names_equal_to_targets(checked.robot, checked.step)]:
         return [contradiction("simulated", names=copied)]  # nothing else follows from it
-    channels = [*exchanged_motion(checked.robot), *exchanged_current(checked.robot)]
+    smooth = [*exchanged_current(checked.robot)]  # or smoothed, but then friction is left in it
+    channels = [
+        *exchanged_motion(checked.robot),
+        *(smooth if smooth and rubs_like_a_target(checked.means, checked.loaded) else []),
+    ]
     of_channels = [contradiction("exchanged channels", name=name) for name in channels]
     return [*of_channels, *islice(_contradictions(checked), 1)]  # others follow from the first
 

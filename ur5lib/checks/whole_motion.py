@@ -88,7 +88,7 @@ class Fit:
     def _solve(self, G, P, w, M):
         A = np.einsum("j,jcd->cd", w, G)
         b = w @ P
-        A = A + np.diag(self.ridge * M * w.mean() )
+        A = A + np.diag(self.ridge * M * w.mean())
         return np.linalg.solve(A, b)
 
 
