@@ -394,7 +394,7 @@ def jumping(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
 
 
 def test_smoothed_currents_are_no_targets(made: Path) -> None:
-    """Friction tells a measurement, which a log may hold without its noise."""
+    """A target follows its model; a measurement without its noise does not."""
     taken = simulated(made, "fast", "ur5", "floor")
     table, names = taken.table.copy(), six("actual_current")
     table[names] = sosfiltfilt(butter(4, 1.0, fs=500, output="sos"), table[names], axis=0)

@@ -123,39 +123,32 @@ def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
 
     Beside gravity: that of the arm's links, or, where nobody knows them, of any links.
     """
-    return {
-        joint: value / (error + 1e-9)
-        for joint, (value, error) in _friction(means, arm, MEASURED_CURRENT).items()
-    }
-
-
-def rubs_like_a_target(means: BlockMeans, arm: Robot) -> bool:
-    """Return whether measured currents hold less friction than their targets, or nothing shows it.
-
-    By most joints that move: a controller's model has little or no friction, whatever has smoothed
-    the measurement.
-    """
-    if not len(means.q):
-        return True
-    measured, target = (_friction(means, arm, name) for name in (MEASURED_CURRENT, TARGET_CURRENT))
-    less = [measured[joint][0] < target[joint][0] for joint in measured]
-    return not less or float(np.mean(less)) > 0.5
-
-
-def _friction(means: BlockMeans, arm: Robot, name: str) -> dict[int, tuple[float, float]]:
-    """Return the friction of joints that move, from 0, at their usual speed, and its standard
-    error; name: of the channel that holds it.
-    """
     gravity, rest = gravity_columns(arm, means.q), [means.qdd, np.ones((len(means.q), 1))]
-    speed, current = np.sqrt((means.qd**2).mean(axis=0)), means.currents[name]
-    return {
-        joint: combination(
-            np.column_stack([means.friction(joint), gravity[joint], *rest]),
-            current[:, joint],
-            [1.0, speed[joint]],
+    speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
+    for joint in np.flatnonzero(moving_joints(means) & rubbing_joints(arm)).tolist():
+        columns = np.column_stack([means.friction(joint), gravity[joint], *rest])
+        value, error = combination(
+            columns, means.currents[MEASURED_CURRENT][:, joint], [1.0, speed[joint]]
         )
-        for joint in np.flatnonzero(moving_joints(means) & rubbing_joints(arm)).tolist()
-    }
+        errors[joint] = value / (error + 1e-9)
+    return errors
+
+
+def follows_its_model(means: BlockMeans, arm: Robot) -> bool:
+    """Return whether the measured currents follow gravity, friction and inertia more closely than
+    their targets do, by most joints that move, or none moves.
+
+    A controller computes its targets from such a model, whatever has smoothed a measurement.
+    """
+    moving = np.flatnonzero(moving_joints(means)).tolist() if len(means.q) else []
+    gravity, rest = gravity_columns(arm, means.q), [means.qdd, np.ones((len(means.q), 1))]
+    closer = []
+    for joint in moving:
+        basis, _ = np.linalg.qr(np.column_stack([means.friction(joint), gravity[joint], *rest]))
+        both = (means.currents[name][:, joint] for name in (MEASURED_CURRENT, TARGET_CURRENT))
+        measured, target = (size(current - basis @ (basis.T @ current)) for current in both)
+        closer.append(measured < target)
+    return not closer or float(np.mean(closer)) > 0.5
 
 
 def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:

@@ -14,8 +14,8 @@ from ur5lib.checks.channels import misread_velocities
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
     exchanged_currents,
+    follows_its_model,
     foreign_currents,
-    rubs_like_a_target,
     turned_currents,
     undeclared_load,
 )
@@ -42,10 +42,10 @@ def stop_signs(checked: Checked) -> list[Finding]:
     """Return the stop signs of a recording, of which the columns CHECKED_COLUMNS are enough."""
     if copied := [*names_equal_to_targets(checked.robot, checked.step)]:
         return [contradiction("simulated", names=copied)]  # nothing else follows from it
-    smooth = [*exchanged_current(checked.robot)]  # or smoothed, but then friction is left in it
+    smooth = [*exchanged_current(checked.robot)]  # or smoothed by whoever wrote the log
     channels = [
         *exchanged_motion(checked.robot),
-        *(smooth if smooth and rubs_like_a_target(checked.means, checked.loaded) else []),
+        *(smooth if smooth and follows_its_model(checked.means, checked.loaded) else []),
     ]
     of_channels = [contradiction("exchanged channels", name=name) for name in channels]
     return [*of_channels, *islice(_contradictions(checked), 1)]  # others follow from the first
