@@ -102,17 +102,6 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
         yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
 
 
-def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find currents, or motors' torques, whose friction drives the motion instead of braking it."""
-    errors = friction_in_errors(means, arm)
-    turned = [joint + 1 for joint in errors if errors[joint] < -MIN_ERRORS_OF_FRICTION]
-    if turned and arm.senses_torque():
-        signs = [-1 if joint in turned else 1 for joint in arm.joint_numbers]
-        yield contradiction("turned torques", joints=turned, signs=str(signs))
-    elif turned:
-        yield contradiction("turned current", joint=turned[0])
-
-
 def rubbing_joints(arm: Robot) -> Mask:
     """Return which joints (n,) have friction that motors feel: of a torque, those behind a gear."""
     return (np.array(arm.gear_ratios()) >= MIN_GEAR_RATIO) | (not arm.senses_torque())

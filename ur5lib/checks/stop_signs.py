@@ -5,7 +5,8 @@ from itertools import islice
 
 from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, SENSED_TORQUE, columns
 from ur5lib.checks.arm import (
-    contradictions_by_gravity,
+    Cause,
+    foreign_constants,
     foreign_mountings,
     likeliest,
     torque_constants,
@@ -13,10 +14,11 @@ from ur5lib.checks.arm import (
 from ur5lib.checks.channels import misread_velocities
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
+    MILLIAMPERE_CODES,
+    OPPOSITE_CODE,
     exchanged_currents,
     follows_its_model,
     foreign_currents,
-    turned_currents,
     undeclared_load,
 )
 from ur5lib.checks.delays import delayed_currents
@@ -25,12 +27,13 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
-from ur5lib.checks.sensed_torques import constant_torques, exchanged_torques, foreign_size
+from ur5lib.checks.sensed_torques import constant_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.quality import Finding, contradiction
 
+CODES_OF_ARM_AND_ORDER = ("exchanged joints", "other arm's currents")
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
@@ -67,31 +70,52 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         yield from exchanged_currents(checked.answers)
     if arm.senses_torque() and MEASURED_CURRENT in means.currents:
         yield from constant_torques(means)
-        if arm.links != "known":
-            yield from foreign_size(means, arm)
-        yield from exchanged_torques(means, loaded)
-        if checked.tells_signs_by_friction():
-            yield from turned_currents(means, loaded)
-    if not arm.tells_gravity():
-        return
-    if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints
-        shown = means, loaded, checked.others, checked.fitted, checked.driven
-        yield from contradictions_by_gravity(*shown)
-    else:
-        yield from _mounting(checked)
-        yield from foreign_currents(means, loaded)
-    if checked.answers is not None and checked.driven:
-        yield from turned_currents(means, loaded)
+        yield from foreign_size(means, loaded)
+    yield from _of_efforts(checked)
+    if checked.answers is not None and checked.driven and arm.tells_gravity():
         yield from scaled_currents(means, checked.odd_targets)
-    if checked.fitted:  # elsewhere, the fit finds an undeclared load
+    if checked.fitted and arm.tells_gravity():  # elsewhere, the fit finds an undeclared load
         configured = arm.carrying(checked.configured)
         yield from undeclared_load(means, configured, loaded, checked.odd_targets)
 
 
-def _mounting(checked: Checked) -> Iterator[Finding]:
-    """Find another mounting; a push at rest is like one, but for torque constants that none has."""
-    means, loaded = checked.means, checked.loaded
-    if MEASURED_CURRENT not in means.currents or loaded.senses_torque():
+def _of_efforts(checked: Checked) -> Iterator[Finding]:
+    """Yield the likeliest cause of efforts that contradict arm, mounting, order or unit, then what
+    contradicts signs and motors.
+
+    A controller's torque has shown the arm, its mounting and the order of its joints.
+    """
+    means, loaded, motion = checked.means, checked.loaded, checked.motion
+    units = [*foreign_currents(means, loaded)] if loaded.tells_gravity() else []
+    causes = [*motion.exchanges()] if motion is not None else []
+    if motion is not None and loaded.has_ur_motors():
+        causes += motion.other_arms([one for one in checked.others if one.name != loaded.name])
+    if means.torque is not None:
+        causes = [own for own in causes if own.finding.code not in CODES_OF_ARM_AND_ORDER]
+    if units:
+        in_milliamperes = any(one.code in MILLIAMPERE_CODES for one in units)
+        causes = [
+            own
+            for own in causes
+            if not in_milliamperes and not any(foreign_currents(own.means, own.arm))
+        ]
+    if motion is not None and any(one.code == OPPOSITE_CODE for one in units):
+        causes = [own for own in causes if own.gain > motion.gain_of_opposite()]
+    yield from likeliest([*_mountings(checked), *causes])
+    yield from units
+    if motion is not None:
+        yield from motion.turned_efforts()
+    if checked.tells_by_gravity() and means.torque is None and not loaded.senses_torque():
+        yield from foreign_constants(means, loaded, checked.others, checked.fitted)
+
+
+def _mountings(checked: Checked) -> Iterator[Cause]:
+    """Yield another mounting; a push at rest is like one, but for constants that no motor has."""
+    means, loaded, motion = checked.means, checked.loaded, checked.motion
+    if MEASURED_CURRENT not in means.currents or not loaded.tells_gravity():
         return
-    if checked.tells_by_gravity() or torque_constants(means, loaded).foreign():
-        yield from likeliest(foreign_mountings(means, loaded, checked.driven))
+    if checked.tells_by_gravity() or (
+        not loaded.senses_torque() and torque_constants(means, loaded).foreign()
+    ):
+        for own in foreign_mountings(means, loaded, checked.driven):
+            yield own if motion is None else own._replace(gain=motion.gain_of_arm(own.arm))

@@ -1,0 +1,213 @@
+"""Checks of order and sign of efforts, and of the arm, by the whole motion.
+
+What would explain the efforts better is a contradiction where one of two explanations says so, that
+of the declared links or, where nobody knows them, that of any links, and the other is not against.
+The limits are set on the right logs of `benchmarks/false_stops.py`, of each arm by the others'. How
+far a right log is from a limit on its other side is what it can show.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import Cause, Pair
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.currents import moving_joints, rubbing_joints
+from ur5lib.checks.readings import exchanged_order, in_order
+from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
+from ur5lib.records.quality import Finding, contradiction
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+MIN_ERRORS = 2.5  # standard errors over stretches; of right logs that lead by more, at most 1.9
+MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against another
+MIN_LEAD_OF_EFFORTS = 0.15  # of exchanged efforts; in right logs, at most 0.05 beyond chance
+MIN_LEAD_OF_JOINTS = 0.35  # of exchanged joints, by declared links; in right logs, at most 0.27
+MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.5  # likewise; in right logs, at most 0.36
+MIN_LEAD_OF_SIGN = 0.5  # of the turned joint, by declared links; in right logs, at most 0.1
+MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.15  # mean over all joints; in right logs, at most 0.05
+MIN_ERRORS_OF_FRICTION = 3.0  # standard errors by which friction drives; in right logs, at most 1
+MIN_LEAD_OF_ARM, MIN_LEAD_OF_LOADED_ARM = 0.3, 0.1  # with its load, and with any load
+MIN_MOVING_JOINTS = 3  # that tell arms apart
+
+
+class Limits(NamedTuple):
+    """Leads from which on an explanation is likelier: by the declared links, and by any."""
+
+    by_links: float
+    by_any_links: float
+
+
+OF_EFFORTS = Limits(MIN_LEAD_OF_EFFORTS, MIN_LEAD_OF_EFFORTS)
+OF_JOINTS = Limits(MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS)
+
+
+class MotionChecks:
+    """What the motion of an arm, with what it carries, tells of its efforts."""
+
+    def __init__(self, means: BlockMeans, arm: Robot, rubs: bool) -> None:
+        """Take the means of blocks; rubs: whether friction brakes what the efforts drive."""
+        self.means, self.arm, self.rubs = means, arm, rubs
+        self.motion = WholeMotion(means, arm)
+        self.moving = np.flatnonzero(moving_joints(means)).tolist()
+
+    @cached_property
+    def declared(self) -> Explained:
+        """Return how well the efforts are explained as they are."""
+        return self.motion.explained()
+
+    @cached_property
+    def exchanged_efforts(self) -> dict[Pair, Explained]:
+        """Return how well they are with those of two joints that move exchanged."""
+        torque, pairs = self.motion.torque, combinations(self.moving, 2)
+        return {pair: self.motion.explained(torque[:, self._order(pair)]) for pair in pairs}
+
+    @cached_property
+    def exchanged_joints(self) -> dict[Pair, Explained]:
+        """Return how well they are with all channels of two joints that move exchanged."""
+        return {
+            pair: WholeMotion(self.means.part(columns=self._order(pair)), self.arm).explained()
+            for pair in combinations(self.moving, 2)
+        }
+
+    @cached_property
+    def turned(self) -> dict[int, Explained]:
+        """Return how well they are with the opposite sign on a joint that moves."""
+        torque, joints = self.motion.torque, np.arange(len(self.arm.joints))
+        signs = {joint: np.where(joints == joint, -1.0, 1.0) for joint in self.moving}
+        return {joint: self.motion.explained(torque * sign) for joint, sign in signs.items()}
+
+    @cached_property
+    def friction(self) -> dict[int, float]:
+        """Return the friction of joints that move, from 0, at their usual speed, in standard
+        errors: the larger of those beside the declared links and beside any.
+        """
+        rubbing = rubbing_joints(self.arm) if self.rubs else np.zeros(len(self.arm.joints), bool)
+        likelier = self.motion.friction_in_errors()
+        return {joint: float(likelier[joint]) for joint in self.moving if rubbing[joint]}
+
+    def gain(self, other: Explained) -> float:
+        """Return by how much another explanation of all joints leads that as declared."""
+        return lead(other.by_known, self.declared.by_known, self.motion.joints).size
+
+    def gain_of_arm(self, arm: Robot) -> float:
+        """Return by how much all efforts are better explained by another arm or mounting."""
+        return self.gain(WholeMotion(self.means, arm).explained())
+
+    def gain_of_opposite(self) -> float:
+        """Return by how much all efforts are better explained with the opposite sign."""
+        return self.gain(self.motion.explained(-self.motion.torque))
+
+    def exchanges(self) -> Iterator[Cause]:
+        """Yield exchanged joints, and exchanged efforts, that explain the efforts better."""
+        for pair, other in self.exchanged_joints.items():
+            if is_likelier(other, self.declared, pair, OF_JOINTS):
+                means = self.means.part(columns=self._order(pair))
+                yield self._change("exchanged joints", other, means, pair)
+        code = "exchanged torques" if self.arm.senses_torque() else "exchanged currents"
+        for pair, other in self.exchanged_efforts.items():
+            if is_likelier(other, self.declared, pair, OF_EFFORTS):
+                efforts = self.means.currents[MEASURED_CURRENT][:, self._order(pair)]
+                yield self._change(code, other, self._with_efforts(efforts), pair)
+
+    def turned_efforts(self) -> Iterator[Finding]:
+        """Find efforts whose friction drives the motion instead of braking it; where they hold no
+        friction, the one that explains those of all joints better if it is turned.
+        """
+        code = "turned torques"
+        turned = [j + 1 for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
+        if not self.rubs and self.arm.senses_torque():
+            code = "turned torques by links"
+            likely = [j for j, other in self.turned.items() if is_turned(other, self.declared, j)]
+            turned = [j + 1 for j in likely if j == max(likely, key=self._gain_of_sign)]
+        if turned and self.arm.senses_torque():
+            signs = [-1 if joint in turned else 1 for joint in self.arm.joint_numbers]
+            yield contradiction(code, joints=turned, signs=str(signs))
+        elif turned:
+            yield contradiction("turned current", joint=turned[0])
+
+    def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
+        """Yield arms that explain the efforts better, also if each carried any load; others: under
+        the load that this one carries.
+        """
+        if len(self.moving) < MIN_MOVING_JOINTS:
+            return
+        for arm in others:
+            other = WholeMotion(self.motion.means, arm)
+            bare = self._lead_of_arm(other, other.explained().by_known, self.declared.by_known)
+            if bare.size < MIN_LEAD_OF_ARM or bare.errors < MIN_ERRORS:
+                continue
+            loaded = self._lead_of_arm(other, other.with_any_load(), self.with_any_load)
+            if loaded.size > MIN_LEAD_OF_LOADED_ARM and loaded.errors > MIN_ERRORS:
+                values = {"arm": self.arm.name, "other": arm.name}
+                finding = contradiction("other arm's currents", **values)
+                yield Cause(finding, bare.size, self.means, arm)
+
+    @cached_property
+    def with_any_load(self) -> Misfit:
+        """Return what the declared links miss with any load."""
+        return self.motion.with_any_load()
+
+    def _lead_of_arm(self, other: WholeMotion, its: Misfit, own: Misfit) -> Lead:
+        return lead(other.in_units_of(self.arm, its), own, self.moving)
+
+    def tells_order(self, pair: Pair) -> bool:
+        """Return whether an exchange of two joints would be noticed."""
+        own = self.exchanged_joints.get(pair)
+        return own is not None and is_likelier(self.declared, own, pair, OF_JOINTS)
+
+    def tells_efforts(self, pair: Pair) -> bool:
+        """Return whether an exchange of two joints' efforts would be noticed."""
+        own = self.exchanged_efforts.get(pair)
+        return own is not None and is_likelier(self.declared, own, pair, OF_EFFORTS)
+
+    def tells_sign(self, joint: int) -> bool:
+        """Return whether the opposite sign of a joint's effort would be noticed."""
+        if self.rubs:
+            return self.friction.get(joint, 0.0) > MIN_ERRORS_OF_FRICTION
+        own = self.turned.get(joint)
+        return own is not None and is_turned(self.declared, own, joint)
+
+    def _gain_of_sign(self, joint: int) -> float:
+        return self.gain(self.turned[joint])
+
+    def _change(self, code: str, other: Explained, means: BlockMeans, pair: Pair) -> Cause:
+        finding = contradiction(code, joint=pair[0] + 1, other=pair[1] + 1)
+        return Cause(finding, self.gain(other), means, self.arm)
+
+    def _with_efforts(self, efforts: Array) -> BlockMeans:
+        return replace(self.means, currents={MEASURED_CURRENT: efforts})
+
+    def _order(self, pair: Pair) -> list[int]:
+        """Return the columns of all joints, of which those of two are exchanged."""
+        return [*exchanged_order(in_order(self.arm), *pair)]
+
+
+def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least: Limits) -> bool:
+    """Return whether one explanation is likelier than a first, by some joints from 0: the declared
+    links say so and any links are not against, or, where nobody knows links, any say so.
+    """
+    if other.by_links is None or first.by_links is None:
+        return _leads(lead(other.by_any_links, first.by_any_links, joints), least.by_any_links)
+    if not _leads(lead(other.by_links, first.by_links, joints), least.by_links):
+        return False
+    return lead(other.by_any_links, first.by_any_links, joints).size > -MAX_LEAD_AGAINST
+
+
+def is_turned(other: Explained, first: Explained, joint: int) -> bool:
+    """Return whether the opposite sign of a joint, from 0, is likelier: by declared links that of
+    its own effort, by any links those of all joints, which hang on each other.
+    """
+    if other.by_links is not None:
+        return is_likelier(other, first, [joint], Limits(MIN_LEAD_OF_SIGN, np.inf))
+    joints = first.motion.joints
+    return is_likelier(other, first, joints, Limits(np.inf, MIN_LEAD_OF_SIGN_BY_ANY_LINKS))
+
+
+def _leads(found: Lead, least: float) -> bool:
+    return found.size > least and found.errors > MIN_ERRORS
