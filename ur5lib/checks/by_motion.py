@@ -116,20 +116,19 @@ class MotionChecks:
                 yield self._change(code, other, self._with_efforts(efforts), pair)
 
     def turned_efforts(self) -> Iterator[Finding]:
-        """Find efforts whose friction drives the motion instead of braking it; where they hold no
-        friction, the one that explains those of all joints better if it is turned.
+        """Find efforts whose friction drives the motion instead of braking it, or else the one that
+        explains all efforts better if it is turned.
         """
-        code = "turned torques"
         turned = [j + 1 for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
-        if not self.rubs and self.arm.senses_torque():
-            code = "turned torques by links"
+        reason = "" if turned else " by links"
+        if not turned:
             likely = [j for j, other in self.turned.items() if is_turned(other, self.declared, j)]
             turned = [j + 1 for j in likely if j == max(likely, key=self._gain_of_sign)]
         if turned and self.arm.senses_torque():
             signs = [-1 if joint in turned else 1 for joint in self.arm.joint_numbers]
-            yield contradiction(code, joints=turned, signs=str(signs))
+            yield contradiction(f"turned torques{reason}", joints=turned, signs=str(signs))
         elif turned:
-            yield contradiction("turned current", joint=turned[0])
+            yield contradiction(f"turned current{reason}", joint=turned[0])
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield arms that explain the efforts better, also if each carried any load; others: under
@@ -167,11 +166,15 @@ class MotionChecks:
         return own is not None and is_likelier(self.declared, own, pair, OF_EFFORTS)
 
     def tells_sign(self, joint: int) -> bool:
-        """Return whether the opposite sign of a joint's effort would be noticed."""
-        if self.rubs:
-            return self.friction.get(joint, 0.0) > MIN_ERRORS_OF_FRICTION
+        """Return whether the opposite sign of a joint's effort would be noticed, also where all are
+        turned, which links that nobody knows do not tell.
+        """
+        brakes = [own > MIN_ERRORS_OF_FRICTION for own in self.friction.values()]
+        if self.friction.get(joint, 0.0) > MIN_ERRORS_OF_FRICTION:
+            return True
+        known = self.arm.tells_gravity() or any(brakes)
         own = self.turned.get(joint)
-        return own is not None and is_turned(self.declared, own, joint)
+        return known and own is not None and is_turned(self.declared, own, joint)
 
     def _gain_of_sign(self, joint: int) -> float:
         return self.gain(self.turned[joint])
