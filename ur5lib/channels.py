@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Collection
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import NamedTuple, Self
 
 SIX_SUFFIXES = tuple(f"_{index}" for index in range(6))
@@ -157,9 +158,10 @@ def joint_count(names: Collection[str]) -> int:
     return max(every, default=0)
 
 
-def channels_of(column: str) -> list[str]:
+@lru_cache(maxsize=1000)  # every recording has the same
+def channels_of(column: str) -> tuple[str, ...]:
     """Return the channels to which a column may belong by its name."""
-    return [name for name in CHANNELS if re.match(rf"{name}(_|[xyz]?$)", column)]
+    return tuple(name for name in CHANNELS if re.match(rf"{name}(_|[xyz]?$)", column))
 
 
 def meant(column: str) -> str | None:

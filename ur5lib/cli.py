@@ -1,6 +1,9 @@
 """The command-line interface `ur5`."""
 
 import math
+import os
+import shlex
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal
@@ -15,6 +18,8 @@ RanStudy = Annotated[
     Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
 ]
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
+
+ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits
 
 app = typer.Typer(
     help="Dynamics, friction and contact force of Universal Robots arms, from recordings.",
@@ -86,6 +91,7 @@ def check(
     ] = None,
 ) -> None:
     """Check every recording of a study: read it, repair it, and print the findings."""
+    _use_one_thread()
     from ur5lib.commands.check import print_findings
     from ur5lib.workspace.new import next_command
 
@@ -117,12 +123,18 @@ def import_(
     add: Annotated[Path | None, typer.Option(help="study to append the entries to")] = None,
 ) -> None:
     """Write the study entry of recordings, with what is proven, assumed, or to be checked."""
-    from rich.progress import track
-
-    from ur5lib.commands.check import text_console
+    typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
+    _use_one_thread()
+    from ur5lib.commands.console import announced, text_console
     from ur5lib.commands.exported import described
     from ur5lib.importing.contents import UserStatement
-    from ur5lib.importing.files import add_to_study, as_entries, import_files, write_study
+    from ur5lib.importing.files import (
+        account_table,
+        add_to_study,
+        as_entries,
+        import_files,
+        write_study,
+    )
 
     if robot is not None:
         described(robot)
@@ -130,19 +142,26 @@ def import_(
     stated = UserStatement(
         robot or "", tuple((columns or "").split(",")) if columns else (), rate, units
     )
-    console = text_console(stderr=True)
-    imported = import_files(track(files, "reading", console=console, transient=True), stated)
+    imported = import_files(announced(files), stated)
     if study := write or add:
         (write_study if write else add_to_study)(imported, study)
-        for item in imported:
-            typer.echo("\n".join([f"{item.entry['name']}:", *item.comments]))
-        typer.echo(f"{study} written; next: ur5 check {study}")
     else:
         typer.echo(as_entries(imported), nl=False)
-        named = " ".join([*map(str, files), *([f"--robot {robot}"] if robot else [])])
-        typer.echo(f"next: ur5 import {named} --write mine.yaml", err=True)
+    text_console(stderr=not study, width=None if sys.stdout.isatty() else ACCOUNT_WIDTH).print(
+        account_table(imported)
+    )
+    if study:
+        typer.echo(f"{study} written; next: ur5 check {study}")
+    else:
+        given = [word for word in sys.argv[1:] if word != "import"]
+        typer.echo(f"next: ur5 import {shlex.join(given)} --write mine.yaml", err=True)
     if imported.refused:
         raise InputError("\n".join(["not imported:", *imported.refused]))
+
+
+def _use_one_thread() -> None:
+    """Let NumPy, which is loaded next, use one core: threads take longer for small matrices."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def _pair(stated: str) -> tuple[str, str]:
@@ -188,7 +207,7 @@ def record(
     ] = False,
 ) -> None:
     """Record arm, force sensor and IMU together into raw/, and print the study's entry."""
-    from ur5lib.commands.check import text_console
+    from ur5lib.commands.console import text_console
     from ur5lib.commands.record import RecordOptions, record
 
     without_these = tuple(without or ())

@@ -165,7 +165,8 @@ def columns(name: str, count: int = 6) -> list[str]:
 def channel(table: pd.DataFrame, name: str, count: int | None = None) -> Array:
     """Return a channel as a copied array (N, count), by default of all its columns."""
     have = count or next(k for k in range(len(table.columns) + 1) if f"{name}_{k}" not in table)
-    return table[columns(name, max(1, have))].to_numpy(np.float64, copy=True)
+    values = [table[column].to_numpy(np.float64) for column in columns(name, max(1, have))]
+    return np.array(values).T  # one column after the other in memory, as pandas has them
 
 
 def named(values: Array, name: str) -> dict[str, Array]:
@@ -214,7 +215,12 @@ def read_cells(file: str | Path | TextIO) -> pd.DataFrame:
 
 
 def checksum(path: str | Path) -> str:
-    """Return the SHA-256 of a file, which may be larger than the memory."""
+    """Return the SHA-256 of a file, which may be larger than the memory; of a folder, of those of
+    its files.
+    """
+    if (folder := Path(path)).is_dir():
+        files = sorted(file for file in folder.iterdir() if file.is_file())
+        return hashlib.sha256("".join(map(checksum, files)).encode()).hexdigest()
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

@@ -282,6 +282,4 @@ def test_an_exported_recording_is_imported(
     (_,) = write_recordings(results, ["way_points"], to, tmp_path)
     (found,) = import_files([tmp_path / file], UserStatement("ur5"))
     assert not found.entry.keys() & {"joints", "units"}
-    assert any(
-        "actual_current in A" in one or "actual_current_5 in A" in one for one in found.comments
-    )
+    assert any(row.taken_for == "actual_current" for row in found.account)

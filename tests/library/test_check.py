@@ -1,5 +1,7 @@
 """`ur5 check`: a study looked through in seconds, without the workflow."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from io import StringIO
@@ -19,11 +21,11 @@ from ur5lib.commands.check import (
     by_month,
     concerned,
     print_tables,
-    text_console,
     unfiltered,
     unusable,
 )
-from ur5lib.errors import InputError, remark
+from ur5lib.commands.console import announced, text_console
+from ur5lib.errors import InputError, printable, remark
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
@@ -55,6 +57,30 @@ def test_findings_and_clocks_are_printed(study: Path, run_ur5: Command) -> None:
     assert "no sensor (note)" in result.out
     assert "0.0050 ± 0.0058" in result.out
     assert not (study.parent / "results").exists()
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_each_file_is_announced_before_it_is_read(
+    terminal: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    for name in announced(["one.csv", "two\x1b.csv"]):
+        shown = capsys.readouterr()
+        assert terminal or f"reading {printable(name)} (" in shown.err
+        assert shown.out == ""
+
+
+def test_a_command_says_at_once_how_many_files_it_reads(tmp_path: Path) -> None:
+    """In a pipe, before packages are loaded that take seconds."""
+    command = "import sys, ur5lib.cli; sys.modules['pandas'] = None; ur5lib.cli.main()"
+    files = ["a.csv", "b.csv"]
+    done = subprocess.run(
+        [sys.executable, "-c", command, "import", *files],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.stderr.startswith("files to read: 2\n")
 
 
 def test_each_month_counts_its_recordings_by_the_worst_finding() -> None:
@@ -263,7 +289,7 @@ def test_a_recording_too_short_for_any_force_is_reported(
     result = run_ur5("check", study)
     assert ("robot: too short (warning) in bad" in result.out) == told
     assert (f"{frames} samples, {0.008 * frames:.2g} s" in result.line) == told
-    assert result.err == ""
+    assert result.err.splitlines() == ["reading good (1 of 2)", "reading bad (2 of 2)"]
 
 
 def test_a_recording_at_1_hz_is_checked(study: Path, run_ur5: Command, ur5: Robot) -> None:

@@ -10,8 +10,10 @@ import pytest
 from tests.commands import Command
 from tests.synthetic import poor_log
 from ur5lib.channels import columns
-from ur5lib.recordings.copies import MAX_ROWS_KEPT, fingerprint
+from ur5lib.recordings.copies import MAX_ROWS_KEPT, MIN_ROWS_COMPARED, fingerprint
+from ur5lib.report.page.findings import by_finding
 from ur5lib.robots.description import Robot
+from ur5lib.tidy.files import name_copies
 
 STUDY = """
 study: mine
@@ -67,20 +69,32 @@ def check(log: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ru
 def test_a_copy_is_said_of_both(log: pd.DataFrame, check: Callable, copy: str) -> None:
     status, printed = check(COPIES[copy](log))
     assert status == 1
-    assert "the same run as other" in printed
-    assert "the same run as run" in printed
+    assert printed.count("run, other are one run") == 1
 
 
 def test_a_copy_is_said_of_a_recording_that_is_named(log: pd.DataFrame, check: Callable) -> None:
     status, printed = check(log, "run")
     assert status == 1
-    assert "the same run as other" in printed
+    assert "run, other are one run" in printed
+
+
+def test_each_run_that_recordings_repeat_is_said_once() -> None:
+    """Whatever the numbers in their names are."""
+    runs = {f"log_{k}{copy}": [k] * MIN_ROWS_COMPARED for k in (10, 20) for copy in "ab"}
+    rows = [
+        {"recording": name, "device": "robot", "finding": "same run", "severity": "note"}
+        | {"count": 0, "detail": " ".join(str(100 * k + row) for row, k in enumerate(held))}
+        | {"place": ""}
+        for name, held in runs.items()
+    ]
+    stated = by_finding(name_copies(pd.DataFrame(rows)))
+    assert [*stated["recordings"]] == [["log_10a", "log_10b"], ["log_20a", "log_20b"]]
 
 
 def test_a_repeated_motion_is_another_run(log: pd.DataFrame, check: Callable) -> None:
     status, printed = check(repeated(log))
     assert status == 0
-    assert "same run" not in printed
+    assert "one run" not in printed
 
 
 def test_a_fingerprint_is_small_and_needs_currents(log: pd.DataFrame) -> None:

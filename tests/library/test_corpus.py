@@ -15,7 +15,8 @@ from tests.commands import time_limit
 from tests.corpus import Base, Case, bases, other_cases, usual_cases
 from tests.damage import DRAWS, compare, drawn, findings
 from tests.entries import read_and_check
-from ur5lib.commands.check import print_tables, text_console, unusable
+from ur5lib.commands.check import print_tables, unusable
+from ur5lib.commands.console import text_console
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake
 from ur5lib.records.quality import Device

@@ -1,13 +1,19 @@
 """Delimited tables: damage is located, whatever the size of the blocks."""
 
 import gzip
+import subprocess
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
+from tests.commands import time_limit
 from tests.conftest import said
+from ur5lib.errors import InputError
+from ur5lib.importing.files import import_files
 from ur5lib.recordings import text_blocks
-from ur5lib.recordings.delimited import first_cells, read_numbers
+from ur5lib.recordings.delimited import expect_row_each_sample, first_cells, read_numbers
 from ur5lib.records.quality import Finding, Log
 
 
@@ -69,6 +75,91 @@ def test_blocks_of_whole_lines_are_the_file(
     assert b"".join(found) == content
     assert len(found) == count
     assert all(block.endswith(b"\n") for block in found[:-1])
+
+
+LISTS = {  # a row's lists as they are printed; what separates the cells
+    "as NumPy": ("[0.5 -1.5e-3  2. ]", ","),
+    "as NumPy, on two lines": ('"[ 0.5 -1.5e-3\n  2.]"', ","),
+    "as an array": ('"array([0.5, -1.5e-3, 2.0])"', ","),
+    "as Python": ('"[0.5, -0.0015, 2]"', ","),
+    "as Python, without quotes": ("[0.5, -0.0015, 2]", ","),
+    "as a tuple": ('"(0.5, -0.0015, 2)"', ","),
+    "between semicolons": ("[0.5, -0.0015, 2]", ";"),
+    "between tabs": ("[0.5, -0.0015, 2]", "\t"),
+}
+
+
+SIZES = {
+    kind: [1 << 25] if "\n" in cell else [1 << 9, 1 << 25] for kind, (cell, _) in LISTS.items()
+}
+
+
+@pytest.mark.parametrize(("kind", "size"), [(kind, size) for kind in LISTS for size in SIZES[kind]])
+@pytest.mark.parametrize("has_names", [True, False])
+def test_lists_in_cells_are_columns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, has_names: bool, size: int
+) -> None:
+    monkeypatch.setattr(text_blocks, "BLOCK_BYTES", size)
+    monkeypatch.setattr(text_blocks, "MIN_BLOCK_BYTES", 16)
+    cell, mark = LISTS[kind]
+    head = mark.join(["time", "q", "qd[0]"]) + "\n" if has_names else ""
+    rows = [mark.join([f"{0.1 * k:.1f}", cell, f"[{k}]"]) for k in range(60)]
+    path = tmp_path / "some.csv"
+    path.write_text(head + "\n".join(rows) + "\n")
+    expected = ["time", "q_0", "q_1", "q_2", "qd[0]"]
+    if has_names:
+        assert first_cells(path)[0] == expected
+    findings: list[Finding] = []
+    table = read_numbers(Log(path, "robot", findings), None if has_names else expected)
+    assert [*table] == expected
+    assert table.iloc[-1].tolist() == pytest.approx([5.9, 0.5, -0.0015, 2.0, 59.0])
+    assert len(table) == 60
+    assert [one.finding for one in findings] in ([], ["decimal commas"])
+
+
+def test_lists_of_different_lengths_are_damaged_lines(tmp_path: Path) -> None:
+    path = tmp_path / "some.csv"
+    rows = [f"{k},[0.5 0.25{' 1.0' * (k % 9 == 5)}]" for k in range(60)]
+    path.write_text("time,q\n" + "\n".join(rows) + "\n")
+    findings: list[Finding] = []
+    assert len(read_numbers(Log(path, "robot", findings), None)) == 60 - 7
+    assert said(findings[0]).startswith("some.csv, line 7, 16, 25, 34, 43")
+
+
+WORDS = "[INFO] run (3 axes),0.5\n"
+
+
+def test_words_in_brackets_are_no_lists(tmp_path: Path) -> None:
+    path = tmp_path / "some.csv"
+    path.write_text("note,q\n" + WORDS * 9)
+    assert first_cells(path) == (["note", "q"], WORDS.strip().split(","))
+
+
+@pytest.mark.parametrize(("numbered", "labelled"), [(False, False), (False, True), (True, True)])
+@pytest.mark.parametrize(("ending", "mark"), [(".csv", ","), (".csv.gz", ";"), (".txt", "\t")])
+def test_a_table_with_a_row_a_joint_is_to_be_transposed(
+    tmp_path: Path, numbered: bool, labelled: bool, ending: str, mark: str
+) -> None:
+    path = tmp_path / f"some{ending}"
+    rows = pd.DataFrame(np.random.default_rng(0).normal(size=(18, 12_000)))
+    rows.index = [f"q{k}" for k in range(18)]
+    rows.to_csv(path, header=numbered, index=labelled, sep=mark)
+    with (
+        time_limit(5),
+        pytest.raises(InputError, match=r"one row a joint .*; transpose it") as error,
+    ):
+        import_files([path])
+    command = str(error.value).partition("transpose it: ")[2]
+    subprocess.run(["bash", "-c", command], cwd=tmp_path, check=True)
+    turned = pd.read_csv(tmp_path / "turned.csv", header=0 if labelled else None)
+    assert turned.shape == (12_000, 18 + numbered)
+    np.testing.assert_allclose(turned.iloc[:, -1], rows.iloc[-1])
+
+
+def test_a_short_table_of_many_channels_is_upright(tmp_path: Path) -> None:
+    path = tmp_path / "some.csv"
+    pd.DataFrame(np.ones((3, 400))).add_prefix("actual_").to_csv(path, index=False)
+    expect_row_each_sample(path)
 
 
 def test_an_empty_file_is_one_empty_block(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """`ur5 import` of logs in the forms that public data sets and loggers have."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import pandas as pd
 import pytest
 import scipy.io
 
-from tests.entries import read_recording
+from tests.entries import in_words, read_recording
 from tests.stored_files import JOINTS, Channels, Made, frame, made_up_channels, write_hdf5
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement
@@ -25,9 +26,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 
 def imported(path: Path) -> tuple[dict[str, Any], str]:
-    """The entry of a file of a UR5, and the comments on it."""
+    """The entry of a file of a UR5, and its account in words."""
     (one,) = import_files([path], UserStatement("ur5"))
-    return one.entry, "\n".join(one.comments)
+    return one.entry, in_words(one.account)
 
 
 def chosen(channels: Channels, *names: str) -> Channels:
@@ -71,8 +72,8 @@ def test_positions_of_another_arm_are_named(tmp_path: Path, made: Made) -> None:
     time, channels = made
     both = {f"{side}/{n}": channels[n] for side in ("left", "right") for n in MOVED[:2]}
     write_hdf5(tmp_path / "run.h5", time, both | {"left/actual_current": channels[MOVED[2]]})
-    comments = imported(tmp_path / "run.h5")[1]
-    assert "left out: run/right/actual_q: named like positions" in comments
+    told = imported(tmp_path / "run.h5")[1]
+    assert "left out: run/right/actual_q: nothing: named like positions" in told
 
 
 def test_targets_in_degrees_have_their_unit(tmp_path: Path, made: Made) -> None:
@@ -96,9 +97,9 @@ def test_microseconds_under_the_names_of_rtde(tmp_path: Path, made: Made) -> Non
 
 def test_a_pose_in_millimetres_is_left_out(tmp_path: Path, made: Made) -> None:
     table = rtde(made, *MOVED, actual_TCP_pose=1e3 * made[1]["actual_TCP_pose"])
-    entry, comments = imported(saved(table, tmp_path / "run.csv"))
+    entry, told = imported(saved(table, tmp_path / "run.csv"))
     assert entry["columns"] == ["time", *MOVED, *["-"] * 6]
-    assert "no pose of the flange, or of a tool on it, in m" in comments
+    assert "no pose of the flange, or of a tool on it, in m" in told
 
 
 def test_stamps_of_a_busy_computer_jitter(tmp_path: Path, made: Made) -> None:
@@ -134,8 +135,8 @@ def test_names_of_joints_in_columns_of_text_order_the_numbers(
     else:
         seconds = np.floor(in_ros(made, "{}_{}")["stamp"])
         table = in_ros(made, "{}_{}").assign(secs=seconds, name=str(joints), frame_id="base")
-    entry, comments = imported(saved(table, tmp_path / "run.csv"))
-    assert "assumed: the joints' order" not in comments
+    entry, told = imported(saved(table, tmp_path / "run.csv"))
+    assert "check: the joints' order" not in told
     assert entry["time"] == "epoch_s"
     raw = read_recording(entry).robot.table
     for name in MOVED:
@@ -170,26 +171,29 @@ def test_a_channel_that_holds_text_is_no_number(tmp_path: Path, made: Made) -> N
         import_files([path], UserStatement("ur5"))
 
 
-def test_lists_in_cells_are_named(tmp_path: Path, made: Made) -> None:
-    table = pd.DataFrame({"time": made[0]} | {n: made[1][n].tolist() for n in MOVED})
-    with pytest.raises(InputError, match="give each number of a list its own column"):
-        import_files([saved(table, tmp_path / "run.csv")], UserStatement("ur5"))
+@pytest.mark.parametrize("printed", [np.ndarray.tolist, list])
+def test_lists_in_cells_are_read(tmp_path: Path, made: Made, printed: Callable[..., Any]) -> None:
+    """As Python prints them, or NumPy, without commas and on several lines."""
+    table = pd.DataFrame({"time": made[0]} | {n: printed(made[1][n]) for n in MOVED})
+    entry, _ = imported(saved(table, tmp_path / "run.csv"))
+    assert entry["columns"] == ["time", *MOVED]
+    q = channel(read_recording(entry).robot.table, "actual_q")
+    np.testing.assert_allclose(q, made[1]["actual_q"], atol=1e-8)
 
 
 def test_an_arm_that_the_pose_excludes_is_told(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made, *MOVED, "actual_TCP_pose"), tmp_path / "run.csv")
     (one,) = import_files([path], UserStatement("ur10e"))
     assert one.entry["robot"] == "ur10e"
-    assert "robot ur10e: the recorded pose is the flange of ur5" in "\n".join(one.comments)
+    assert "robot: ur10e: the recorded pose is the flange of ur5" in in_words(one.account)
 
 
 def test_an_arm_that_gravity_contradicts_is_told(tmp_path: Path, made: Made) -> None:
     path = saved(rtde(made), tmp_path / "run.csv")
-    comments = [
-        "\n".join(import_files([path], UserStatement(arm))[0].comments) for arm in ("ur5", "ur10e")
+    told = [
+        in_words(import_files([path], UserStatement(arm))[0].account) for arm in ("ur5", "ur10e")
     ]
-    told = ["explains the efforts far better" in text for text in comments]
-    assert told == [False, True]
+    assert ["explains the efforts far better" in text for text in told] == [False, True]
 
 
 NAMES = {  # of positions, velocities and currents
@@ -229,13 +233,13 @@ def test_structures_with_stamps_of_their_own(tmp_path: Path, made: Made) -> None
 
 def test_what_a_file_lacks_is_said(tmp_path: Path, made: Made) -> None:
     table = rtde(made)
-    slow, comments = imported(saved(table.iloc[::125], tmp_path / "slow.csv"))
+    slow, told = imported(saved(table.iloc[::125], tmp_path / "slow.csv"))
     assert slow["robot"] == "ur5"
-    assert "check: nothing but names tells" in comments
+    assert "check: columns: as named: too short" in told
     unknown = {f"actual_{n}": f"{c}" for n, c in (("q", "j"), ("qd", "v"), ("current", "c"))}
     names = {f"{n}_{k}": f"{c}{k}" for n, c in unknown.items() for k in range(6)}
     path = saved(table.rename(columns=names), tmp_path / "run.csv")
-    assert "check: the joints' order, base to wrist" in imported(path)[1]
+    assert "check: the joints' order: base to wrist" in imported(path)[1]
     (tmp_path / "states.txt").write_text('{"q": [0.1, 0.2], "time": 1}\n' * 20)
     with pytest.raises(InputError, match="holds JSON"):
         import_files([tmp_path / "states.txt"])
@@ -260,8 +264,8 @@ def test_a_log_without_a_clock_has_the_rate_of_its_velocities(
 
 def test_a_rate_that_nothing_tells_is_asked_for(tmp_path: Path, made: Made) -> None:
     table = rtde(made, "actual_q", "actual_current").drop(columns="timestamp")
-    _, comments = imported(saved(table, tmp_path / "run.csv"))
-    assert "check: rate 125: the file has no clock" in comments
+    _, told = imported(saved(table, tmp_path / "run.csv"))
+    assert "check: rate: 125 Hz: no clock" in told
 
 
 def test_the_user_names_columns_and_units(tmp_path: Path, made: Made) -> None:
@@ -288,18 +292,18 @@ def test_desired_motion_of_libfranka_is_not_what_was_measured(tmp_path: Path, ma
     table = pd.DataFrame({"duration": np.round(1e3 * made[0])} | columns)
     text = table.to_csv(index=False).replace("q_d [", "q_d[")
     (tmp_path / "run.csv").write_text(text)
-    entry, comments = imported(tmp_path / "run.csv")
+    entry, told = imported(tmp_path / "run.csv")
     names = ["time", "target_q", "actual_q", "target_qd", "actual_qd", "actual_current"]
     assert entry["columns"] == names + ["-"] * 6
-    assert "q_d[0], q_d[1], q_d[2], q_d[3], q_d[4], ... appear twice in the header" in comments
+    assert "q_d[4], q_d[5]: nothing: its name appears twice in the header" in told
 
 
 def test_a_target_that_nothing_follows_is_left_out(tmp_path: Path, made: Made) -> None:
     """As velocities that a lab calls q_d."""
     table = rtde(made, *MOVED, q_d=made[1]["actual_qd"])
-    entry, comments = imported(saved(table, tmp_path / "run.csv"))
+    entry, told = imported(saved(table, tmp_path / "run.csv"))
     assert entry["format"] == "rtde-csv"  # which ignores them
-    assert "left out: q_d_0 … q_d_5: what moves does not follow it" in comments
+    assert "left out: q_d_0 … q_d_5: nothing: what moves does not follow it" in told
 
 
 def test_columns_without_names_are_left_out(tmp_path: Path, made: Made) -> None:
@@ -307,6 +311,6 @@ def test_columns_without_names_are_left_out(tmp_path: Path, made: Made) -> None:
     table = rtde(made, *MOVED, target_qdd=0 * made[1]["actual_q"])
     text = table.to_csv().splitlines()
     (tmp_path / "run.csv").write_text("".join(f"{line},,,\n" for line in text))
-    entry, comments = imported(tmp_path / "run.csv")
+    entry, told = imported(tmp_path / "run.csv")
     assert entry["format"] == "rtde-csv"
-    assert "twice" not in comments
+    assert "twice" not in told

@@ -10,6 +10,7 @@ import yaml
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from tests.entries import in_words
 from tests.library.test_from_urdf import made_up, saved
 from tests.stored_files import write_bag
 from ur5lib.commands.described import describe_urdf
@@ -91,7 +92,7 @@ def test_arrays_of_a_franka(log: dict[str, Array], tmp_path: Path) -> None:
     assert found.arm == "mine"
     names = {"actual_q": "q", "actual_qd": "dq", "actual_torque": "tau_J", "time": "t"}
     assert found.entry["channels"] == {c: f"state/{name}" for c, name in names.items()}
-    assert any("velocity of state/q (7 joints move)" in line for line in found.comments)
+    assert "the derivative of state/q on 7 joints" in in_words(found.account)
 
 
 def test_turns_of_motors_are_no_degrees_of_joints(log: dict[str, Array], tmp_path: Path) -> None:
@@ -107,7 +108,7 @@ def test_turns_of_motors_are_no_degrees_of_joints(log: dict[str, Array], tmp_pat
     counted.to_csv("run.csv", index=False)
     (found,) = import_files([Path("run.csv")], UserStatement(robot="geared"))
     assert "units" not in found.entry
-    assert [line for line in found.comments if "explains" in line or "sign" in line] == []
+    assert not {"explains", "sign"} & {*in_words(found.account).split()}
 
 
 def test_columns_without_names(log: dict[str, Array]) -> None:
@@ -136,7 +137,7 @@ def test_an_arm_that_is_not_described_is_asked_for(log: dict[str, Array]) -> Non
     ).to_csv("run.csv", index=False)
     (found,) = import_files([Path("run.csv")])
     assert found.arm == "my_arm"
-    assert any("`ur5 describe arm.urdf`" in line for line in found.comments)
+    assert "`ur5 describe arm.urdf`" in in_words(found.account)
 
 
 def test_a_force_beside_seven_joints_stays_out_unless_torques_prove_it(
@@ -148,7 +149,7 @@ def test_a_force_beside_seven_joints_stays_out_unless_torques_prove_it(
     columns |= {f"F{axis}": force[:, k] for k, axis in enumerate("xyz")}
     pd.DataFrame({"time": log["t"]} | columns).to_csv("run.csv", index=False)
     (found,) = import_files([Path("run.csv")], UserStatement("mine"))
-    assert any(line.startswith("# left out: Fx") for line in found.comments)
+    assert "left out: Fx" in in_words(found.account)
     assert not {"ft_fx", "actual_TCP_force"} & {*found.entry["columns"]}
 
 

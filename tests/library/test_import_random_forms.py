@@ -77,8 +77,8 @@ def outcome(seed: int, folder: Path) -> dict[str, Any]:
     except InputError as error:  # without names and at rest
         asked = "--columns" in str(error)
         return {"form": form, "wrong": [*MOVED], "marked": asked, "said": [str(error)]}
-    marked = any(line.startswith(("# check", "# left out")) for line in found.comments)
-    return {"form": form, "wrong": wrong(found, truth), "marked": marked, "said": found.comments}
+    marked = any(row.confidence in ("check", "left out") for row in found.account)
+    return {"form": form, "wrong": wrong(found, truth), "marked": marked, "said": found.account}
 
 
 @pytest.mark.parametrize("seed", range(12))

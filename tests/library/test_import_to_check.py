@@ -105,7 +105,7 @@ def test_logs_of_urs(
     monkeypatch.chdir(tmp_path)
     log = poor_log(load_robot(robot_path(arm)), 60, seed=3)
     table, written = imported(FORMS[arm](log.copy()), arm, run_ur5)
-    assert "# check: " not in written
+    assert "confidence: check" not in written
     read, sent = (np.hstack([channel(own, name) for name in SHORT]) for own in (table, log))
     assert np.abs(sent - read[-1]).max(axis=1).min() < 1e-5
 
@@ -131,7 +131,7 @@ def test_joints_named_by_sides(seven: pd.DataFrame, run_ur5: Command) -> None:
     }
     pd.DataFrame({"t": seven["time"]} | columns).to_csv("run.csv", index=False)
     table, written = imported(["run.csv"], "mine", run_ur5)
-    assert "# check: " not in written
+    assert "confidence: check" not in written
     for name in names:
         assert channel(table, name, 7) == pytest.approx(channel(seven, name, 7), abs=1e-5)
 

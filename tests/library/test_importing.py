@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from tests.conftest import shared_folder
-from tests.entries import read_and_check, read_recording
+from tests.entries import in_words, read_and_check, read_recording
 from tests.stored_files import (
     JOINTS,
     Made,
@@ -51,10 +51,10 @@ def ur5e_data() -> Path:
     return shared_folder("ur5e", "they are recordings of real UR5e arms")
 
 
-def entry_and_comments(*paths: Path, robot: str = "") -> tuple[dict[str, Any], str]:
-    """The entry of the first file, and the comments on it."""
+def entry_and_account(*paths: Path, robot: str = "") -> tuple[dict[str, Any], str]:
+    """The entry of the first file, and its account in words."""
     (one, *_) = import_files(paths, UserStatement(robot))
-    return one.entry, "\n".join(one.comments)
+    return one.entry, in_words(one.account)
 
 
 def shuffled(made: Made, order: np.ndarray) -> Made:
@@ -69,20 +69,20 @@ def shuffled(made: Made, order: np.ndarray) -> Made:
 
 def test_what_names_and_numbers_tell_becomes_the_entry(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *made)
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, told = entry_and_account(tmp_path / "run.h5")
     assert entry["robot"] == "ur5"
     assert entry["format"] == "hdf5"
     assert entry["channels"] == {"time": "run/time"} | {name: f"run/{name}" for name in made[1]}
     assert "joints" not in entry
-    assert "proven: run/actual_qd is the velocity of run/actual_q (6 joints move)" in comments
-    assert "it puts the flange of ur5 within" in comments
+    assert "proven: run/actual_qd: actual_qd: the derivative of run/actual_q on 6 joints" in told
+    assert "it puts the flange of ur5 within" in told
 
 
 def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *shuffled(made, ORDER))
-    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.h5", robot="ur5")
     assert entry["joints"] == [3, 2, 1, 4, 5, 6]
-    assert "elbow, shoulder lift, shoulder pan, wrist 1" in comments
+    assert "elbow, shoulder lift, shoulder pan, wrist 1" in told
     table = read_recording(entry).robot.table
     np.testing.assert_allclose(table["actual_q_0"], made[1]["actual_q"][:, 0])
 
@@ -110,7 +110,7 @@ def test_the_unit_and_sign_of_efforts_are_told_by_gravity(
     tmp_path: Path, made: Made, factor: float, channel: str, unit: str | None
 ) -> None:
     write_hdf5(tmp_path / "run.h5", *bare(made, effort=factor * made[1]["actual_current"]))
-    entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    entry, _ = entry_and_account(tmp_path / "run.h5", robot="ur5")
     assert entry["channels"][channel] == "run/effort"
     assert entry.get("units") == ({channel: unit} if unit else None)
     if channel == "actual_current":
@@ -125,14 +125,14 @@ def test_constants_of_a_driver_are_told_by_the_rounding_of_currents(
     constants = np.array([-12.925, -13.088, -9.358, -4.572, -4.572, -4.548])
     time, channels = bare(made, effort=constants * current)
     write_hdf5(tmp_path / "run.h5", *shuffled((time, channels), ORDER))
-    entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    entry, _ = entry_and_account(tmp_path / "run.h5", robot="ur5")
     assert entry["joints"] == [3, 2, 1, 4, 5, 6]
     np.testing.assert_allclose(entry["units"]["actual_current"], 1 / constants[ORDER], rtol=1e-6)
     np.testing.assert_allclose(currents_read(entry), current, atol=1e-6)
     names = expand(["time", "actual_q", "actual_qd", "actual_TCP_pose", "actual_current"])
     table = np.hstack([time[:, None], *channels.values()])
     np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=",".join(names), comments="")
-    units = entry_and_comments(tmp_path / "a.csv", robot="ur5")[0]["units"]
+    units = entry_and_account(tmp_path / "a.csv", robot="ur5")[0]["units"]
     np.testing.assert_allclose(units["actual_current"], 1 / constants, rtol=1e-6)
 
 
@@ -140,16 +140,16 @@ def test_gravity_is_added_to_torques_without_it(tmp_path: Path, made: Made, ur5:
     """As UR's driver gives them; a current is never without gravity."""
     free = np.tanh(made[1]["actual_qd"] / 0.02) + 0.5 * made[1]["actual_qd"]
     write_hdf5(tmp_path / "run.h5", *bare(made, effort=free))
-    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.h5", robot="ur5")
     assert entry["channels"]["actual_torque_less_gravity"] == "run/effort"
-    assert "check: run/effort in Nm, less gravity" in comments
+    assert "check: run/effort: actual_torque_less_gravity: in Nm, less gravity" in told
     taken = read_and_check(entry, ur5, 0.1)
     torque = free + gravity_torque(ur5, ur5.chosen_model, made[1]["actual_q"])
     current = torque / np.array(ur5.maker_torque_constants())
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), current, atol=1e-6)
     write_hdf5(tmp_path / "run.h5", *bare(made, current=free))
-    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
-    assert "check: run/current in A, by its name" in comments
+    entry, told = entry_and_account(tmp_path / "run.h5", robot="ur5")
+    assert "check: run/current: actual_current: in A" in told
 
 
 def at_rest(made: Made) -> Made:
@@ -167,11 +167,11 @@ def test_names_decide_where_nothing_moves(tmp_path: Path, made: Made) -> None:
     table = np.hstack([time[:, None], *values])
     head = ",".join(["time", *names])
     np.savetxt(tmp_path / "ur5_a.csv", table, delimiter=",", header=head, comments="", fmt="%.6f")
-    entry, comments = entry_and_comments(tmp_path / "ur5_a.csv")
+    entry, told = entry_and_account(tmp_path / "ur5_a.csv")
     assert entry["robot"] == "ur5"
     assert entry["units"] == {"actual_current": "mA"}
-    assert "assumed: robot ur5, by the name of file" in comments
-    assert "in mA, by its name" in comments
+    assert "assumed: robot: ur5: by the name of file" in told
+    assert "actual_current [mA]: in mA" in told
 
 
 def test_a_bad_file_stops_no_other(
@@ -217,7 +217,7 @@ def test_a_wrench_in_a_table_has_its_columns(
     values = [channels[n] for n in ("actual_q", "actual_qd", "actual_current", "force", "torque")]
     table = np.hstack([time[:, None], *values])
     np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=",".join(names), comments="")
-    entry, _ = entry_and_comments(tmp_path / "a.csv", robot="ur5")
+    entry, _ = entry_and_account(tmp_path / "a.csv", robot="ur5")
     assert entry["role"] == "contact"
     sensed = expand(["time", "ft"])[1:]
     assert entry["columns"][4:] == (sensed if frame == "flange" else ["actual_TCP_force"])
@@ -246,9 +246,9 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
     """Of four; ROS drivers publish flange axes and the force of the arm on its surroundings."""
     time, channels = touched(made, ur5, frame)
     write_hdf5(tmp_path / "run.h5", time, channels | {"force": sign * channels["force"]})
-    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.h5", robot="ur5")
     assert entry["role"] == "contact"
-    assert f"proven: run/force and run/torque in the {frame}'s frame" in comments
+    assert f"in the {frame}'s frame" in told
     turned = {} if sign == 1 else {"units": dict.fromkeys(("ft_f", "ft_t"), "opposite")}
     if frame == "base":
         assert entry["channels"]["actual_TCP_force"] == ["run/force", "run/torque"]
@@ -271,17 +271,17 @@ def test_a_sensor_may_have_forces_alone(tmp_path: Path, made: Made, ur5: Robot, 
     columns |= {f"F{axis}": force[:, k] for k, axis in enumerate("xyz")}
     table = pd.DataFrame({"timestamp": time} | columns)
     table.to_csv(tmp_path / "run.csv", index=False)
-    arrays, stated = entry_and_comments(tmp_path / "run.h5", robot="ur5")
-    named, told = entry_and_comments(tmp_path / "run.csv", robot="ur5")
+    arrays, stated = entry_and_account(tmp_path / "run.h5", robot="ur5")
+    named, told = entry_and_account(tmp_path / "run.csv", robot="ur5")
     kept = frame == "flange"
     sensed = [name for name in named.get("columns", []) if name.startswith("ft_")]
     assert sensed == (["ft_fx", "ft_fy", "ft_fz"] if kept else [])
     assert arrays.get("force_sensor") == (
         {"channels": {"time": "run/time", "ft_f": "run/force"}} if kept else None
     )
-    for comments in (stated, told):
-        assert f"in the {frame}'s frame" in comments
-        assert ("left out: " in comments) != kept
+    for words in (stated, told):
+        assert f"in the {frame}'s frame" in words
+        assert ("left out: " in words) != kept
 
 
 def test_a_wrench_without_efforts_proves_no_frame(tmp_path: Path, made: Made, ur5: Robot) -> None:
@@ -289,18 +289,18 @@ def test_a_wrench_without_efforts_proves_no_frame(tmp_path: Path, made: Made, ur
     time, channels = touched(made, ur5, "flange")
     random = np.random.default_rng(2).normal(0, 5, channels["force"].shape)
     write_hdf5(tmp_path / "run.h5", time, made[1] | {"force": random, "torque": random / 50})
-    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.h5", robot="ur5")
     assert "actual_TCP_force" not in entry["channels"]
     assert "force_sensor" not in entry
-    assert "left out: run/force and run/torque" in comments
+    assert "left out: run/force, run/torque" in told
 
 
 def test_zeros_of_channels_that_were_not_there_are_left_out(tmp_path: Path, made: Made) -> None:
     time, channels = made
     write_hdf5(tmp_path / "run.h5", time, channels | {"target_qdd": 0 * channels["actual_q"]})
-    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.h5", robot="ur5")
     assert "target_qdd" not in entry["channels"]
-    assert "run/target_qdd: zero throughout, so not recorded" in comments
+    assert "run/target_qdd: nothing: zero throughout, so not recorded" in told
 
 
 def test_names_that_appear_twice_are_read_once(tmp_path: Path, made: Made) -> None:
@@ -310,37 +310,37 @@ def test_names_that_appear_twice_are_read_once(tmp_path: Path, made: Made) -> No
     table = np.column_stack([time, *values, channels["actual_q"][:, 0]])
     head = ",".join(["timestamp", *names, "actual_q_0"])
     np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=head, comments="", fmt="%.6f")
-    entry, comments = entry_and_comments(tmp_path / "run.csv", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.csv", robot="ur5")
     assert entry["columns"] == ["time", "actual_q", "actual_qd", "actual_TCP_pose", "-"]
-    assert "actual_q_0 appears twice" in comments
+    assert "actual_q_0: nothing: its name appears twice" in told
 
 
 def test_velocities_in_another_order_are_left_out(tmp_path: Path, made: Made) -> None:
     time, channels = made
     write_hdf5(tmp_path / "run.h5", time, channels | {"actual_qd": channels["actual_qd"][:, ORDER]})
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, told = entry_and_account(tmp_path / "run.h5")
     assert "actual_qd" not in entry["channels"]
-    assert "check: run/actual_qd is not the derivative of run/actual_q" in comments
+    assert "check: run/actual_qd: nothing: not the derivative of run/actual_q" in told
 
 
 def test_names_outdo_gravity_which_doubts_them(tmp_path: Path, made: Made) -> None:
     time, channels = shuffled(made, ORDER)
     kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_current")}
     write_bag(tmp_path / "run.db3", time, kept)
-    entry, comments = entry_and_comments(tmp_path / "run.db3", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.db3", robot="ur5")
     assert "joints" not in entry
-    assert "check: the joints' order, by their names" in comments
-    assert "or elbow, shoulder lift, shoulder pan, wrist 1, wrist 2, wrist 3: gravity" in comments
+    assert "check: the joints' order: as named" in told
+    assert "or elbow, shoulder lift, shoulder pan, wrist 1, wrist 2, wrist 3: gravity" in told
 
 
 def test_an_arm_that_nothing_tells_is_asked_for(tmp_path: Path, made: Made) -> None:
     kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
     write_bag(tmp_path / "run.db3", made[0], kept)
-    assert "check: robot " in entry_and_comments(tmp_path / "run.db3")[1]
-    entry, comments = entry_and_comments(tmp_path / "run.db3", robot="ur5")
+    assert "check: robot: " in entry_and_account(tmp_path / "run.db3")[1]
+    entry, told = entry_and_account(tmp_path / "run.db3", robot="ur5")
     assert entry["robot"] == "ur5"
-    assert "assumed: robot ur5, as given" in comments
-    assert "check: robot" not in comments
+    assert "assumed: robot: ur5: as given" in told
+    assert "check: robot:" not in told
 
 
 @pytest.mark.parametrize(("farthest", "lead"), [(6.2, 0.0), (9.0, IMPOSSIBLE_MOTION_PENALTY)])
@@ -364,15 +364,15 @@ def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
         for name in NIST_COLUMNS[1:]
     ]
     np.savetxt(tmp_path / "run.csv", np.hstack(blocks), delimiter=",", fmt="%.6f")
-    entry, comments = entry_and_comments(tmp_path / "run.csv", robot="ur5")
+    entry, told = entry_and_account(tmp_path / "run.csv", robot="ur5")
     assert {"time", "actual_q", "target_moment"} <= {*entry["columns"]}
-    assert "NIST" in comments
+    assert "NIST" in told
     rows = zip(*(block.tolist() for block in blocks), strict=True)
     lines = [", ".join([str(stamp), *map(str, groups)]) for (stamp,), *groups in rows]
     (tmp_path / "run.csv").write_text(
         "\n".join(lines) + "\n"
     )  # as NIST_COLUMNS's own files group them
-    assert entry_and_comments(tmp_path / "run.csv", robot="ur5")[0] == entry
+    assert entry_and_account(tmp_path / "run.csv", robot="ur5")[0] == entry
 
 
 def test_three_commands_are_named(
@@ -400,14 +400,14 @@ def test_three_commands_are_named(
 def test_demonstrations_of_a_ur5e(ur5e_data: Path) -> None:
     """Two layouts; the wrench is the controller's, in the base's frame, or too weak to tell."""
     for path in sorted(ur5e_data.glob("*.h5")):
-        entry, comments = entry_and_comments(path)
+        entry, told = entry_and_account(path)
         assert entry["robot"] == "ur5e"
         assert "joints" not in entry
         assert entry["channels"]["actual_current"].endswith("joint_effort")
         weak = "2019" in path.name or "2020-07" in path.name
         assert ("actual_TCP_force" in entry["channels"]) == (not weak)
         assert entry["role"] == ("fit" if weak else "contact")
-        assert ("left out: " in comments) == weak
+        assert ("record a push" in told) == weak
 
 
 def test_bag_and_table_of_one_run_of_a_ur3_agree() -> None:
@@ -425,10 +425,10 @@ def test_bag_and_table_of_one_run_of_a_ur3_agree() -> None:
 
 def test_a_bag_of_a_ur10() -> None:
     folder = shared_folder("ur10-bag", "it is a bag of a real UR10")
-    entry, comments = entry_and_comments(folder / "ur10_exciting_trajectory.db3")
+    entry, told = entry_and_account(folder / "ur10_exciting_trajectory.db3")
     assert entry["robot"] == "ur10"
     assert entry["channels"]["actual_current_as_torque"] == "/joint_states/effort"
-    assert "effort in Nm: gravity tells Nm" in comments
+    assert "actual_current_as_torque: in Nm: gravity tells Nm" in told
 
 
 @pytest.mark.parametrize("kind", ["mat", "mcap"])
@@ -441,7 +441,7 @@ def test_thesis_recordings_in_other_files(tmp_path: Path, thesis: Made, kind: st
         write_mat(path, time, {name: channels[its] for name, its in named.items()})
     else:
         write_bag(path, time, {n: channels[n] for n in ("actual_q", "actual_qd", "actual_current")})
-    entry, _ = entry_and_comments(path)
+    entry, _ = entry_and_account(path)
     assert entry["robot"] == "ur5"
     assert "actual_current" in entry["channels"]
     assert "joints" not in entry
@@ -470,11 +470,11 @@ def test_runs_of_one_joint(ur10e_data: Path, joint: int, robot: str) -> None:
 
     By itself, no effort of joint 1 has a unit, as gravity does not change.
     """
-    entry, comments = entry_and_comments(ur10e_data / f"ur-20_01_22-joint_{joint}.csv", robot=robot)
+    entry, told = entry_and_account(ur10e_data / f"ur-20_01_22-joint_{joint}.csv", robot=robot)
     assert entry["robot"] == "ur10e"
     assert entry["columns"][:3] == ["time", "actual_q", "actual_qd"]
     assert entry["columns"][3:] == (WHOLE if joint > 1 else ["-"] * 18)
-    assert joint == 6 or "check: the joints' order, base to wrist" in comments
+    assert joint == 6 or "check: the joints' order: base to wrist" in told
 
 
 def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> None:
@@ -483,4 +483,4 @@ def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> No
     assert one.entry["columns"] == other.entry["columns"]
     assert other.entry["columns"][3:] == WHOLE
     assert one.entry["file"] != other.entry["file"]
-    assert "columns, units and robot as in" in "".join(one.comments)
+    assert "columns, units and robot are those" in in_words(one.account)

@@ -26,6 +26,7 @@ from tests.stored_files import (
     WRITERS,
     Made,
     entry_of,
+    frame,
     made_up_channels,
     write,
     write_bag,
@@ -296,6 +297,32 @@ def test_a_block_that_was_never_written_is_reported(tmp_path: Path, made: Made, 
     taken = read_and_check(entry_of("hdf5", tmp_path / "run.h5", [*channels]), ur5, 0.1)
     assert "zeroed cells" in [finding.finding for finding in taken.quality.findings]
     assert (np.abs(taken.robot["actual_q_1"]) > 0.5).all()
+
+
+@pytest.mark.parametrize("kind", ["hdf5", "parquet", "table"])
+def test_a_channel_that_was_never_written_is_not_recorded(
+    tmp_path: Path, made: Made, ur5: Robot, kind: str
+) -> None:
+    """A driver's efforts are what its memory held, nearer to zero than any number, or zero."""
+    time, channels = made
+    stray = np.tile([-5.4e-310, 0.0, -3.5e-308, 1e-320, 0.0, 2e-308], (len(time), 1))
+    channels = {name: channels[name] for name in ("actual_q", "actual_qd")}
+    channels["actual_current"] = stray
+    if kind == "table":
+        frame(time, channels).to_csv(tmp_path / "run.csv", index=False)
+        entry = {"format": "table-csv", "folder": str(tmp_path), "file": "run.csv"}
+        entry |= {"columns": ["time", *channels]}
+    else:
+        entry = write(kind, tmp_path, time, channels)
+    taken = read_and_check(entry, ur5, 0.1)
+    assert "actual_current_0" not in taken.robot
+    reported = [one.finding for one in taken.quality.findings]
+    assert "unwritten channels" in reported
+    assert "zeroed cells" not in reported
+    (found,) = import_files([tmp_path / entry["file"]], UserStatement("ur5"))
+    named = found.entry["columns" if kind == "table" else "channels"]
+    assert not any("actual_current" in name for name in named)
+    assert any("actual_current" in line and "not recorded" in line for line in found.comments)
 
 
 def test_velocities_and_currents_that_are_missing_are_replaced(

@@ -78,6 +78,15 @@ def test_the_error_of_a_pattern_is_stated_once_at_its_entry(
     assert "no file" in error
 
 
+def test_a_mistake_of_several_recordings_is_stated_once(raw: dict[str, Any]) -> None:
+    (run,) = raw["recordings"]
+    raw["recordings"] = [run | {"name": f"run{k}", "rate_hz": 125} for k in range(9)]
+    raw["recordings"][3] |= {"role": "fitt"}
+    (unknown,) = (error for error in complaints(raw) if "rate_hz" in error)
+    assert words("`recordings[0].rate_hz` recordings[1], recordings[5], ...") <= words(unknown)
+    assert any("`recordings[3].role`" in error for error in complaints(raw))
+
+
 def changed(raw: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """A study with other values at some places, e.g. `recordings[0].role`; GONE for no value."""
     for place, value in changes.items():
@@ -245,7 +254,9 @@ def test_all_errors_are_told_at_once(raw: dict[str, Any]) -> None:
     raw["recordings"][0] |= {"role": "x", "name": "a b"}
     raw["recordings"] *= 2
     raw["settings"]["frames"] = {"max_gap_s": 9}
-    assert len(complaints(raw)) == 9
+    errors = complaints(raw)
+    assert len(errors) == 7
+    assert len([one for one in errors if one.endswith("; the same in recordings[1]")]) == 2
 
 
 def test_an_arm_without_a_recording_to_fit_on_is_known(raw: dict[str, Any]) -> None:

@@ -101,16 +101,14 @@ def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[C
 
 def gains_of_mountings(means: BlockMeans, arm: Robot) -> dict[Gravity, float]:
     """Return how much likelier other mountings are that the torque constants confirm."""
-    measured, order = of_measured(means), [in_order(arm)]
-    declared, *scores = (
-        readings(measured, [one], order)[0].score
-        for one in (arm, *(arm.mounted(gravity) for gravity in MOUNTINGS))
-    )
-    likelihoods = dict(zip(MOUNTINGS, scores, strict=True))
     shown = {gravity: torque_constants(means, arm.mounted(gravity)) for gravity in MOUNTINGS}
     confirmed = [one for one, its in shown.items() if its.ratio and not its.foreign()]
-    likeliest_first = sorted(confirmed, key=lambda one: -likelihoods[one])
-    return {one: likelihoods[one] - declared for one in likeliest_first}
+    declared, *likelihoods = (
+        readings(of_measured(means), [one], [in_order(arm)])[0].score
+        for one in (arm, *map(arm.mounted, confirmed))
+    )
+    gains = {one: own - declared for one, own in zip(confirmed, likelihoods, strict=True)}
+    return dict(sorted(gains.items(), key=lambda gain: -gain[1]))
 
 
 @dataclass(frozen=True)

@@ -55,6 +55,12 @@ class Checked:
         return self.arm.carrying(self.declared)
 
     @cached_property
+    def payloads(self) -> list[Payload | None]:
+        """Return the payloads that the controller's torque may contain, each once."""
+        same = self.configured == self.declared
+        return [self.declared] if same else [self.configured, self.declared]
+
+    @cached_property
     def others(self) -> list[Robot]:
         """Return all described arms of as many joints, mounted alike and with the same payload."""
         return arms_alike(self.arm, self.declared)

@@ -70,14 +70,17 @@ def readings(
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
     lowest, highest = means.q.min(axis=0), means.q.max(axis=0)
-    free = [_without_motion(means, effort) for effort in means.currents.values()]
+    motion = _motion_bases(means)
+    free = [_without_motion(motion, effort) for effort in means.currents.values()]
     candidates = []
     for arm in arms:
         postures = means.q[:, columns].swapaxes(0, 1)  # (orders, M, n)
         torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, len(arm.joints)))
         torque = torque.reshape(postures.shape)
         constants = arm.maker_torque_constants()
-        scores = [_scores(means, effort, torque, columns, constants, units) for effort in free]
+        scores = [
+            _scores(means, motion, effort, torque, columns, constants, units) for effort in free
+        ]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
         beyond = speed[columns] > MAX_SPEED_RATIO * np.array(arm.velocity_limits())
         low, high = np.transpose(arm.position_limits())
@@ -95,17 +98,21 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
 
     means: with the joints in order.
     """
-    free, columns = _without_motion(means, means.currents[effort]), np.array([in_order(arm)])
-    unknown = [math.nan] * len(arm.joints)
-    scores = _scores(means, free, means.gravity(arm)[None], columns, unknown, SLOPE_BOUNDS_OR_NONE)
+    motion, columns = _motion_bases(means), np.array([in_order(arm)])
+    free, unknown = _without_motion(motion, means.currents[effort]), [math.nan] * len(arm.joints)
+    gravity = means.gravity(arm)[None]
+    scores = _scores(means, motion, free, gravity, columns, unknown, SLOPE_BOUNDS_OR_NONE)
     return {unit: float(score[0]) for unit, score in scores.items()}
 
 
-def _motion_basis(means: BlockMeans, column: int) -> Array:
-    """Return an orthonormal basis (M, n) of a joint's friction, inertia and offset."""
-    terms = means.without_gravity(column, means.qdd)
-    basis, size, _ = np.linalg.svd(terms, full_matrices=False)
-    return basis[:, size > 1e-8 * size[0]]
+def _motion_bases(means: BlockMeans) -> list[Array]:
+    """Return orthonormal bases (M, n) of each joint's friction, inertia and offset."""
+    bases = []
+    for column in range(means.q.shape[1]):
+        terms = means.without_gravity(column, means.qdd)
+        basis, size, _ = np.linalg.svd(terms, full_matrices=False)
+        bases.append(basis[:, size > 1e-8 * size[0]])
+    return bases
 
 
 def _project(basis: Array, values: Array) -> Array:
@@ -113,14 +120,14 @@ def _project(basis: Array, values: Array) -> Array:
     return values - (values @ basis) @ basis.T
 
 
-def _without_motion(means: BlockMeans, effort: Array) -> Array:
-    """Return efforts (M, n) without friction and inertia."""
-    columns = [_project(_motion_basis(means, k), effort[:, k]) for k in range(effort.shape[1])]
-    return np.stack(columns, axis=1)
+def _without_motion(motion: Sequence[Array], effort: Array) -> Array:
+    """Return efforts (M, n) without friction and inertia; motion: their bases."""
+    return np.stack([_project(basis, effort[:, k]) for k, basis in enumerate(motion)], axis=1)
 
 
 def _scores(
     means: BlockMeans,
+    motion: Sequence[Array],
     effort: Array,
     torque: Array,
     columns: Labels,
@@ -129,12 +136,12 @@ def _scores(
 ) -> dict[str, Array]:
     """Return the log-likelihood of each order (K,) by unit.
 
-    torque: (K, M, n) of gravity; constants: Nm/A that the joints should have, NaN where unknown.
+    motion: bases of it; torque: (K, M, n) of gravity; constants: Nm/A that the joints should have,
+    NaN where unknown.
     """
     total = {unit: np.zeros(len(columns)) for unit in units}
-    for column in range(effort.shape[1]):
-        basis = _motion_basis(means, column)
-        for joint in range(columns.shape[1]):
+    for column, basis in enumerate(motion):
+        for joint in np.flatnonzero((columns == column).any(axis=0)).tolist():
             rows = columns[:, joint] == column
             gravity = _project(basis, torque[rows, :, joint])
             slope = gravity @ effort[:, column] / ((gravity**2).sum(axis=1) + 1e-12)

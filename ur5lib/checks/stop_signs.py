@@ -61,7 +61,7 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     means = checked.means
     if len(means.q) < MIN_BLOCKS:
         return
-    yield from foreign_torque(means, arm, [checked.configured, checked.declared])
+    yield from foreign_torque(means, arm, checked.payloads)
     yield from tool_off_flange(robot, arm)
     if checked.delays is not None:  # whatever arm and units are
         name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT

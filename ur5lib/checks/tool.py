@@ -10,6 +10,7 @@ from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
 
 # m; in right recordings, the tool stays within 0.002 m of its place on the flange
 MAX_TOOL_DISTANCE = 0.01
@@ -19,14 +20,27 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
     """Find a tool that does not stay at its place on the flange; robot: a repaired table."""
     if "actual_TCP_pose_0" not in robot:
         return
-    frames = robot.loc[
-        ~robot["interpolated"], columns("actual_TCP_pose") + columns("actual_q", joint_count(robot))
-    ]
+    distance = tool_distance(*tool_and_angles(robot), arm)
+    if distance > MAX_TOOL_DISTANCE:
+        yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * distance)
+
+
+def tool_and_angles(robot: pd.DataFrame) -> tuple[Array, Array]:
+    """Return the tool's positions (N, 3) [m] and the angles (N, n) [rad] in about a thousand
+    received frames of a repaired table.
+    """
+    names = columns("actual_TCP_pose") + columns("actual_q", joint_count(robot))
+    frames = robot.loc[~robot["interpolated"], names]
     frames = frames.dropna(subset=["actual_TCP_pose_0", "actual_q_0"])
     frames = frames.iloc[:: max(1, len(frames) // 1000)]
-    rotation, origin = link_frames(arm, channel(frames, "actual_q"))
-    away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, -1]
-    place = np.einsum("nij,ni->nj", rotation[:, -1], away)
-    apart = float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))
-    if apart > MAX_TOOL_DISTANCE:
-        yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * apart)
+    return channel(frames, "actual_TCP_pose")[:, :3], channel(frames, "actual_q")
+
+
+def tool_distance(tool: Array, q: Array, arm: Robot) -> float:
+    """Return how far the tool is from its place on the flange (median) [m].
+
+    tool: positions (N, 3) [m]; q: angles (N, n) [rad].
+    """
+    rotation, origin = link_frames(arm, q)
+    place = np.einsum("nij,ni->nj", rotation[:, -1], tool - origin[:, -1])
+    return float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))

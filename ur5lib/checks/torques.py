@@ -55,8 +55,7 @@ def given_load(checked: Checked) -> Iterator[Finding]:
     """Warn of a load in `target_moment` that neither the study nor the recording names."""
     means, torque = checked.means, checked.means.torque
     if torque is not None and len(means.q) >= MIN_BLOCKS:
-        payloads = [checked.configured, checked.declared]
-        residual = _least_residual(means, torque, checked.arm, payloads)
+        residual = _least_residual(means, torque, checked.arm, checked.payloads)
         mass, left = _as_load(means, residual, checked.arm)
         explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_GIVEN_LOAD) * size(residual) ** 2
         if MIN_GIVEN_LOAD < mass < MAX_LOAD and explained:

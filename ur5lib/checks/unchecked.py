@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT, columns
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
 from ur5lib.checks.arm import Pair, fitting_arms, torque_constants
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import MIN_GRAVITY_TORQUE, MIN_LEAD_OF_EXCHANGE
@@ -11,10 +11,14 @@ from ur5lib.checks.delays import MIN_DELAY
 from ur5lib.checks.doubts import doubted_links
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.sensed_torques import size_ratio
-from ur5lib.checks.tool import tool_off_flange
+from ur5lib.checks.tool import (
+    MAX_TOOL_DISTANCE,
+    tool_and_angles,
+    tool_distance,
+    tool_off_flange,
+)
 from ur5lib.checks.torques import is_foreign
 from ur5lib.records.quality import Finding, Severity
-from ur5lib.tables import channel, named
 
 POSE, TORQUE = "actual_TCP_pose", "target_moment"
 
@@ -75,11 +79,10 @@ def _pairs_shown_by_pose(checked: Checked) -> Iterator[Pair]:
     """Yield the pairs whose exchange would take the tool off the flange."""
     if f"{POSE}_0" not in checked.robot:
         return
-    q, order = channel(checked.robot, "actual_q"), in_order(checked.arm)
-    table = checked.robot[["interpolated", *columns(POSE)]]
+    (tool, q), order = tool_and_angles(checked.robot), in_order(checked.arm)
     for pair in combinations(order, 2):
-        moved = table.assign(**named(q[:, exchanged_order(order, *pair)], "actual_q"))
-        if any(tool_off_flange(moved, checked.arm)):
+        moved = q[:, exchanged_order(order, *pair)]
+        if tool_distance(tool, moved, checked.arm) > MAX_TOOL_DISTANCE:
             yield pair
 
 
@@ -88,11 +91,10 @@ def _pairs_shown_by_torque(checked: Checked) -> Iterator[Pair]:
     means, torque, in_place = checked.means, checked.means.torque, in_order(checked.arm)
     if torque is None:
         return
-    payloads = [checked.configured, checked.declared]
     for pair in combinations(in_place, 2):
         order = exchanged_order(in_place, *pair)
         moved = means.part(columns=order)
-        if is_foreign(moved, torque[:, order], checked.arm, payloads):
+        if is_foreign(moved, torque[:, order], checked.arm, checked.payloads):
             yield pair
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import MAX_CONSTANT_RATIO
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import shaft_matrix
@@ -27,8 +28,6 @@ MAX_BLOCKS = 600  # of a log that are looked at
 RIDGES = (1e-4, 3e-3, 3e-2)
 WEIGHING_ROUNDS = 3  # in which each joint's noise is estimated
 TORQUE_NOISE = 0.02  # Nm; nothing is explained better
-# times the maker's torque constants or part of it, which gears' losses and units' spread allow
-MAX_CONSTANT_RATIO = 1.75
 
 
 class Misfit(NamedTuple):

@@ -3,13 +3,12 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 from rich.console import Console
 from rich.padding import Padding
-from rich.progress import track
 from rich.table import Table
 
 from ur5lib.channels import MEASURED_CURRENT
@@ -20,6 +19,8 @@ from ur5lib.checks.devices import checked_intake
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.checks.unchecked import unchecked
+from ur5lib.commands.console import announced, text_console
+from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.carried import carried, disagreements
@@ -27,12 +28,14 @@ from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import by_finding, group_findings, worded
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tidy import files, table
+from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
 
 ERROR_SEVERITIES = ("stop", "error")
@@ -79,8 +82,11 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
         console.print(f"not simulated yet: {unmade}; `snakemake` will simulate it first")
     if not there:
         return 0
-    recordings = track(there, "reading", console=console, transient=True)
-    results = {recording.name: look_through(recording, study) for recording in recordings}
+    names = [recording.name for recording in there]
+    # without its recordings, which would go to each process with each of them
+    alone = study.model_copy(update={"recordings": []})
+    with side_by_side(partial(look_through, study=alone), there) as looked:
+        results = dict(zip(announced(names), looked, strict=True))
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = settled(
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
@@ -90,11 +96,6 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
     if not named and len({*months.values()}) > 1:
         console.print(by_month(months, qualities))
     return severe_ones
-
-
-def text_console(**settings: Any) -> Console:
-    """Return a console that prints text from outside unchanged, without markup or emoji names."""
-    return Console(markup=False, emoji=False, **settings)
 
 
 def print_tables(
@@ -214,10 +215,10 @@ def unusable(error: InputError) -> Quality:
 def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
     if not intake.sensors:
         return {}
-    from ur5lib.dynamics.flange import flange_kinematics  # imports torch, needed only for a clock
-
     robot = Signals.from_table(intake.robot)
-    rotation, _, jacobian = flange_kinematics(arm, robot.actual_q)
+    # without torch, which takes two seconds to load
+    rotation = in_chunks(lambda q: link_frames(arm, q)[0][:, -1], robot.actual_q)
+    jacobian = in_chunks(lambda q: geometric_jacobian(arm, q), robot.actual_q)
     return own_clocks(intake.quality.starts, intake.sensors, robot, rotation, jacobian)
 
 

@@ -9,14 +9,25 @@ import numpy as np
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
-from ur5lib.importing.spellings import kind_of_joints, place_of, quantity
+from ur5lib.importing.account import Account
+from ur5lib.importing.spellings import (
+    GRIPPER_WORDS,
+    WHOLE_NAMES,
+    kind_of_joints,
+    kind_of_quantity,
+    place_of,
+    quantity,
+    words,
+)
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.rosbag import JOINTS, joint_order
 from ur5lib.timeseries.arrays import Array
 
 NAMELESS_PREFIX = "column "  # and its number: a column of a table without a header
 JOINTS_OF_UR = 6
-OTHER_JOINT_COUNTS = (7, 8, 9)  # a gripper's fingers among them
+OTHER_JOINT_COUNTS = (4, 5, 7, 8, 9)  # a gripper's fingers among them
+GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
+MIN_MOTORS = 4  # of an arm
 
 
 @dataclass(frozen=True)
@@ -45,6 +56,12 @@ class ColumnBlock:
         whole = [float(f"{factor:.7g}") for factor in self.factors or (1.0,)]
         unit_names = {1.0: None, -1.0: OPPOSITE_SIGN, 1e-3: "mA"}
         return unit_names.get(whole[0], whole) if len({*whole}) == 1 else whole
+
+    def without(self, column: int) -> "ColumnBlock":
+        """Return the block without a column; those of an array have its name and a number."""
+        kept = [k for k in range(self.rows.shape[1]) if k != column]
+        every = self.names if len(self.names) > 1 else [f"{self.names[0]}_{k}" for k in range(9)]
+        return replace(self, names=tuple(every[k] for k in kept), rows=self.rows[:, kept])
 
     @property
     def title(self) -> str:
@@ -76,10 +93,33 @@ def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
 def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
     """Yield the names of single columns that belong together: of joints, of a pose, x, y, z.
 
-    In the order of the joints' names, or else of their numbers.
+    In the order of the joints' names, or else of their numbers; of motors whose names are not
+    known (`elbow_flex.pos`), in that of the file.
     """
-    for places in _by_stem(names).values():
-        yield tuple(places[place] for place in sorted(places))
+    stems = _by_stem(names)
+    for motors in _by_motor(names):
+        if len({place_of(name)[0] for name in motors}) > 1:
+            order = joint_order(motors) if len(motors) == JOINTS_OF_UR else None
+            yield tuple(motors[k] for k in order or range(len(motors)))
+            for places in stems.values():
+                for place in [place for place, name in places.items() if name in motors]:
+                    del places[place]
+    for places in stems.values():
+        if places:
+            yield tuple(places[place] for place in sorted(places))
+
+
+def _by_motor(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Yield the columns of a quantity that are named by motor and quantity, as elbow_flex.pos."""
+    tails = defaultdict[tuple[str, str], list[str]](list)
+    for name in names:
+        path, _, leaf = name.rpartition("/")
+        motor, mark, tail = leaf.rpartition(".") if "." in leaf else leaf.rpartition("_")
+        if mark and kind_of_quantity(tail) and not words(motor) & GRIPPER_WORDS:
+            tails[path, mark + tail].append(name)
+        elif path in WHOLE_NAMES and not words(leaf) & GRIPPER_WORDS:
+            tails[path, ""].append(name)
+    yield from (tuple(motors) for motors in tails.values() if len(motors) >= MIN_MOTORS)
 
 
 def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
@@ -101,19 +141,44 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
 
 
 def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
-    """Return of how many joints a file's blocks hold the positions: six, or more by their names.
+    """Return of how many joints a file's blocks hold the positions: six, or others by their names.
 
     Raises InputError where they are more than an arm's.
     """
     counts = {
         block.rows.shape[1]: block.title for block in blocks if kind_of_joints(block.stem()) == "q"
     }
-    more = max((count for count in counts if count in OTHER_JOINT_COUNTS), default=JOINTS_OF_UR)
+    others = max((count for count in counts if count in OTHER_JOINT_COUNTS), default=JOINTS_OF_UR)
     if JOINTS_OF_UR in counts:
         return JOINTS_OF_UR
-    if more > MOST_JOINTS:
+    if others > MOST_JOINTS:
         raise InputError(
-            f"{path} holds {more} joints: {counts[more]} are positions; arms have up to "
+            f"{path} holds {others} joints: {counts[others]} are positions; arms have up to "
             f"{MOST_JOINTS}. Save the arm's joints without those of a gripper"
         )
-    return more
+    return others
+
+
+def without_gripper(
+    blocks: Sequence[ColumnBlock], joints: int, account: Account
+) -> list[ColumnBlock]:
+    """Return blocks without the column of a gripper, where positions have one more than the joints.
+
+    It is the only one whose positions are small numbers above zero, or else the last.
+    """
+    wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
+    positions = [b for b in wide if b.is_nameless() or kind_of_joints(b.stem()) == "q"]
+    whole = any(b.rows.shape[1] == joints and kind_of_joints(b.stem()) == "q" for b in blocks)
+    if whole or not positions:
+        return [*blocks]
+    low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
+    inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
+    column = int(inside[0]) if len(inside) == 1 else joints
+    kept = [b.without(column) if any(b is one for one in wide) else b for b in blocks]
+    for block in wide:
+        named = block.names[column] if len(block.names) > 1 else f"{block.title}_{column}"
+        of_gripper = (
+            f"one more than {joints} joints: taken for a gripper's; else --columns names it"
+        )
+        account.state("check", (named,), named, "numbers", of_gripper)
+    return kept

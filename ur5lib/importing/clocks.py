@@ -1,20 +1,22 @@
 """The clock of a file: of several, the one under which velocities are derivatives; or a rate."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from ur5lib.importing.spellings import CLOCK_NAME, named_unit
 from ur5lib.recordings.arrays import seconds_of
+from ur5lib.recordings.bunched_stamps import close_rows, even_times
 from ur5lib.recordings.entries import UNIT_FACTORS
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 ROW_CLOCK = "row number"  # the clock of a file without one
 ASSUMED_RATE = 125.0  # Hz, of rows until velocities tell another
 USUAL_STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 POSSIBLE_STEPS = (1e-4, 20.0)  # s
-MIN_SHARE_OF_CHANGES = 0.1  # of steps; a clock of whole seconds changes in fewer
+MIN_CHANGES = 3  # of a clock
+MIN_SHARE_OF_NEW_ROWS = 0.5  # among those that are close to the one before
 MIN_SHARE_FORWARD = 0.95  # of steps; a clock hardly ever goes back
 MIN_EPOCH_STAMP = 1e9  # s; stamps after 2001 count from 1970
 # size of second to first differences: below 1 of a motion, above of postures
@@ -23,10 +25,16 @@ MIN_POSTURE_DISTANCE = 0.05  # rad, between two postures
 
 
 class FileClocks(NamedTuple):
-    """Increasing time stamps (N,) [s] by name, and the units of those that are not in seconds."""
+    """Increasing time stamps (N,) [s] by name, and the units of those that are not in seconds.
+
+    doubts: why an array that is placed like a clock is none; notes: on stamps of bunches of rows,
+    which are put at equal steps.
+    """
 
     stamps: dict[str, Array]
     units: dict[str, str]
+    doubts: Mapping[str, str] = {}
+    notes: Mapping[str, str] = {}
 
 
 def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClocks:
@@ -36,16 +44,45 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
     """
     named = [name for name in arrays if CLOCK_NAME.search(name)]
     stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
+    stamps = {name: values for name, values in stamps.items() if is_clock(values)}
+    if not named and any((np.diff(values) == 1).all() for values in stamps.values()):
+        return FileClocks({}, {}, dict.fromkeys(stamps, "it counts the rows"))
     units = {name: unit for name, values in stamps.items() if (unit := _unit(name, values, stated))}
-    clocks = {name: stamps[name] * UNIT_FACTORS.get(unit, 1.0) for name, unit in units.items()}
-    return FileClocks(clocks, {name: unit for name, unit in units.items() if unit != "s"})
+    clocks, notes = dict[str, Array](), dict[str, str]()
+    others = [array for name, array in arrays.items() if name not in stamps]
+    for name, unit in units.items():
+        clocks[name] = stamps[name] * UNIT_FACTORS.get(unit, 1.0)
+        close = close_rows(clocks[name])
+        if close.any() and _rows_are_new(close, others):
+            clocks[name] = even_times(clocks[name], close)
+            notes[name] = (
+                f"{close.mean():.0%} of its steps are far shorter than a row, as of whole seconds "
+                "or of packets: the rows are put at equal steps"
+            )
+    not_seconds = {name: unit for name, unit in units.items() if unit != "s"}
+    return FileClocks(clocks, not_seconds, {}, notes)
 
 
-def equally_spaced(arrays: Mapping[str, np.ndarray], rate: float | None) -> FileClocks:
+def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:
+    """Return whether rows close to the one before hold other data; a log that was polled faster
+    than the robot sends repeats them. close: by step (N - 1,).
+    """
+    beside = (values for values in arrays if values.shape == (len(close) + 1,))
+    columns = (
+        array.T if len(array) > len(array.T) else array for array in arrays if array.ndim == 2
+    )
+    wide = (row for array in columns for row in array if len(row) == len(close) + 1)
+    changes = [float(np.mean(np.diff(values)[close] != 0)) for values in (*beside, *wide)]
+    return max(changes, default=0.0) > MIN_SHARE_OF_NEW_ROWS
+
+
+def equally_spaced(
+    arrays: Mapping[str, np.ndarray], rate: float | None, doubts: Mapping[str, str]
+) -> FileClocks:
     """Return the rows' numbers as a clock at a rate [Hz], of as many rows as most arrays have."""
     lengths = [max(values.shape) for values in arrays.values() if values.ndim in (1, 2)]
     rows = max(lengths, key=lengths.count, default=0)
-    return FileClocks({ROW_CLOCK: np.arange(rows) / (rate or ASSUMED_RATE)}, {})
+    return FileClocks({ROW_CLOCK: np.arange(rows) / (rate or ASSUMED_RATE)}, {}, doubts)
 
 
 def is_clock(stamps: Array) -> bool:
@@ -54,8 +91,15 @@ def is_clock(stamps: Array) -> bool:
     return (
         len(steps) >= 2
         and bool(np.mean(steps >= 0) >= MIN_SHARE_FORWARD)
-        and bool(np.mean(steps > 0) >= MIN_SHARE_OF_CHANGES)
+        and bool(np.count_nonzero(steps > 0) >= MIN_CHANGES)
     )
+
+
+def typical_step(stamps: Array) -> float:
+    """Return the mean step from row to row of stamps (N,), pauses and restarts apart."""
+    steps = np.diff(stamps[np.isfinite(stamps)])
+    steps = steps[steps >= 0]
+    return float(np.minimum(steps, np.quantile(steps[steps > 0], 0.99)).mean())
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:
@@ -68,8 +112,7 @@ def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, A
         if not (beside or name == current):
             continue
         as_read = stamps / UNIT_FACTORS.get(clocks.units.get(name, "s"), 1.0)
-        steps = np.diff(as_read)
-        step = float(np.median(steps[steps > 0]))
+        step = typical_step(as_read)
         for unit in USUAL_STEPS:
             seconds = UNIT_FACTORS.get(unit, 1.0)
             if named_unit(name) == unit or (
@@ -81,14 +124,12 @@ def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, A
 
 def _unit(name: str, stamps: Array, stated: str | None) -> str | None:
     """Return the unit of stamps (N,): stated, by name, or by usual steps; None if no clock."""
-    if not is_clock(stamps):
-        return None
     if (named := stated or named_unit(name)) in USUAL_STEPS:
         return named
-    steps = np.diff(stamps[np.isfinite(stamps)])
-    step = float(np.median(steps[steps > 0]))
+    step = typical_step(stamps)
     unit = next((unit for unit, (low, high) in USUAL_STEPS.items() if low <= step < high), None)
-    within_seconds = unit == "ns" and np.nanmax(stamps) < 1e9 and np.count_nonzero(steps < 0) > 1
+    backwards = np.count_nonzero(np.diff(stamps[np.isfinite(stamps)]) < 0)
+    within_seconds = unit == "ns" and np.nanmax(stamps) < 1e9 and backwards > 1
     return None if within_seconds else unit
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ur5lib.channels import columns as columns_of
 from ur5lib.checks.checked import described
 from ur5lib.errors import InputError, some
+from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
     NAMELESS_PREFIX,
@@ -17,12 +18,19 @@ from ur5lib.importing.blocks import (
     grouped,
     joints_of,
     with_names,
+    without_gripper,
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
 from ur5lib.importing.spellings import NAME_COLUMN
-from ur5lib.recordings.array_files import ENDINGS, LOADERS
-from ur5lib.recordings.delimited import first_cells, number_in, read_numbers
+from ur5lib.recordings.array_files import LOADERS, format_of
+from ur5lib.recordings.delimited import (
+    expect_row_each_sample,
+    first_cells,
+    number_in,
+    read_numbers,
+)
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
+from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
@@ -80,39 +88,11 @@ class TableHeader:
 
 
 @dataclass(frozen=True)
-class ImportEvidence:
-    """Sentences about a file: proven by its numbers, assumed, left out, or to be checked.
-
-    excluded: names of blocks that the entry therefore lacks.
-    """
-
-    proven: list[str] = field(default_factory=list)
-    assumed: list[str] = field(default_factory=list)
-    left_out: list[str] = field(default_factory=list)
-    check: list[str] = field(default_factory=list)
-    excluded: list[tuple[str, ...]] = field(default_factory=list)
-
-    def lines(self) -> list[str]:
-        """Return the sentences as comments of a study."""
-        kinds = ("check", "proven", "assumed", "left_out")
-        return [
-            f"# {kind.replace('_', ' ')}: {sentence}"
-            for kind in kinds
-            for sentence in dict.fromkeys(getattr(self, kind))
-        ]
-
-    def exclude(self, block: ColumnBlock, reason: str) -> None:
-        """Leave a block out of the entry."""
-        self.excluded.append(block.names)
-        self.left_out.append(f"{block.title}: {reason}")
-
-
-@dataclass(frozen=True)
 class FileContents:
     """A file's blocks, and its clocks.
 
-    silent: blocks that are zero throughout; findings: of the reader; joints: of the arm; evidence:
-    for the meaning of the blocks.
+    silent: blocks without a number other than zero; findings: of the reader; joints: of the arm;
+    account: what is stated about the blocks.
     """
 
     path: Path
@@ -124,7 +104,7 @@ class FileContents:
     findings: list[Finding]
     stated: UserStatement = NO_STATEMENT
     joints: int = JOINTS_OF_UR
-    evidence: ImportEvidence = field(default_factory=ImportEvidence)
+    account: Account = field(default_factory=Account)
 
     def has_clock(self) -> bool:
         """Return whether the file has time stamps."""
@@ -139,7 +119,7 @@ class FileContents:
         stamps = self.clocks.stamps
         for block in self.blocks:
             same = np.array_equal(stamps[block.clock], stamps[clock])
-            if same and block.meaning() == meaning and block.names not in self.evidence.excluded:
+            if same and block.meaning() == meaning and block.names not in self.account.excluded:
                 return block
         return None
 
@@ -155,27 +135,43 @@ class FileContents:
 def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     """Return a file's contents. Raises InputError for an unreadable file."""
     findings: list[Finding] = []
-    format, evidence = ENDINGS.get(path.suffix.lower(), TABLE_FORMAT), ImportEvidence()
+    format, account = format_of(path) or TABLE_FORMAT, Account()
+    if format == TABLE_FORMAT:
+        expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
     if header.columns:
-        arrays = _table(path, header, findings, evidence)
+        arrays = _table(path, header, findings, account)
     else:
         arrays = LOADERS[format](path, None, findings)
+    account.order.extend(header.columns or arrays)
     clocks = FileClocks({}, {}) if stated.rate else clocks_of(arrays, stated.units.get("time"))
+    for name, reason in clocks.doubts.items():
+        account.state("left out", (name,), name, "numbers", reason)
+    for name, note in clocks.notes.items():
+        account.state("assumed", (name,), name, "numbers", note)
     if not clocks.stamps:
-        clocks = equally_spaced(arrays, stated.rate)
-    rest = [name for name in arrays if name not in clocks.stamps]
+        clocks = equally_spaced(arrays, stated.rate, clocks.doubts)
+    rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
-    # a table without names has blocks of as many columns
-    fitting = (count for count in (JOINTS_OF_UR, 7, 8) if len(rest) % count == 0)
-    joint_count = stated.joints() or (next(fitting, JOINTS_OF_UR) if unnamed else None)
-    parts = [*_blocks(arrays, clocks, joint_count if unnamed else None)]
-    joints, named = joint_count or joints_of(path, parts), stated.names()
+    width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
+    parts = [*_blocks({name: arrays[name] for name in rest}, clocks, width, account)]
+    joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
+    parts = without_gripper(parts, joints, account) if stated.joints() else parts
     all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
-    silent = [block for block in all_blocks if not np.nan_to_num(block.rows).any()]
-    blocks = [block for block in all_blocks if np.nan_to_num(block.rows).any()]
-    described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, evidence
+    silent = [block for block in all_blocks if is_silent(block.rows)]
+    blocks = [block for block in all_blocks if not is_silent(block.rows)]
+    described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _width_of_nameless(columns: int, joints: int | None) -> int:
+    """Return of how many columns a group is in a table without names.
+
+    joints: of the arm that the user names, beside which each group may have a gripper's column.
+    """
+    counts = (joints, joints + 1) if joints else (JOINTS_OF_UR, 7, 8)
+    fitting = (count for count in counts if columns % count == 0)
+    return next(fitting, joints or JOINTS_OF_UR)
 
 
 def read_header(path: Path, stated: UserStatement = NO_STATEMENT) -> TableHeader:
@@ -238,21 +234,25 @@ def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
 
 
 def _table(
-    path: Path, header: TableHeader, findings: list[Finding], evidence: ImportEvidence
+    path: Path, header: TableHeader, findings: list[Finding], account: Account
 ) -> dict[str, np.ndarray]:
     """Return a table's columns by name, each once, of equal names the first."""
     table = read_numbers(Log(path, "robot", findings), header.columns)
-    if repeated := [name.split(REPEATED_INFIX)[0] for name in header.repeated]:
-        verb = "appears" if len(repeated) == 1 else "appear"
-        evidence.left_out.append(
-            f"{some(repeated)} {verb} twice in the header; the first is read, --columns names each"
-        )
-    skipped = {
-        *header.repeated,
-        *(n for n in table if header.entry and n.startswith(SKIPPED_COLUMN)),
-    }
-    once = [name for name in table if name not in skipped and not is_unnamed(name)]
-    return {name: table[name].to_numpy() for name in once}
+    kept = dict[str, np.ndarray]()
+    for name in header.columns:
+        if name in header.repeated:
+            twice = "its name appears twice in the header; the first is read"
+            account.state("left out", (name,), name.split(REPEATED_INFIX)[0], "name", twice)
+        elif header.entry and name.startswith(SKIPPED_COLUMN):
+            account.state("left out", (name,), name, "option", "to be skipped, by --columns")
+        elif is_unnamed(name):
+            title = f"column {header.columns.index(name) + 1}"
+            account.state("left out", (name,), title, "position", "it has no name")
+        elif name not in table:
+            account.state("left out", (name,), name, "numbers", "it holds text")
+        else:
+            kept[name] = table[name].to_numpy()
+    return kept
 
 
 def is_unnamed(name: str) -> bool:
@@ -261,29 +261,32 @@ def is_unnamed(name: str) -> bool:
 
 
 def _blocks(
-    arrays: dict[str, np.ndarray], clocks: FileClocks, joints: int | None
+    arrays: dict[str, np.ndarray], clocks: FileClocks, width: int | None, account: Account
 ) -> Iterator[ColumnBlock]:
     """Yield the arrays of several columns, and the groups of single columns.
 
-    joints: of an arm whose columns have no names, as many of which are a group.
+    width: of the groups of a table whose columns have no names.
     """
     single = []
     for name, values in arrays.items():
         clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
-        if name in clocks.stamps or clock is None:
-            continue
-        if values.ndim == 2 and 1 not in values.shape:
+        if clock is None:
+            no_clock = "no clock of the file has as many stamps as it has rows"
+            account.state("left out", (name,), name, "numbers", no_clock)
+        elif values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
             yield ColumnBlock((name,), _possible(tall), clock)
         else:
             single.append(name)
-    starts = range(0, len(single) - joints + 1, joints) if joints else []
-    nameless_groups = [tuple(single[k : k + (joints or 0)]) for k in starts]
-    for names in nameless_groups or grouped(single):
+    starts = range(0, len(single), width) if width else []
+    for names in [tuple(single[k : k + (width or 0)]) for k in starts] or grouped(single):
         clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
         columns = [_possible(arrays[name].ravel()) for name in names]
         if clock and len({len(column) for column in columns}) == 1:
             yield ColumnBlock(names, np.stack(columns, axis=1), clock)
+        else:
+            title = ColumnBlock(names, np.empty((0, 0)), "").title
+            account.state("left out", names, title, "numbers", "its columns differ in length")
 
 
 def _possible(values: np.ndarray) -> Array:

@@ -2,18 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ur5lib.channels import CHANNELS
-from ur5lib.checks.arm import torque_constants
+from ur5lib.checks.arm import MAX_CONSTANT_RATIO, torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
+from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT
 from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
-from ur5lib.checks.readings import CLEAR_LEAD, readings, unit_scores, usual_orders
+from ur5lib.checks.readings import CLEAR_LEAD, Order, readings, unit_scores, usual_orders
+from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
-from ur5lib.importing.contents import FileContents, ImportEvidence
-from ur5lib.importing.identity import tells_columns
-from ur5lib.importing.spellings import named_unit
+from ur5lib.importing.contents import FileContents
+from ur5lib.importing.identity import ArmIdentity, tells_columns
+from ur5lib.importing.spellings import is_of_motors, named_unit
+from ur5lib.recordings.delimited import number_in
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -22,6 +27,15 @@ TORQUE_CHANNEL = "actual_current_as_torque"
 LESS_GRAVITY = "neither"  # current nor torque: a torque less gravity, as some drivers write
 ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
+MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
+MAX_FACTOR_RATIO = 1.15  # of the largest to the smallest factor of joints that tell the same
+MIN_BEARING_JOINTS = 2  # that tell a unit together
+MIN_TURNING_JOINTS = 3  # that turn both ways, where efforts have both signs
+UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and --unit name it"
+LESS_GRAVITY_REASON = (
+    "in Nm, less gravity, which does not explain it as it explains every current and motor torque; "
+    "the gravity of the arm is added again"
+)
 UNIT_WORDS = {"A": "A", "mA": "mA", "Nm": "Nm", LESS_GRAVITY: "Nm less gravity"}
 CHANNELS_BY_UNIT = {  # by unit, and whether it is a target
     ("A", False): CURRENT_CHANNEL,
@@ -37,23 +51,77 @@ UNITS_BY_CHANNEL |= {"actual_torque": "Nm"}
 EFFORT_MEANINGS = ("effort", *UNITS_BY_CHANNEL)
 
 
-def as_amperes(block: ColumnBlock, evidence: ImportEvidence) -> ColumnBlock:
-    """Return a block in amperes if its columns are rounded currents times constants of a driver.
+def as_amperes(block: ColumnBlock) -> ColumnBlock:
+    """Return a block in amperes if its columns may be rounded currents times constants of a driver.
 
-    Such columns are whole multiples of steps, none of which is a power of ten.
+    Such columns are whole multiples of steps, none of which is a power of ten; what the steps are
+    in units of the rounding must be torque constants that motors have.
     """
     steps = np.array([_step(np.abs(column)) for column in block.rows.T])
     if len(steps) != JOINTS_OF_UR:
         return block
     decimal = np.abs(np.log10(steps) - np.round(np.log10(steps))) < 1e-4
-    if np.isnan(steps).any() or decimal.any():
+    constants = steps / ROUNDING_STEP
+    possible = (constants > MIN_CONSTANT) & (constants < MAX_CONSTANT)
+    if np.isnan(steps).any() or decimal.any() or not possible.all():
         return block
-    constants = ", ".join(f"{step / ROUNDING_STEP:.4g}" for step in steps)
-    evidence.proven.append(
-        f"{block.title} is a current rounded to {1e3 * ROUNDING_STEP:.0f} mA, multiplied by "
-        f"constants (joint by joint {constants}): it holds whole multiples of these alone"
-    )
     return block.scaled(ROUNDING_STEP / steps)
+
+
+def _without_constants(
+    name: str, block: ColumnBlock, means: BlockMeans, arm: Robot, order: Order, account: Account
+) -> tuple[ColumnBlock, BlockMeans]:
+    """Return an effort and its means without a driver's constants, where gravity agrees.
+
+    Multiples prove a step alone, as of a converter: as amperes, gravity must tell the arm's torque
+    constants without the factors, and others with them. order: of the joints' columns.
+    """
+    divided = as_amperes(block)
+    if divided is block:
+        return block, means
+    factors = np.array(divided.factors) / np.array(block.factors or [1.0] * len(order))
+    current = means.currents[name] * factors[list(order)]
+    trial = replace(means, currents=means.currents | {name: current})
+    before, after = (_shown_by_gravity(one, arm, name) for one in (means, trial))
+    if len(after.constants) < MIN_BEARING_JOINTS or after.contradicts("A"):
+        return block, means
+    if not before.contradicts("A"):
+        return block, means
+    constants = ", ".join(f"{abs(1 / factor):.4g}" for factor in factors)
+    account.hold(
+        "proven",
+        block,
+        "numbers",
+        f"a current rounded to {1e3 * ROUNDING_STEP:.0f} mA, times a driver's constants (joint by "
+        f"joint {constants} Nm/A): whole multiples of these alone; without them, gravity tells "
+        f"{after.constants_in_words()}, with them {before.constants_in_words()}",
+    )
+    return divided, trial
+
+
+def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
+    """Return a current in amperes where the user gives the amperes of one unit of the file."""
+    of_current = (block.meaning() or "effort") in ("effort", CURRENT_CHANNEL)
+    factor = number_in(file.stated.units.get(CURRENT_CHANNEL, "").encode())
+    if not of_current or factor is None or np.isnan(factor):
+        return block
+    file.account.hold("assumed", block, "option", f"one unit of the file is {factor:g} A")
+    return replace(block.scaled(factor), stated=CURRENT_CHANNEL)
+
+
+def is_torque_of_joints(block: ColumnBlock) -> bool:
+    """Return whether an effort is named as a torque of the joints, not of motors nor as raw."""
+    return block.meaning() in (TORQUE_CHANNEL, "actual_torque") and not is_of_motors(block.stem())
+
+
+def is_rectified(block: ColumnBlock, velocity: Array) -> bool:
+    """Return whether efforts lost their sign: none is negative, though joints turn both ways.
+
+    velocity: (N, n), columns as in the block.
+    """
+    low, high = np.nanmin(velocity, axis=0), np.nanmax(velocity, axis=0)
+    both_ways = (low < -MIN_MOVING_SPEED) & (high > MIN_MOVING_SPEED)
+    return int(both_ways.sum()) >= MIN_TURNING_JOINTS and bool(np.nanmin(block.rows) >= 0)
 
 
 def _step(sizes: Array) -> float:
@@ -99,18 +167,23 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
 def name_efforts(
     blocks: Mapping[str, ColumnBlock],
     means: BlockMeans | None,
-    arm: Robot | None,
+    identity: ArmIdentity,
     file: FileContents,
 ) -> dict[str, ColumnBlock]:
     """Return the efforts by channel, in SI units, without those that neither name nor unit tells.
 
     blocks: by their names in `means`, which have the joints in order, None without a motion.
     """
+    arm, blocks = identity.robot, dict(blocks)
     telling = arm if arm and tells_columns(arm) else None
-    scores = {
-        name: unit_scores(means, name, telling) if means and telling else {} for name in blocks
+    for name, block in blocks.items():
+        if means and telling:
+            known = means, telling, identity.order, file.account
+            blocks[name], means = _without_constants(name, block, *known)
+    units = {
+        name: _unit(block, _shown_by_gravity(means, telling, name), file)
+        for name, block in blocks.items()
     }
-    units = {name: _unit(block, scores[name], file) for name, block in blocks.items()}
     targets = _targets([blocks[name] for name, unit in units.items() if unit], file)
     channels: dict[str, ColumnBlock] = {}
     for name, block in blocks.items():
@@ -122,56 +195,133 @@ def name_efforts(
         if channel == TORQUE_CHANNEL and arm and (arm.senses_torque() or not arm.is_ur()):
             channel = "actual_torque"
         if channel == "target_moment" and arm and not arm.is_ur():
-            file.evidence.exclude(block, "a torque that the controller of another arm commanded")
+            commanded = "a torque that the controller of another arm commanded"
+            file.account.exclude(block, commanded, "name")
         elif channel in channels:
-            file.evidence.exclude(block, f"it may be {channel}, as {channels[channel].title}")
+            beside = f"it may be {channel}, as {channels[channel].title}; --columns names the one"
+            file.account.exclude(block, beside, "name")
         else:
             channels[channel] = block.scaled(1e-3) if unit == "mA" else block
     return channels
 
 
-def _unit(block: ColumnBlock, scores: Mapping[str, float], file: FileContents) -> str | None:
-    """Return the unit, A, mA, Nm or LESS_GRAVITY: as stated, named, or shown; None if unknown.
+class GravityShown(NamedTuple):
+    """What gravity tells of an effort.
 
-    scores: log-likelihoods of the units by gravity, none without a motion.
+    scores: log-likelihood of each unit; constants: Nm per unit of the file, by joint from 0; known:
+    the maker's [Nm/A].
     """
-    evidence, meaning = file.evidence, block.meaning() or ""
-    given, spelled = file.stated.units.get(meaning), named_unit(block.names[0])
-    if given in UNIT_WORDS:
-        return given
-    named = spelled if spelled in UNIT_WORDS else UNITS_BY_CHANNEL.get(meaning)
-    peak = np.nanmedian(np.abs(block.rows).max(axis=1))
-    if named == "A" and peak > CHANNELS[CURRENT_CHANNEL].bound:
-        evidence.proven.append(f"{block.title} in mA: no arm has as many amperes")
-        return "mA"
-    best, rival, *_ = [*sorted(scores, key=lambda unit: -scores[unit]), "", ""]
-    lead = scores[best] - scores[rival] if scores else 0.0
-    likelier = f"gravity tells {UNIT_WORDS.get(best)} (log-likelihood greater by {lead:.3g})"
-    if lead <= CLEAR_LEAD or (best == LESS_GRAVITY and not named and meaning != "effort"):
-        if named is None:
-            evidence.exclude(
-                block,
-                "nothing tells its unit; record more postures, or name it with --columns and "
-                "--unit",
-            )
-        else:
-            evidence.assumed.append(f"{block.title} in {named}, by its name")
-        return named
-    unclear = meaning in ("effort", TORQUE_CHANNEL) and spelled not in UNIT_WORDS
-    if best == LESS_GRAVITY and unclear:
-        evidence.check.append(
-            f"{block.title} in Nm, less gravity, which does not explain it as it explains every "
-            "current and motor torque; the gravity of the arm is added again"
+
+    scores: Mapping[str, float]
+    constants: Mapping[int, float]
+    known: Sequence[float]
+
+    def ratios(self, unit: str) -> list[float]:
+        """Return the constants, as multiples of those that a unit of the file would have."""
+        of_unit = {"A": 1.0, "mA": 1e-3}
+        return [
+            constant / (of_unit[unit] * self.known[joint] if unit in of_unit else 1.0)
+            for joint, constant in self.constants.items()
+        ]
+
+    def contradicts(self, unit: str) -> bool:
+        """Return whether the constants of a joint are not those of a unit."""
+        most = MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO
+        return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
+
+    def is_of_a_factor(self, unit: str) -> bool:
+        """Return whether joints contradict a unit, but all tell one other factor."""
+        ratios = self.ratios("A")
+        alike = len(ratios) >= MIN_BEARING_JOINTS and max(ratios) < MAX_FACTOR_RATIO * min(ratios)
+        return alike and self.contradicts(unit)
+
+    def factor(self) -> float:
+        """Return the amperes of one unit of the file, by the joints' median."""
+        return float(np.median(self.ratios("A")))
+
+    def likeliest(self) -> tuple[str, float]:
+        """Return the likeliest unit, and how much greater its log-likelihood is than the next."""
+        best, rival, *_ = [*sorted(self.scores, key=lambda unit: -self.scores[unit]), "", ""]
+        return best, self.scores[best] - self.scores[rival] if self.scores else 0.0
+
+    def in_words(self) -> str:
+        """Return the likeliest unit and its rival, and the constants beside the maker's."""
+        best, rival, *_ = sorted(self.scores, key=lambda unit: -self.scores[unit])
+        tells = (
+            f"gravity tells {UNIT_WORDS[best]}, by {self.scores[best] - self.scores[rival]:.3g} of "
+            f"log-likelihood before {UNIT_WORDS[rival]}"
         )
-        return LESS_GRAVITY
-    if named in (None, best):
-        evidence.proven.append(f"{block.title} in {best}: {likelier}")
-        return best
-    if best == "mA" and named == "A" and spelled != "A":
-        evidence.check.append(f"{block.title} in mA, though RTDE's currents are in A: {likelier}")
-        return best
-    evidence.check.append(f"{block.title} in {named}, by its name; {likelier}")
+        return f"{tells}: {self.constants_in_words()}" if self.constants else tells
+
+    def constants_in_words(self) -> str:
+        """Return the constants beside the maker's."""
+        joints = ", ".join(str(joint + 1) for joint in self.constants)
+        constants = ", ".join(f"{constant:.3g}" for constant in self.constants.values())
+        known = ", ".join(f"{self.known[joint]:.3g}" for joint in self.constants)
+        plural = "s" if len(self.constants) > 1 else ""
+        return f"{constants} Nm per unit on joint{plural} {joints} (known: {known} Nm/A)"
+
+
+def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) -> GravityShown:
+    """Return what gravity tells of an effort by its name in the means, nothing without an arm."""
+    if means is None or arm is None:
+        return GravityShown({}, {}, ())
+    fit = torque_constants(means, arm, name)
+    constants = {joint: ratio * fit.known[joint] for joint, ratio in fit.ratio.items()}
+    return GravityShown(unit_scores(means, name, arm), constants, fit.known)
+
+
+def _named_unit(block: ColumnBlock) -> str | None:
+    """Return the unit of an effort that its name tells, None for none."""
+    spelled = named_unit(block.names[0])
+    return spelled if spelled in UNIT_WORDS else UNITS_BY_CHANNEL.get(block.meaning() or "")
+
+
+def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | None:
+    """Return the unit, A, mA, Nm or LESS_GRAVITY: as stated, named, or shown; None if unknown."""
+    account, named = file.account, _named_unit(block)
+    given = file.stated.units.get(block.meaning() or "")
+    if given in UNIT_WORDS:
+        account.hold("assumed", block, "option", f"in {UNIT_WORDS[given]}")
+        return given
+    peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[CURRENT_CHANNEL].bound
+    if named == "A" and peak > bound and not shown.is_of_a_factor("mA"):
+        account.hold("proven", block, "numbers", f"in mA: {peak:.3g} A are more than {bound:g} A")
+        return "mA"
+    best, lead = shown.likeliest()
+    without_name = not named and block.meaning() != "effort"
+    if lead > CLEAR_LEAD and not (best == LESS_GRAVITY and without_name):
+        return _unit_by_gravity(block, shown, account)
+    if named is None:
+        account.exclude(block, UNKNOWN_UNIT)
+    else:
+        account.hold("assumed", block, "name", f"in {named}")
     return named
+
+
+def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) -> str | None:
+    """Return the unit that gravity tells, which a name may contradict; None if it is no known one.
+
+    shown: clearly likelier in one unit than in others.
+    """
+    named, spelled = _named_unit(block), named_unit(block.names[0]) in UNIT_WORDS
+    best, sentence = shown.likeliest()[0], shown.in_words()
+    if best == LESS_GRAVITY and not spelled and block.meaning() in ("effort", TORQUE_CHANNEL):
+        account.hold("check", block, "numbers", LESS_GRAVITY_REASON)
+        return LESS_GRAVITY
+    strange = best != LESS_GRAVITY and shown.contradicts(best)
+    if named in (None, best) and not strange:
+        sure = best == LESS_GRAVITY or len(shown.constants) >= MIN_BEARING_JOINTS
+        account.hold("proven" if sure else "assumed", block, "numbers", f"in {best}: {sentence}")
+        return best
+    if best != LESS_GRAVITY and not spelled and shown.is_of_a_factor(best):
+        stated = f"--unit {CURRENT_CHANNEL}={shown.factor():.3g}"
+        unknown = f"in no unit that is known: {sentence}; one factor would explain it, as {stated}"
+        account.exclude(block, unknown)
+        return None
+    unit = best if named is None or (best == "mA" and named == "A" and not spelled) else named
+    account.hold("check", block, "name" if unit == named else "numbers", f"in {unit}; {sentence}")
+    return unit
 
 
 def _targets(efforts: Sequence[ColumnBlock], file: FileContents) -> list[ColumnBlock]:
@@ -184,7 +334,10 @@ def _targets(efforts: Sequence[ColumnBlock], file: FileContents) -> list[ColumnB
         for effort, roughness_of_effort in zip(nameless, rough, strict=True)
         if roughness_of_effort < MAX_ROUGHNESS_RATIO * max(rough)
     ]
-    file.evidence.proven.extend(f"{o.title} is a target: it is as smooth as one" for o in smooth)
+    for effort, size in zip(nameless, rough, strict=True):
+        if any(effort is one for one in smooth):
+            noise = f"a target: its noise is {size / max(rough):.1%} of that of the roughest effort"
+            file.account.hold("proven", effort, "numbers", noise)
     return [*named, *smooth]
 
 

@@ -2,10 +2,13 @@
 
 import re
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from ur5lib.channels import JOINT_CHANNELS, SUFFIXES, suffixes
+import numpy as np
+
+from ur5lib.channels import JOINT_CHANNELS, RECORDED_CHANNELS, SUFFIXES, suffixes
 from ur5lib.channels import columns as columns_of
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.clocks import MIN_EPOCH_STAMP
@@ -13,8 +16,12 @@ from ur5lib.importing.contents import TABLE_FORMAT
 from ur5lib.importing.efforts import UNITS_BY_CHANNEL
 from ur5lib.importing.motion import TARGET_UNITS
 from ur5lib.importing.proposal import Proposal, is_clockless
+from ur5lib.importing.spellings import last_part
 from ur5lib.recordings.entries import OPPOSITE_SIGN, SKIPPED_COLUMN
+from ur5lib.recordings.ordering import continued, epochs
 
+EPISODE_INDEX = "episode_index"  # LeRobot's
+RECORDED_COLUMNS = {c for name in RECORDED_CHANNELS for c in columns_of(name)}
 StudyEntry = dict[str, Any]  # of a study, as YAML has it
 # that are proven, assumed, or left out
 PROVABLE_CHANNELS = (*UNITS_BY_CHANNEL, *TARGET_UNITS, "actual_TCP_pose")
@@ -38,6 +45,31 @@ def entry_of(proposal: Proposal) -> StudyEntry:
         "role": "contact" if proposal.pushed else "fit",
     }
     return head | (_of_table(proposal) if format == TABLE_FORMAT else _of_arrays(proposal))
+
+
+def episodes(proposal: Proposal) -> list[StudyEntry]:
+    """Return the span of each episode as `from_s` and `to_s` with its name, none without episodes.
+
+    Episodes follow one another in one file, each with an index of its own.
+    """
+    file = proposal.contents
+    index = next(
+        (b for b in file.blocks + file.silent if last_part(b.stem()) == EPISODE_INDEX), None
+    )
+    if index is None or proposal.moving.still:
+        return []
+    stamps = proposal.moving.time
+    time = continued(stamps, epochs(stamps))
+    starts = np.flatnonzero(np.diff(index.rows[:, 0])) + 1
+    middle = (time[starts] + time[starts - 1]) / 2 - time[0]
+    bounds = [None, *(round(float(bound), 6) for bound in middle), None]
+    return [
+        {"name": f"{identifier(file.path.name)}_episode_{k + 1}"}
+        | ({} if start is None else {"from_s": start})
+        | ({} if end is None else {"to_s": end})
+        for k, (start, end) in enumerate(pairwise(bounds))
+        if len(starts)
+    ]
 
 
 def identifier(name: str) -> str:
@@ -65,7 +97,9 @@ def _of_table(proposal: Proposal) -> StudyEntry:
     units = _units(proposal)
     unchanged = all(name in (column, "time") for column, name in named.items())
     silent = {name for block in proposal.contents.silent for name in block.names}
-    whole = (PROVABLE_COLUMNS - silent - {*named}).isdisjoint(header.columns)
+    left_out = {name for names in proposal.contents.account.excluded for name in names} - silent
+    read = (left_out | (PROVABLE_COLUMNS - {*named} - silent)) & {*RECORDED_COLUMNS}
+    whole = read.isdisjoint(header.columns)
     plain = unchanged and whole and not (header.repeated or units or header.entry)
     if proposal.clock == "timestamp" and plain:
         return {"format": "rtde-csv"}

@@ -1,31 +1,38 @@
 """Import of recordings: each file is analysed, read back through its entry, and checked."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import yaml
+from rich.table import Table
 
 from ur5lib.commands.check import look_through, severe
-from ur5lib.errors import InputError, printable
+from ur5lib.errors import InputError
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
-from ur5lib.importing.entry import StudyEntry, entry_of, identifier, place_of_file
+from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
 from ur5lib.importing.identity import UNDESCRIBED_ARM
-from ur5lib.importing.proposal import propose
+from ur5lib.importing.proposal import meanings, propose
 from ur5lib.recordings.entries import SKIPPED_COLUMN
+from ur5lib.records.account import AccountRow
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
 
+CONFIDENCE_STYLES = {"check": "yellow", "left out": "dim"}
 YAML_WIDTH = 100  # characters a line of YAML
 
 
 @dataclass(frozen=True)
 class ImportedRecording:
-    """A recording's entry in a study, and the evidence for it as comments."""
+    """A recording's entry in a study, with its account, what each column was taken for."""
 
     entry: StudyEntry
-    comments: list[str]
+    account: list[AccountRow]
+
+    def as_plain(self) -> StudyEntry:
+        """Return the entry with its account, as YAML has it."""
+        return self.entry | {"account": [_Row(asdict(row)) for row in self.account]}
 
     @property
     def arm(self) -> str:
@@ -44,7 +51,7 @@ def import_files(paths: Iterable[Path], stated: UserStatement = NO_STATEMENT) ->
 
     Raises InputError, with all reasons, where no file can be read and has positions.
     """
-    imported: dict[Path, ImportedRecording] = {}
+    imported: dict[Path, list[ImportedRecording]] = {}
     refused: dict[Path, str] = {}
     headers: dict[Path, list[str]] = {}
     for path in paths:
@@ -56,11 +63,9 @@ def import_files(paths: Iterable[Path], stated: UserStatement = NO_STATEMENT) ->
             refused[path] = str(error)
     for path, columns in headers.items():
         if columns[:1] == [f"{NAMELESS_PREFIX}1"]:
-            alike = [
-                recording for other, recording in imported.items() if headers[other] == columns
-            ]
+            alike = [other for own, (other, *_) in imported.items() if headers[own] == columns]
             _take_columns(path, alike, imported)
-    files = ImportedFiles(imported[path] for path in headers if path in imported)
+    files = ImportedFiles(one for path in headers for one in imported.get(path, []))
     files.refused = tuple(reason for path, reason in refused.items() if path not in imported)
     if files.refused and not files:
         raise InputError("\n".join(files.refused))
@@ -69,37 +74,44 @@ def import_files(paths: Iterable[Path], stated: UserStatement = NO_STATEMENT) ->
 
 
 def _take_columns(
-    path: Path, alike: Sequence[ImportedRecording], imported: dict[Path, ImportedRecording]
+    path: Path, alike: Sequence[ImportedRecording], imported: dict[Path, list[ImportedRecording]]
 ) -> None:
     """Read a file without names like the one of as many columns of which most are named."""
-    other, present = min(alike, key=_skipped, default=None), imported.get(path)
+    other, present = min(alike, key=_skipped, default=None), imported.get(path, [None])[0]
     if other is None or (
         present and (present.arm != other.arm or _skipped(present) <= _skipped(other))
     ):
         return
     source = Path(other.entry["folder"], other.entry["file"])
-    assumed = f"# assumed: columns, units and robot as in {source}, which has as many columns"
-    checks = [line for line in other.comments if line.startswith("# check")]
+    reason = "columns, units and robot are those of that file, which has as many columns"
+    as_there = AccountRow("columns", f"as in {source}", "position", "assumed", reason)
+    checks = [row for row in other.account if row.confidence == "check"]
     role = {"role": present.entry["role"]} if present else {}
-    imported[path] = ImportedRecording(other.entry | place_of_file(path) | role, [*checks, assumed])
+    entry = other.entry | place_of_file(path) | role
+    imported[path] = [ImportedRecording(entry, [*checks, as_there])]
 
 
-def _checked(file: FileContents) -> ImportedRecording:
-    """Return the entry of a file, with the stop signs of a recording that is read through it."""
+def _checked(file: FileContents) -> list[ImportedRecording]:
+    """Return the entry of a file, or of each episode, with the stop signs of a recording that is
+    read through it (the first, of episodes).
+    """
     proposal = propose(file)
-    entry, comments = entry_of(proposal), proposal.contents.evidence.lines()
-    if proposal.arm == UNDESCRIBED_ARM:
-        return ImportedRecording(entry, comments)
-    complaints = contradictions(entry)
-    as_validate = entry | {"role": "validate"}
-    if complaints and entry["role"] == "fit" and not contradictions(as_validate):
-        further = [line for line in comments if not line.startswith("# assumed: role")]
-        return ImportedRecording(
-            as_validate, [*further, f"# assumed: role validate, as {complaints[0]}"]
-        )
-    return ImportedRecording(
-        entry, [*(f"# check: {complaint}" for complaint in complaints), *comments]
-    )
+    entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
+    first, *others = [entry | part for part in episodes(proposal)] or [entry]
+    if proposal.arm != UNDESCRIBED_ARM:
+        complaints, by_role = contradictions(first), entry["role"] == "fit"
+        if complaints and by_role and not contradictions(first | {"role": "validate"}):
+            first, *others = [one | {"role": "validate"} for one in (first, *others)]
+            account = [row for row in account if row.subject != "role"]
+            as_stated = AccountRow("role", "validate", "numbers", "assumed", complaints[0])
+            account.append(as_stated)
+        else:
+            stops = [
+                AccountRow("recording", "to be corrected", "numbers", "check", one)
+                for one in complaints
+            ]
+            account = [*stops, *account]
+    return [ImportedRecording(one, account) for one in (first, *others)]
 
 
 def contradictions(recording: StudyEntry) -> list[str]:
@@ -127,12 +139,48 @@ def _name_each_once(imported: Sequence[ImportedRecording]) -> None:
 
 
 def as_entries(imported: Sequence[ImportedRecording]) -> str:
-    """Return entries as YAML with comments, to be pasted below `recordings:` of a study."""
-    parts = []
+    """Return entries as YAML with their accounts, to be pasted below `recordings:` of a study."""
+    texts = (
+        yaml.dump(
+            [item.as_plain()], Dumper=_Dumper, sort_keys=False, width=YAML_WIDTH, allow_unicode=True
+        )
+        for item in imported
+    )
+    return "\n".join(texts)
+
+
+class _Row(dict[str, str]):
+    """A row of an account, written on one line."""
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes a row of an account as {subject: …, taken_for: …}."""
+
+
+_Dumper.add_representer(
+    _Row,
+    lambda dumper, row: dumper.represent_mapping("tag:yaml.org,2002:map", row, flow_style=True),
+)
+
+
+def account_table(imported: Sequence[ImportedRecording]) -> Table:
+    """Return one table of what each column was taken for; files with equal rows share these."""
+    table = Table("file", "columns", "taken for", "by", "how sure", "why")
+    for column in table.columns:
+        column.overflow = "fold"
+    alike = dict[tuple[tuple[str, ...], ...], list[ImportedRecording]]()
     for item in imported:
-        text = yaml.safe_dump([item.entry], sort_keys=False, width=YAML_WIDTH, allow_unicode=True)
-        parts.append("".join(f"{printable(line)}\n" for line in item.comments) + text)
-    return "\n".join(parts)
+        rows = tuple((r.subject, r.taken_for, r.evidence, r.confidence) for r in item.account)
+        alike.setdefault(rows, []).append(item)
+    for first, *others in alike.values():
+        name = first.entry["name"] + (f" and {len(others)} more" if others else "")
+        for row in sorted(first.account, key=lambda row: row.confidence != "check"):
+            style = CONFIDENCE_STYLES.get(row.confidence, "")
+            cells = row.subject, row.taken_for, row.evidence, row.confidence, row.reason
+            table.add_row(name, *cells, style=style)
+            name = ""
+        table.add_section()
+    return table
 
 
 def write_study(imported: Sequence[ImportedRecording], path: Path) -> None:

@@ -18,9 +18,11 @@ from ur5lib.checks.readings import (
     readings,
     usual_orders,
 )
+from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings.rosbag import JOINT_NAMES
+from ur5lib.records.account import Confidence, Evidence
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
@@ -61,21 +63,25 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     names = [stated] if stated else fitting_arms
     orders = usual_orders(file.joints)
     if not names:
-        file.evidence.check.append(
-            f"robot {UNDESCRIBED_ARM}: no described arm has {file.joints} joints; describe yours, "
-            "`ur5 describe arm.urdf`, and name it with --robot"
+        file.account.tell(
+            "check",
+            "robot",
+            UNDESCRIBED_ARM,
+            "numbers",
+            f"no described arm has {file.joints} joints; describe yours, `ur5 describe arm.urdf`, "
+            "and name it with --robot; where one column is a gripper's, name the arm as well",
         )
         return ArmIdentity(UNDESCRIBED_ARM, None, orders[0])
     placed = _by_pose(moving, stated, orders)
     arms = [described(name) for name in fitting_arms]
     likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     of_names = [reading for reading in likely if reading.arm in names]
-    order = _order(moving, of_names, [*dict.fromkeys(reading.order for reading in placed)])
+    order = _order(moving, of_names, [*dict.fromkeys(reading.order for reading in placed.good)])
     likely = [reading for reading in likely if reading.order == order]
     if stated:
         _assume(stated, likely, file)
         return ArmIdentity(stated, described(stated), order)
-    arm = _arm(file, means, likely, [*dict.fromkeys(reading.arm for reading in placed)] or names)
+    arm = _arm(file, means, likely, placed, names)
     return ArmIdentity(arm, described(arm), order)
 
 
@@ -90,13 +96,24 @@ def tells_columns(arm: Robot) -> bool:
     return arm.tells_gravity() and not arm.is_counted()
 
 
+class PosedReadings(NamedTuple):
+    """The readings about as good as the best, the best first; none where the pose is no flange's.
+
+    bare: whether the pose is that of the flange, else of a tool with a constant offset from it;
+    beaten: the best of the others, None without others.
+    """
+
+    good: list[PosedReading]
+    bare: bool = True
+    beaten: PosedReading | None = None
+
+
 def fitting(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
-) -> tuple[list[PosedReading], bool]:
-    """Return the readings about as good as the best, and whether the pose is that of the flange.
+) -> PosedReadings:
+    """Return the readings whose flange, or a tool on it, is at recorded positions.
 
-    q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame. Otherwise, the
-    pose is that of a tool with a constant offset from the flange; none where that fits neither.
+    q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame.
     """
     rows = np.unique(np.linspace(0, len(q) - 1, COMPARED_POSTURES).astype(int))
     for tool in (False, True):
@@ -107,11 +124,12 @@ def fitting(
             for arm in arms
             for order in orders
         ]
-        best = min(reading.miss for reading in placed)
-        if best <= MAX_DISTANCE:
-            good = [reading for reading in placed if reading.miss <= MAX_POSE_RATIO * best + 1e-4]
-            return sorted(good, key=lambda reading: reading.miss), not tool
-    return [], False
+        placed.sort(key=lambda reading: reading.miss)
+        most = MAX_POSE_RATIO * placed[0].miss + 1e-4
+        good = [reading for reading in placed if reading.miss <= most]
+        if placed[0].miss <= MAX_DISTANCE:
+            return PosedReadings(good, not tool, next(iter(placed[len(good) :]), None))
+    return PosedReadings([])
 
 
 def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float:
@@ -124,79 +142,93 @@ def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float
     return float(np.sqrt((offset**2).sum(axis=1).mean()))
 
 
-def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> list[PosedReading]:
+def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> PosedReadings:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
     file = moving.file
     pose = file.meant("actual_TCP_pose", moving.position.clock)
     if pose is None or pose.rows.shape[1] < 3:
-        return []
+        return PosedReadings([])
     q, position = moving.in_si()["actual_q"], pose.rows[:, :3]
     whole = np.isfinite(q).all(axis=1) & np.isfinite(position).all(axis=1)
     if not whole.any() or np.ptp(q[whole], axis=0).max() < 0.05:
-        return []
+        return PosedReadings([])
     arms = [described(name) for name in arms_of(file)]
-    good, bare = fitting(q[whole], position[whole], arms, orders)
-    if not good:
-        file.evidence.exclude(pose, "no pose of the flange, or of a tool on it, in m, base frame")
-    elif stated and stated not in {reading.arm for reading in good}:
-        file.evidence.check.append(
-            f"robot {stated}: the recorded pose is the flange of {good[0].arm}, or a tool on it"
-        )
-    elif len({reading.order for reading in good}) == 1:
-        place = "the flange" if bare else "a tool fixed to the flange"
-        file.evidence.proven.append(
-            f"the joints' order, {in_words(good[0].order)}: it puts {place} of {good[0].arm} "
-            f"within {1000 * good[0].miss:.1f} mm of {pose.title}"
-        )
-    return good
+    placed = fitting(q[whole], position[whole], arms, orders)
+    if not placed.good:
+        file.account.exclude(pose, "no pose of the flange, or of a tool on it, in m, base frame")
+        return placed
+    best, beaten = placed.good[0], placed.beaten
+    within = f"it puts {'the flange' if placed.bare else 'a tool'} of {best.arm} within "
+    within += f"{1000 * best.miss:.1f} mm of {pose.title}"
+    next_best = f", {beaten.arm} within {1000 * beaten.miss:.3g} mm" if beaten else ""
+    file.account.hold("assumed", pose, _name_or_option(pose), f"in m: {within}")
+    if stated and stated not in {reading.arm for reading in placed.good}:
+        reason = f"the recorded pose is the flange of {best.arm}, or a tool on it: {within}"
+        file.account.tell("check", "robot", stated, "numbers", reason + next_best)
+    elif len({reading.order for reading in placed.good}) == 1 and beaten:
+        in_order = f"{within}{next_best}, {in_words(beaten.order)}"
+        _tell_order(file, "proven", in_words(best.order), "numbers", in_order)
+    return placed
+
+
+def _name_or_option(block: ColumnBlock) -> Evidence:
+    return "option" if block.stated else "name"
+
+
+def _tell_order(
+    file: FileContents, confidence: Confidence, order: str, by: Evidence, reason: str
+) -> None:
+    file.account.tell(confidence, "the joints' order", order, by, reason)
 
 
 def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Order]) -> Order:
     """Return the columns of the joints: by names, which numbers may doubt; else by numbers."""
-    evidence, title = moving.file.evidence, moving.position.title
+    file, title = moving.file, moving.position.title
     as_read = tuple(range(moving.file.joints))
     scores = {reading.order: reading.score for reading in reversed(likely)}
     best = max(scores, key=lambda order: scores[order], default=as_read)
     lead = scores[best] - scores[as_read] if scores else 0.0
+    ahead = min((scores[as_read] - s for o, s in scores.items() if o != as_read), default=0.0)
     named, by_gravity = names_order(moving), lead > CLEAR_LEAD_OVER_NAMES
-    better = f"gravity explains the efforts so (log-likelihood greater by {lead:.3g})"
+    better = (
+        f"gravity explains the efforts so, by {lead:.3g} of log-likelihood before base to wrist"
+    )
     if named and posed and as_read not in posed:
-        evidence.check.append(
-            f"the joints' order, by their names in {title}: the pose fits another"
-        )
+        _tell_order(file, "check", f"as named in {title}", "name", "the pose fits another")
     elif named and by_gravity and not posed:
-        evidence.check.append(
-            f"the joints' order, by their names in {title}, or {in_words(best)}: {better}"
-        )
+        either = f"or {in_words(best)}: {better}"
+        _tell_order(file, "check", f"as named in {title}", "name", either)
     elif named:
-        evidence.proven.append(f"the joints' order, by their names in {title}")
+        _tell_order(
+            file,
+            "assumed",
+            f"as named in {title}",
+            "name",
+            f"no number contradicts: {ahead:.3g} of log-likelihood before other orders"
+            if scores
+            else "nothing contradicts it",
+        )
     elif len(posed) == 1:
         return posed[0]
     elif by_gravity:
-        evidence.check.append(
-            f"the joints' order, {in_words(best)}, in {title}: no name tells it, and {better}"
-        )
+        _tell_order(file, "check", in_words(best), "numbers", f"no name tells it, and {better}")
         return best
-    elif (
-        scores and scores[as_read] - max(s for o, s in scores.items() if o != as_read) > CLEAR_LEAD
-    ):
-        evidence.proven.append(
-            "the joints' order, base to wrist: gravity explains no other as well"
-        )
+    elif ahead > CLEAR_LEAD:
+        before = f"gravity, by {ahead:.3g} of log-likelihood before any other usual order"
+        _tell_order(file, "proven", "base to wrist", "numbers", before)
     else:
-        evidence.check.append(
-            f"the joints' order, base to wrist, in {title}: what moves shows no other to be "
-            "likelier, and no name tells it"
-        )
+        unproven = "what moves shows no other to be likelier, and no name tells it"
+        _tell_order(file, "check", "base to wrist", "position", unproven)
     return as_read
 
 
 def names_order(moving: ImportedMotion) -> bool:
     """Return whether names determine the joints' order: a driver's, RTDE's, or the user."""
     file, block = moving.file, moving.position
-    if file.format == "rosbag":
-        return not any(finding.finding == UNNAMED_JOINTS_FINDING for finding in file.findings)
     first_name = block.names[0]
+    if file.format == "rosbag":
+        unnamed = [f for f in file.findings if f.finding == UNNAMED_JOINTS_FINDING]
+        return not any(first_name.startswith(f"{f.values['topic']}/") for f in unnamed)
     if file.header.entry or (block.stated and len(block.names) > 1):
         return True
     rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)
@@ -205,43 +237,61 @@ def names_order(moving: ImportedMotion) -> bool:
 
 def _assume(stated: str, likely: Sequence[Reading], file: FileContents) -> None:
     """Note the arm that the user or a file's name tells, which gravity may doubt."""
+    by: Evidence = "option" if file.stated.robot else "name"
     how = "as given" if file.stated.robot else "by the name of file or folder"
-    file.evidence.assumed.append(f"robot {stated}, {how}")
+    file.account.tell("assumed", "robot", stated, by, how)
     score = next((reading.score for reading in likely if reading.arm == stated), None)
     if score is not None and likely[0].score - score > CLEAR_LEAD:
-        file.evidence.check.append(
-            f"robot {stated}: {likely[0].arm} explains the efforts far better (log-likelihood "
-            f"greater by {likely[0].score - score:.3g}); check it, the tool and the mounting"
+        file.account.tell(
+            "check",
+            "robot",
+            stated,
+            by,
+            f"{likely[0].arm} explains the efforts far better (log-likelihood greater by "
+            f"{likely[0].score - score:.3g}); check it, the tool and the mounting",
         )
 
 
 def _arm(
-    file: FileContents, means: BlockMeans | None, likely: Sequence[Reading], possible: Sequence[str]
+    file: FileContents,
+    means: BlockMeans | None,
+    likely: Sequence[Reading],
+    placed: PosedReadings,
+    names: Sequence[str],
 ) -> str:
     """Return the arm that nothing names: by the pose, or the likeliest by gravity.
 
-    likely: readings in the file's order, the likeliest first; possible: arms that the pose allows.
+    likely: readings in the file's order, the likeliest first; names: of arms with as many joints.
     """
-    if len(possible) == 1:
-        file.evidence.proven.append(f"robot {possible[0]}: no other described arm fits the pose")
+    possible = [*dict.fromkeys(reading.arm for reading in placed.good)] or [*names]
+    name_it = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
+    rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
+    if len(possible) == 1 and rivals:
+        at = f"the pose, within {1000 * placed.good[0].miss:.1f} mm; {rivals[0].arm} is within "
+        reason = f"{at}{1000 * rivals[0].miss:.3g} mm at best"
+        file.account.tell("proven", "robot", possible[0], "numbers", reason)
         return possible[0]
     candidates = [reading for reading in likely if reading.arm in possible]
-    if means is None or not candidates:
-        file.evidence.check.append(
-            f"robot {possible[0]}: nothing in the file tells it; name it with --robot"
+    if means is None or not means.currents or len(candidates) < 2:
+        why = (
+            "nothing in the file tells it"
+            if len(possible) > 1
+            else (
+                f"the only described arm of {file.joints} joints"
+                f"{', whose flange fits the pose' if placed.good else ''}"
+            )
         )
+        file.account.tell("check", "robot", possible[0], "position", f"{why}; {name_it}")
         return possible[0]
     best, rival = candidates[:2]
     lead, (constants, are_known) = best.score - rival.score, _constants(means, best)
     grounds = f"the likeliest by the efforts{f', with {constants}' if constants else ''}"
     beaten = f"the next, {rival.arm}, has a log-likelihood less by {lead:.3g}"
     if are_known and lead >= CLEAR_LEAD:
-        file.evidence.proven.append(f"robot {best.arm}: {grounds}; {beaten}")
+        file.account.tell("proven", "robot", best.arm, "numbers", f"{grounds}; {beaten}")
     else:
-        file.evidence.check.append(
-            f"robot {best.arm}: {grounds}; {beaten}; name the right one, as with --robot ur5e, or "
-            "describe it (`ur5 describe`)"
-        )
+        reason = f"{grounds}; {beaten}; {name_it}"
+        file.account.tell("check", "robot", best.arm, "numbers", reason)
     return best.arm
 
 

@@ -1,8 +1,8 @@
 """The blocks that are positions and velocities, by name; and the clock under which they agree."""
 
-import itertools
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,9 @@ from ur5lib.importing.clocks import (
     irregularity,
 )
 from ur5lib.importing.contents import FileContents, block_widths
-from ur5lib.importing.spellings import named_unit, names_command
+from ur5lib.importing.spellings import TARGET_OR_TORQUE, last_part, named_unit, names_command
+from ur5lib.importing.unwrapped import with_continuous_angles
+from ur5lib.records.account import NOTHING, Evidence
 from ur5lib.robots.drives import turns_matrix
 from ur5lib.timeseries.arrays import Array
 
@@ -34,6 +36,7 @@ MIN_SHARE_OF_VELOCITIES = 0.8  # of moving columns that are derivatives; two exc
 CLEAR_CLOCK_RATIO = 2.0  # times the misfit of another clock that then takes its place
 WORST_MISFIT = 10.0  # of a clock under which no velocity is a derivative
 TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
+MAX_SHARE_BEHIND_TARGET = 0.05  # of the range of the positions, or of 1
 MAX_JOINT_ANGLE = 4 * np.pi  # rad; no joint turns further
 NO_POSITIONS_MESSAGE = (
     "{}: no positions are found: none is named like them (`actual_q_0`, `joint_position`), and no "
@@ -117,13 +120,18 @@ def agreement(position: Array, velocity: Array, time: Array) -> Agreement:
 def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Array, Array]:
     """Return smoothed slopes of positions (N, k) and velocities at the same times (M, k).
 
-    Rows of a polled log that repeat a stamp count once.
+    Rows of a polled log that repeat a stamp count once, rows without positions (of other topics in
+    one table) not at all; velocities that stand in rows of their own are interpolated.
     """
-    fresh = np.diff(time, prepend=-np.inf) > 0
-    position, velocity, time = position[fresh], velocity[fresh], time[fresh]
+    there = (np.diff(time, prepend=-np.inf) > 0) & np.isfinite(position).all(axis=1)
+    apart = np.isfinite(velocity).all(axis=1)
+    if np.count_nonzero(apart & there) < np.count_nonzero(apart & ~there):
+        rows = [np.interp(time, time[apart], column[apart]) for column in velocity.T]
+        velocity = np.stack(rows, axis=1)
+    position, velocity, time = position[there], velocity[there], time[there]
     step = np.diff(time)
-    width = max(1, round(SLOPE_SPAN / max(float(np.median(step)), 1e-4)))
-    whole = (step < MAX_SLOPE_STEP) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
+    width = max(1, round(SLOPE_SPAN / max(float(np.median(step)), 1e-4))) if len(step) else 1
+    whole = step < MAX_SLOPE_STEP
     rise = np.diff(position, axis=0)[whole]
     step = step[whole, None]
     rate = (velocity[1:] + velocity[:-1])[whole] / 2 * step
@@ -150,13 +158,15 @@ def find_motion(file: FileContents) -> ImportedMotion:
     By their names; without names, by the derivative. Raises InputError where no block can be the
     positions.
     """
+    file = with_continuous_angles(file)
     position, velocity = _by_name(file) or _nameless(file)
     file, rate, still = _timed(file, position, velocity)
+    file = _with_polled_target(file, file.block(position.names))
     position = file.block(position.names)
     velocity = file.block(velocity.names) if velocity else None
     units = _units(file, position, velocity)
     measured = {"actual_q": position}
-    if velocity and velocity.names not in file.evidence.excluded:
+    if velocity and velocity.names not in file.account.excluded:
         measured["actual_qd"] = velocity
     targets = {name: block for name in TARGET_UNITS if (block := file.meant(name, position.clock))}
     return _with_targets(ImportedMotion(file, measured, units, rate, still), targets)
@@ -168,10 +178,28 @@ def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | Non
     if not named:
         return None
     position, *others = named
-    if others:
-        titles = ", ".join(block.title for block in others)
-        file.evidence.left_out.append(f"{titles}: named like positions, as {position.title} before")
+    for other in others:
+        file.account.exclude(other, f"named like positions, as {position.title} before", "name")
     return position, file.meant("actual_qd", position.clock)
+
+
+def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileContents:
+    """Return the file with `tq` as the target of q, if it stays near it, and no torque."""
+    blocks = [*file.blocks]
+    for place, block in enumerate(blocks):
+        named = last_part(block.stem()).lower() == TARGET_OR_TORQUE
+        if named and block.rows.shape == position.rows.shape:
+            apart = float(np.nanmedian(np.abs(block.rows - position.rows), axis=0).max())
+            range_of_q = float(np.nanmax(np.ptp(np.nan_to_num(position.rows), axis=0)))
+            if apart < MAX_SHARE_BEHIND_TARGET * max(range_of_q, 1.0):
+                blocks[place] = replace(block, stated="target_q")
+                file.account.hold(
+                    "proven",
+                    block,
+                    "numbers",
+                    f"no torque, but the target of {position.title}: within {apart:.2g} of it",
+                )
+    return replace(file, blocks=blocks)
 
 
 def _nameless(file: FileContents) -> tuple[ColumnBlock, ColumnBlock]:
@@ -185,10 +213,12 @@ def _nameless(file: FileContents) -> tuple[ColumnBlock, ColumnBlock]:
         )
     (position, velocity, missed), *others = pairs
     if others and missed > CLEAR_MISFIT_RATIO * others[0][2]:
-        file.evidence.check.append(
-            f"{position.title} as positions, {velocity.title} as velocities; "
-            f"{others[0][0].title} and {others[0][1].title} agree about as well: --columns names "
-            "the right ones"
+        file.account.hold(
+            "check",
+            position,
+            "numbers",
+            f"as positions, {velocity.title} as velocities; {others[0][0].title} and "
+            f"{others[0][1].title} agree about as well: --columns names the right ones",
         )
     return position, velocity
 
@@ -197,14 +227,44 @@ def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float
     """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
     wide = (block for block in file.blocks if block.rows.shape[1] == file.joints)
     whole = [block for block in wide if not names_command(block.stem())]
-    for position, velocity in itertools.permutations(whole, 2):
-        if position.clock == velocity.clock:
-            stamps = file.clocks.stamps[position.clock]
-            fit = agreement(position.rows, velocity.rows, stamps)
-            right = VELOCITY_RATIO_RANGE[0] < fit.ratio < VELOCITY_RATIO_RANGE[1]
-            right |= not file.has_clock() and fit.ratio > 0
-            if fit.moving and fit.share == 1.0 and right:
-                yield position, velocity, fit.missed
+    for position, velocity in _likely_pairs(whole, file.clocks.stamps):
+        fit = agreement(position.rows, velocity.rows, file.clocks.stamps[position.clock])
+        right = VELOCITY_RATIO_RANGE[0] < fit.ratio < VELOCITY_RATIO_RANGE[1]
+        right |= not file.has_clock() and fit.ratio > 0
+        if fit.moving and fit.share == 1.0 and right:
+            yield position, velocity, fit.missed
+
+
+def _likely_pairs(
+    blocks: Sequence[ColumnBlock], stamps: Mapping[str, Array]
+) -> Iterator[tuple[ColumnBlock, ColumnBlock]]:
+    """Yield the blocks of one clock that correlate, column by column, with the slopes of another.
+
+    All pairs are compared by one product of matrices for each column.
+    """
+    by_clock = groupby(sorted(blocks, key=lambda block: block.clock), lambda block: block.clock)
+    for clock, same in ((clock, [*group]) for clock, group in by_clock):
+        slopes, rates = (
+            np.nan_to_num(np.stack(part))
+            for part in zip(
+                *(slopes_and_rates(np.nan_to_num(b.rows), b.rows, stamps[clock]) for b in same),
+                strict=True,
+            )
+        )
+        least = np.ones((len(same), len(same)))
+        for slope, rate in zip(slopes.transpose(2, 0, 1), rates.transpose(2, 0, 1), strict=True):
+            still = np.minimum.outer(slope.std(axis=1), rate.std(axis=1)) < MIN_MOVING_SPEED
+            alike = _standardised(slope) @ _standardised(rate).T
+            least = np.where(still, least, np.minimum(least, alike))
+        np.fill_diagonal(least, 0.0)
+        for k, j in zip(*np.nonzero((least >= MIN_CORRELATION - 0.1) & (least < 1)), strict=True):
+            yield same[k], same[j]
+
+
+def _standardised(rows: Array) -> Array:
+    """Return rows (n, M) less their mean, of size 1."""
+    centred = rows - rows.mean(axis=1, keepdims=True)
+    return centred / (np.linalg.norm(centred, axis=1, keepdims=True) + 1e-300)
 
 
 def _timed(
@@ -218,29 +278,43 @@ def _timed(
     if velocity is None and are_postures(
         position.rows / (DEGREES_PER_RADIAN if _in_degrees(file, position) else 1)
     ):
-        file.evidence.check.append(
-            "still: true: without a clock, and each row far from the next, the rows are taken for "
-            "postures at rest; those of a motion have a rate, as --rate 125"
+        file.account.tell(
+            "check",
+            "rows",
+            "postures at rest",
+            "numbers",
+            "without a clock, and each row far from the next; a motion has a rate: --rate 125",
         )
         return file, None, True
     rows = file.clocks.stamps[ROW_CLOCK]
-    if velocity and (rate := _rate(agreement(position.rows, velocity.rows, rows))):
-        file.evidence.proven.append(
-            f"rate {rate:g}: without a clock, {position.title} changes by {velocity.title} at "
-            f"{rate:g} rows a second"
+    if velocity and (rate := _rate(agreement(position.rows, velocity.rows, rows), rows)):
+        file.account.tell(
+            "proven",
+            "rate",
+            f"{rate:g} Hz",
+            "numbers",
+            f"{position.title} changes by {velocity.title} at {rate:g} rows a second",
         )
-        stamps = rows * ASSUMED_RATE / rate
+        stamps = np.arange(len(rows)) / rate
         return file.on_clock(ROW_CLOCK, ROW_CLOCK, stamps, "s"), rate, False
-    file.evidence.check.append(
-        f"rate {ASSUMED_RATE:g}: the file has no clock, and nothing tells its rate; name the right "
-        "one, as with --rate 125"
+    file.account.tell(
+        "check",
+        "rate",
+        f"{ASSUMED_RATE:g} Hz",
+        "position",
+        "no clock, and nothing tells the rate of the rows; name it, as with --rate 125",
     )
     return file, ASSUMED_RATE, False
 
 
-def _rate(fit: Agreement) -> float | None:
-    """Return the rate [Hz] of rows of which velocities are derivatives, None where most are not."""
-    return float(f"{fit.ratio * ASSUMED_RATE:.4g}") if fit.share > 0.5 and fit.ratio > 0 else None
+def _rate(fit: Agreement, rows: Array) -> float | None:
+    """Return the rate [Hz] of rows of which velocities are derivatives, None where most are not.
+
+    rows: their stamps [s] at the rate that the agreement is of.
+    """
+    if fit.share <= 0.5 or fit.ratio <= 0:
+        return None
+    return float(f"{fit.ratio / (rows[1] - rows[0]):.4g}")
 
 
 def _on_best_clock(
@@ -257,8 +331,10 @@ def _on_best_clock(
     as_read = [trial[0] for trial in tried if trial[1:3] == (current, units.get(current, "s"))]
     if as_read and as_read[0] <= CLEAR_CLOCK_RATIO * misfit + 1e-9:
         return file
-    why = "under it, velocities are derivatives" if velocity else "its steps are regular"
-    file.evidence.proven.append(f"{name} in {unit} is the clock: {why}")
+    what = "velocities miss" if velocity else "its steps differ by"
+    read = f"{as_read[0]:.2%} under {current}" if as_read else f"{current} tells no time"
+    reason = f"in {unit}: {what} {misfit:.2%}, {read}"
+    file.account.tell("proven", "clock", name, "numbers", reason)
     return file.on_clock(current, name, stamps, unit)
 
 
@@ -294,42 +370,83 @@ def _units(
     file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
 ) -> dict[str, str]:
     """Return the units of positions and velocities that are not SI, as stated, named, or shown."""
-    evidence, stated = file.evidence, file.stated.units.get("actual_q")
-    named, looks_like_degrees = named_unit(position.names[0]), _in_degrees(file, position)
-    degrees = (stated or named or ("deg" if looks_like_degrees else "rad")) == "deg"
-    if not (stated or named) and looks_like_degrees:
-        evidence.proven.append(f"{position.title} in degrees: no joint turns by as many radians")
-    elif looks_like_degrees and not degrees:
-        evidence.check.append(f"{position.title} in rad, as named, turns farther than any joint")
+    degrees = _are_degrees(file, position)
     units = {"actual_q": "deg"} if degrees else {}
     if velocity is None:
-        evidence.assumed.append("no velocities: differences of the positions take their place")
+        file.account.tell(
+            "assumed", "velocities", "differences of the positions", "name", "no block is named so"
+        )
         return units
-    fit = agreement(position.rows, velocity.rows, file.clocks.stamps[position.clock])
+    in_degrees = _velocity_in_degrees(file, position, velocity, degrees)
+    return units | ({"actual_qd": "deg/s"} if in_degrees else {})
+
+
+def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
+    """Return whether positions are in degrees: as stated, named, or by how far they turn."""
+    stated, named = file.stated.units.get("actual_q"), named_unit(position.names[0])
+    shown, most = _in_degrees(file, position), float(np.nanmax(np.abs(position.rows)))
+    turns = f"reaches {most:.4g}: as radians {most / 2 / np.pi:.0f} turns; joints turn at most 2"
+    if stated:
+        file.account.hold("assumed", position, "option", f"in {stated}")
+    elif named:
+        doubt = f", but {turns}" if shown and named != "deg" else ""
+        file.account.hold("check" if doubt else "assumed", position, "name", f"in {named}{doubt}")
+    elif shown:
+        file.account.hold("proven", position, "numbers", f"in degrees: {turns}")
+    else:
+        file.account.hold("assumed", position, _source(position), f"in rad: reaches {most:.3g}")
+    return (stated or named or ("deg" if shown else "rad")) == "deg"
+
+
+def _velocity_in_degrees(
+    file: FileContents, position: ColumnBlock, velocity: ColumnBlock, degrees: bool
+) -> bool:
+    """Return whether velocities are in degrees; those that are no derivative are left out.
+
+    degrees: whether the positions are.
+    """
+    account, stamps = file.account, file.clocks.stamps[position.clock]
+    fit = agreement(position.rows, velocity.rows, stamps)
     if not fit.moving:
-        evidence.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
-        return units | ({"actual_qd": "deg/s"} if degrees else {})
+        account.hold("assumed", velocity, _source(velocity), "nothing moves that could prove it")
+        return degrees
     near = _nearest(fit.ratio) if np.isfinite(fit.ratio) else np.nan
     if (
         fit.share < MIN_SHARE_OF_VELOCITIES
         or not VELOCITY_RATIO_RANGE[0] < fit.ratio / near < VELOCITY_RATIO_RANGE[1]
     ):
-        evidence.exclude(velocity, f"not the derivative of {position.title}")
-        evidence.check.append(
-            f"{velocity.title} is not the derivative of {position.title}, column by column: their "
-            "joints are in different orders, or one is another quantity; it is left out"
+        many = f"{fit.share:.0%} of {fit.moving} moving columns"
+        ratio = f", {fit.ratio:.3g} times as fast" if np.isfinite(fit.ratio) else ""
+        account.exclude(
+            velocity, f"not the derivative of {position.title}: {many} follow it{ratio}"
         )
-        return units
+        account.tell(
+            "check",
+            velocity.title,
+            NOTHING,
+            "numbers",
+            f"not the derivative of {position.title}: joints in another order, of the motors, or "
+            "another quantity; differences of the positions take its place",
+        )
+        return False
     if fit.share < 1.0:
-        evidence.check.append(
-            f"{velocity.title}: {1 - fit.share:.0%} of its moving columns are not the "
-            f"derivatives of {position.title}"
-        )
-    evidence.proven.append(
-        f"{velocity.title} is the velocity of {position.title} ({fit.moving} joints move)"
+        part = f"{1 - fit.share:.0%} of its moving columns are no derivatives of {position.title}"
+        account.hold("check", velocity, "numbers", part)
+    shifted = agreement(position.rows, np.roll(velocity.rows, 1, axis=1), stamps).missed
+    rival = f"misses {shifted:.0%}" if np.isfinite(shifted) else "follows no column"
+    account.hold(
+        "proven" if shifted > 2 * fit.missed else "assumed",
+        velocity,
+        "numbers",
+        f"the derivative of {position.title} on {fit.moving} joints that move: misses "
+        f"{100 * fit.missed:.2g} % of its squares; one column further, it {rival}",
     )
-    in_degrees = {1.0: degrees, DEGREES_PER_RADIAN: True, 1 / DEGREES_PER_RADIAN: False}[near]
-    return units | ({"actual_qd": "deg/s"} if in_degrees else {})
+    return {1.0: degrees, DEGREES_PER_RADIAN: True, 1 / DEGREES_PER_RADIAN: False}[near]
+
+
+def _source(block: ColumnBlock) -> Evidence:
+    """Return what tells a block whose numbers prove nothing: the user, its name, or its place."""
+    return "option" if block.stated else "position" if block.is_nameless() else "name"
 
 
 def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> ImportedMotion:
@@ -340,6 +457,11 @@ def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> 
         measured.in_si(),
     )
     for name, block in targets.items():
+        if last_part(block.stem()) == "action" and np.array_equal(
+            block.rows, measured.position.rows
+        ):
+            measured.file.account.exclude(block, f"it repeats {measured.position.title}")
+            continue
         followed = motion.get({"target_q": "actual_q", "target_qd": "actual_qd"}.get(name, ""))
         ratio = _size(followed, block.rows) if followed is not None else None
         if ratio is None:
@@ -348,7 +470,7 @@ def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> 
             VELOCITY_RATIO_RANGE[0] < ratio / unit < VELOCITY_RATIO_RANGE[1]
             for unit in (1.0, DEGREES_PER_RADIAN)
         ):
-            measured.file.evidence.exclude(block, "what moves does not follow it")
+            measured.file.account.exclude(block, "what moves does not follow it")
             continue
         followed_targets[name] = block
         units |= {name: TARGET_UNITS[name]} if ratio > VELOCITY_RATIO_RANGE[1] else {}

@@ -10,22 +10,27 @@ import pandas as pd
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.checked import described
 from ur5lib.checks.readings import Order
-from ur5lib.errors import InputError, some
+from ur5lib.errors import InputError
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import ROW_CLOCK
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
-    as_amperes,
+    in_stated_unit,
     is_opposite,
+    is_rectified,
+    is_torque_of_joints,
     name_efforts,
 )
 from ur5lib.importing.identity import arms_of, identified, tells_columns
 from ur5lib.importing.motion import ImportedMotion, find_motion
-from ur5lib.importing.wrenches import CONTACT_FORCE, change, proven_frame, wrench_blocks
+from ur5lib.importing.spellings import CLOCK_NAME, is_of_motors, unused
+from ur5lib.importing.wrenches import CONTACT_FORCE, change, frame_of, wrench_blocks
+from ur5lib.recordings.delimited import number_in
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.records.account import Confidence, Evidence
 from ur5lib.timeseries.arrays import Array
 
 ChannelUnits = dict[str, str | list[float]]  # by channel, as a study has them
@@ -33,6 +38,13 @@ MIN_BLOCKS = 8
 MIN_TURN = 0.1  # rad
 MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
 MAX_GAP = 0.1  # s, that is filled before means are taken
+MAX_NAMELESS_EFFORTS = 8  # that gravity is asked about, of a table without names
+COMPARED_ROWS = 2000  # by which these are chosen
+RECTIFIED_REASON = (
+    "never negative on joints that turn both ways: without its sign, it tells no torque"
+)
+SILENT_REASON = "zero throughout, so not recorded"
+OTHER_CLOCK = "another clock; the rows are timed by the one above"
 FURTHER_CHANNELS = (
     "joint_control_output",
     "actual_TCP_pose",
@@ -76,36 +88,38 @@ def propose(file: FileContents) -> Proposal:
     moving = find_motion(file)
     file, clock = moving.file, moving.position.clock
     efforts = {
-        f"effort{k}": as_amperes(block, file.evidence) for k, block in enumerate(_efforts(moving))
+        f"effort{k}": in_stated_unit(block, file) for k, block in enumerate(_efforts(moving))
     }
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
     if means:
         _turn(efforts, means, file)
-    arm, robot, order = identified(moving, means)
+    arm, robot, order = identity = identified(moving, means)
     ordered = means.part(columns=order) if means else None
-    named = name_efforts(efforts, ordered, robot, file)
+    named = name_efforts(efforts, ordered, identity, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}
     for name in FURTHER_CHANNELS:
         if (block := file.meant(name, clock)) and block.rows.shape[1] in (6, file.joints):
             channels[name] = [block]
     units: ChannelUnits = dict(moving.units)
     units |= {n: unit for n, block in named.items() if (unit := block.unit())}
-    units |= {n: unit for n, unit in file.stated.units.items() if n in channels}
-    pushed, frame = _pushed(wrench, file), None
-    if wrench and robot:
-        measured = [block.names for name, block in named.items() if name.startswith("actual")]
-        proving = [name for name, block in efforts.items() if block.names in measured][:1]
-        alone = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
-        frame = proven_frame(wrench, alone if pushed and proving else None, loads, robot, file)
+    words = {n: unit for n, unit in file.stated.units.items() if number_in(unit.encode()) is None}
+    units |= {n: unit for n, unit in words.items() if n in channels}
+    pushed = _pushed(wrench, file)
+    measured = [block.names for name, block in named.items() if name.startswith("actual")]
+    proving = [name for name, block in efforts.items() if block.names in measured][:1]
+    alone = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
+    proof = alone if pushed and proving else None
+    frame = frame_of(wrench, proof, loads, robot, file) if wrench else None
     opposite, sensor = bool(frame and robot and frame.is_opposite(robot)), list[ColumnBlock]()
     if frame and frame.axes == "flange":
         sensor = wrench
     elif frame:
         channels["actual_TCP_force"] = wrench
         units |= {"actual_TCP_force": OPPOSITE_SIGN} if opposite else {}
-    _report_columns(file)
-    return Proposal(moving, arm, order, channels, units, sensor, opposite, pushed)
+    proposal = Proposal(moving, arm, order, channels, units, sensor, opposite, pushed)
+    _account_for_the_rest(proposal)
+    return proposal
 
 
 def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
@@ -113,11 +127,49 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
 
     Beside recorded channels, a file may hold what was computed from them.
     """
-    efforts = moving.beside(EFFORT_MEANINGS)
+    efforts = sorted(moving.beside(EFFORT_MEANINGS), key=lambda block: is_of_motors(block.stem()))
+    account, speed = moving.file.account, moving.blocks.get("actual_qd", moving.position).rows
+    of_joints = [block for block in efforts if is_torque_of_joints(block)]
+    for block in efforts:
+        if "actual_qd" in moving.blocks and is_rectified(block, speed):
+            account.exclude(block, RECTIFIED_REASON)
+        elif of_joints and is_of_motors(block.stem()):
+            account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
+    efforts = [block for block in efforts if block.names not in account.excluded]
+    if sum(block.is_nameless() for block in efforts) > MAX_NAMELESS_EFFORTS:
+        efforts = _following_the_motion(moving, efforts)
     names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
     if "actual_current" not in names:
         return efforts
-    return [block for block, name in zip(efforts, names, strict=True) if name in UNITS_BY_CHANNEL]
+    computed = [b for b, n in zip(efforts, names, strict=True) if n not in UNITS_BY_CHANNEL]
+    for block in computed:
+        account.exclude(
+            block, "beside actual_current: computed from it, or of another kind", "name"
+        )
+    return [block for block in efforts if all(block is not other for other in computed)]
+
+
+def _following_the_motion(
+    moving: ImportedMotion, efforts: Sequence[ColumnBlock]
+) -> list[ColumnBlock]:
+    """Return the efforts of many that angles and velocities of the joints explain best, by one
+    linear regression, whose cost grows with the number of columns alone.
+    """
+    q = moving.in_si()["actual_q"]
+    rows = np.linspace(0, len(q) - 1, min(len(q), COMPARED_ROWS)).astype(int)
+    qd = np.gradient(q, axis=0)[rows]
+    terms = [np.sin(q[rows]), np.cos(q[rows]), qd, np.sign(qd), np.ones((len(rows), 1))]
+    basis = np.linalg.qr(np.nan_to_num(np.hstack(terms)))[0]
+    values = np.nan_to_num(np.stack([block.rows[rows] for block in efforts], axis=1))
+    centred = (values - values.mean(axis=0)).reshape(len(rows), -1)
+    explained = ((basis.T @ centred) ** 2).sum(axis=0) / ((centred**2).sum(axis=0) + 1e-300)
+    shares = np.median(explained.reshape(len(efforts), -1), axis=1)
+    least = float(np.sort(shares)[-MAX_NAMELESS_EFFORTS])
+    for block, share in zip(efforts, shares, strict=True):
+        if share < least:
+            better = f"the joints' motion explains less of it than of others, {least:.0%} and more"
+            moving.file.account.exclude(block, better)
+    return [block for block, share in zip(efforts, shares, strict=True) if share >= least]
 
 
 def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
@@ -129,9 +181,8 @@ def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
         if arms and is_opposite(means, name, arms):
             efforts[name] = block.scaled(-1.0)
             means.currents[name] *= -1
-            file.evidence.proven.append(
-                f"{block.title} has the opposite sign: else friction would drive"
-            )
+            turned = "it has the opposite sign: else friction would drive, and gravity agrees"
+            file.account.hold("proven", block, "numbers", turned)
 
 
 def _means(
@@ -173,29 +224,60 @@ def _means(
 
 
 def _doubt_numbers(moving: ImportedMotion, why: str) -> None:
-    moving.file.evidence.check.append(
-        f"nothing but names tells what the columns hold: too short, or with too many gaps ({why})"
-    )
+    reason = f"too short, or with too many gaps for numbers to tell more ({why})"
+    moving.file.account.tell("check", "columns", "as named", "name", reason)
 
 
 def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
     """Return whether a wrench shows a contact."""
-    if wrench and (most := change(wrench)) > CONTACT_FORCE:
-        file.evidence.proven.append(f"role contact: the force changes by {most:.0f} N")
+    most = change(wrench) if wrench else 0.0
+    if most > CONTACT_FORCE:
+        reason = (
+            f"the force changes by {most:.0f} N; without contact by {CONTACT_FORCE:.0f} at most"
+        )
+        file.account.tell("proven", "role", "contact", "numbers", reason)
         return True
-    file.evidence.assumed.append("role fit: nothing touches the arm; otherwise write contact")
+    reason = "nothing touches the arm; otherwise write contact"
+    file.account.tell("assumed", "role", "fit", "position", reason)
     return False
 
 
-def _report_columns(file: FileContents) -> None:
-    """Add the columns that are left out, and the assumed layout of a table, to the evidence."""
-    evidence = file.evidence
+def _account_for_the_rest(proposal: Proposal) -> None:
+    """State of each block that nothing was stated about what its name tells, or why it is left out.
+
+    And the assumed layout of a table.
+    """
+    file, account = proposal.contents, proposal.contents.account
     if file.header.layout:
-        evidence.assumed.append(f"columns as of {file.header.layout}")
-    if silent := [block.title for block in file.silent]:
-        evidence.left_out.append(f"{some(silent)}: zero throughout, so not recorded")
+        account.tell("assumed", "columns", f"those of {file.header.layout}", "position", "as many")
+    for block in file.silent:
+        account.exclude(block, SILENT_REASON if np.isfinite(block.rows).any() else "no numbers")
+    taken = {b.names for blocks in (*proposal.channels.values(), proposal.sensor) for b in blocks}
+    for name in file.clocks.stamps:
+        by: Evidence = "name" if CLOCK_NAME.search(name) else "position"
+        if name != ROW_CLOCK:
+            told: Confidence = "assumed" if name == proposal.clock else "left out"
+            account.state(told, (name,), name, by, "" if name == proposal.clock else OTHER_CLOCK)
+    for block in file.blocks:
+        if block.names in taken and block.names not in account.of_columns:
+            account.hold("assumed", block, "option" if block.stated else "name", "")
+        elif block.names not in taken and block.names not in account.excluded:
+            account.exclude(block, unused(block.stem()), "name")
 
 
 def is_clockless(proposal: Proposal) -> bool:
     """Return whether the file has no time stamps, so that its rows have a rate or are postures."""
     return proposal.clock == ROW_CLOCK
+
+
+def meanings(proposal: Proposal) -> dict[tuple[str, ...], str]:
+    """Return channel and unit of the blocks that an entry has, by the names of their columns."""
+    sensor = dict(zip(("ft_f", "ft_t"), ([block] for block in proposal.sensor), strict=False))
+    told = {
+        block.names: channel
+        + (f" [{proposal.units[channel]}]" if channel in proposal.units else "")
+        for channel, blocks in (proposal.channels | sensor).items()
+        for block in blocks
+    }
+    unit = proposal.contents.clocks.units.get(proposal.clock, "s")
+    return told | {(proposal.clock,): f"time [{unit}]"}

@@ -6,54 +6,52 @@ from collections.abc import Mapping
 from ur5lib.channels import SUFFIXES
 from ur5lib.recordings.rosbag import JOINT_NAMES
 
+
+def _words_in(text: str) -> set[str]:
+    return {*text.split()}
+
+
 # of quantities with a column for each joint, by a word of their name; the first counts
 JOINT_QUANTITY_WORDS = {
-    "qdd": {"qdd", "ddq", "qddot", "qpp", "acceleration", "accelerations", "accel", "acc"},
-    "qd": {"qd", "dq", "qdot", "qp", "velocity", "velocities", "vel", "speed", "speeds", "spd"},
-    "q": {"q", "position", "positions", "pos", "posn", "angle", "angles", "ang", "theta"},
-    "current": {"i", "current", "currents", "curr", "cur", "amp", "amps", "ampere"},
-    "torque": {"m", "torque", "torques", "torq", "trq", "tq", "tau", "moment", "moments"},
-    "effort": {"effort", "efforts", "eff"},
+    "qdd": _words_in("qdd ddq qddot qpp acceleration accelerations accel acc"),
+    "qd": _words_in("qd dq qdot qp velocity velocities vel speed speeds spd"),
+    "q": _words_in("q position positions pos posn angle angles ang theta"),
+    "current": _words_in("i current currents curr cur amp amps ampere"),
+    "torque": _words_in("m torque torques torq trq tq tau moment moments"),
+    "effort": _words_in("effort efforts eff"),
 }
 TOOL_QUANTITY_WORDS = {
-    "actual_TCP_force": {"force", "wrench"},
-    "actual_TCP_speed": {"speed", "velocity"},
-    "actual_TCP_pose": {"pose", "vector", "position", "positions", "pos", "rot", "coord"},
+    "actual_TCP_force": _words_in("force wrench"),
+    "actual_TCP_speed": _words_in("speed velocity"),
+    "actual_TCP_pose": _words_in("pose vector position positions pos rot coord"),
 }
 SPATIAL_QUANTITY_WORDS = {  # of three columns
-    "force": {"force", "forces", "f"},
-    "torque": {"torque", "torques", "moment", "t", "m", "n"},
-    "position": {"position", "positions", "translation"},
+    "force": _words_in("force forces f"),
+    "torque": _words_in("torque torques moment t m n"),
+    "position": _words_in("position positions translation"),
 }
-COMMAND_WORDS = {
-    "target",
-    "tgt",
-    "desired",
-    "des",
-    "ref",
-    "reference",
-    "cmd",
-    "command",
-    "commanded",
+WHOLE_NAMES = {  # in full: of a polling script, of LeRobot's lists, of a force sensor's columns
+    **{"tqd": "target_qd", "tqdd": "target_qdd", "tcp": "actual_TCP_pose"},
+    **{"tcps": "actual_TCP_speed", "tcpf": "actual_TCP_force"},
+    **{"observation.state": "actual_q", "observation.position": "actual_q"},
+    **{"observation.velocity": "actual_qd", "observation.effort": "effort"},
+    **{"action": "target_q", "ft": "wrench", "ft_f": "force", "ft_t": "torque"},
 }
-COMMAND_WORDS |= {
-    "setpoint",
-    "goal",
-    "soll",
-    "computed",
-    "action",
-    "actions",
-}  # the last of a policy
-CONTAINER_WORDS = {"data", "value", "values", "signals"}  # in which a path ends behind its quantity
-TOOL_WORDS = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
-EXTERNAL_WORDS = {
-    "ext",
-    "external",
-    "extern",
-    "hat",
-}  # torques that a controller ascribes to contact
-IMU_WORDS = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
-TEMPERATURE_WORDS = {"temperature", "temperatures", "temp", "temps"}
+TARGET_OR_TORQUE = "tq"  # the target of q in polling scripts, elsewhere a torque
+COMMAND_WORDS = _words_in(  # the last two of a policy
+    "target tgt desired des ref reference cmd command commanded setpoint goal soll computed "
+    "action actions"
+)
+# in which a path ends behind its quantity
+CONTAINER_WORDS = _words_in("data value values signals")
+TOOL_WORDS = _words_in("tcp tool cartesian transform tf eef")
+MODEL_WORDS = _words_in("gravity grav coriolis model dynamics")  # torques that are computed
+SUBTRACTION_WORDS = _words_in("less without minus compensated")  # that leave a measured torque
+EXTERNAL_WORDS = _words_in("ext external extern hat")  # torques that are ascribed to contact
+GRIPPER_WORDS = _words_in("gripper finger fingers hand jaw robotiq")
+LOAD_WORDS = _words_in("load loads")  # of servos, ‰ of the stall torque
+IMU_WORDS = _words_in("imu mag magnetometer")  # mx is a magnetic field there
+TEMPERATURE_WORDS = _words_in("temperature temperatures temp temps")
 SEVEN_JOINT_NAMES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")  # joints of a seven-jointed arm
 SEVEN_JOINT_NAME = re.compile(
     rf"(?<![A-Za-z0-9])({'|'.join(SEVEN_JOINT_NAMES)})(?![A-Za-z0-9])", re.IGNORECASE
@@ -74,6 +72,7 @@ UNIT_SPELLINGS = {  # of bracketed and appended units, as a study writes them
 
 def words(name: str) -> set[str]:
     """Return the words of a name in lower case."""
+    name = re.sub(r"(?<=[a-zD])D(?=D?ot)", "d", name)  # qDot, qDDot are one word
     split = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
     return {*re.findall(r"[a-z]+", split.lower())}
 
@@ -121,6 +120,8 @@ def quantity(stem: str, width: int, joints: int) -> str | None:
     stem: without joints' numbers and units; width: its columns; joints: of the file's arm.
     """
     last = last_part(stem)
+    if (whole := WHOLE_NAMES.get(last.lower())) and width in (3, 6, 7, joints):
+        return whole
     if last in SUFFIXES and width in (len(SUFFIXES[last]), joints):
         return last
     its = words(last) | ({"target"} if names_command(stem) else set())
@@ -143,11 +144,36 @@ def quantity(stem: str, width: int, joints: int) -> str | None:
 def kind_of_joints(stem: str) -> str | None:
     """Return the kind of a quantity of joints by its name: q, qd, …, None for another."""
     its = words(last_part(stem))
-    return (
-        None
-        if its & (TOOL_WORDS | TEMPERATURE_WORDS)
-        else _first_meaning(its, JOINT_QUANTITY_WORDS)
-    )
+    other = its & (TOOL_WORDS | TEMPERATURE_WORDS | GRIPPER_WORDS)
+    return None if other else _first_meaning(its, JOINT_QUANTITY_WORDS)
+
+
+def kind_of_quantity(word: str) -> str | None:
+    """Return the kind of quantity that a word names: q, qd, …, load of servos; None for another."""
+    return _first_meaning({word.lower()}, JOINT_QUANTITY_WORDS | {"load": LOAD_WORDS})
+
+
+def is_of_motors(stem: str) -> bool:
+    """Return whether a quantity is named as of the motors' side, or as raw."""
+    return bool(words(stem) & {"motor", "motors", "raw"})
+
+
+def unused(stem: str) -> str:
+    """Return why a quantity of no channel is left out, by its name."""
+    its = words(last_part(stem))
+    reasons = {
+        frozenset(EXTERNAL_WORDS): "a torque that the controller ascribes to contact",
+        frozenset(MODEL_WORDS): "computed by the controller, not measured",
+        frozenset(JOINT_QUANTITY_WORDS["qdd"]): "accelerations, which no study reads: it derives "
+        "them from the positions",
+        frozenset(LOAD_WORDS): "a load of servos, a share of their stall torque, maybe with the "
+        "direction in bit 10: no unit is known",
+        frozenset(GRIPPER_WORDS): "of a gripper, no joint of the arm",
+        frozenset(TEMPERATURE_WORDS): "temperatures of other things than this arm's joints",
+    }
+    named = (reason for spellings, reason in reasons.items() if its & spellings)
+    unknown = "no channel is named so; if it is one, write its name in the entry"
+    return next(named, unknown)
 
 
 def last_part(path: str) -> str:
@@ -167,7 +193,9 @@ def _of_joints(its: set[str]) -> str | None:
     kind = _first_meaning(its, JOINT_QUANTITY_WORDS)
     if its & TEMPERATURE_WORDS:
         return "joint_temperatures"
-    if kind is None or its & EXTERNAL_WORDS:
+    if kind is None or its & (EXTERNAL_WORDS | GRIPPER_WORDS):
+        return None
+    if its & MODEL_WORDS and not its & SUBTRACTION_WORDS:
         return None
     if kind == "effort":
         return kind

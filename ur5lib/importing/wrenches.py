@@ -8,7 +8,7 @@ import numpy as np
 
 from ur5lib.checks.block_means import BlockMeans, size
 from ur5lib.importing.blocks import ColumnBlock
-from ur5lib.importing.contents import FileContents
+from ur5lib.importing.contents import TABLE_FORMAT, FileContents
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array
@@ -17,6 +17,7 @@ COLUMN_ORDERS = [
     (*axes, *(3 + k for k in axes)) for axes in permutations(range(3))
 ]  # in order first
 COLUMN_ORDERS.append((3, 4, 5, 0, 1, 2))  # moments before forces
+SENSOR_STEM = "ft_f"  # this project's own name of a sensor's force
 CLEAR_LEAD_OF_FRAME = 6.0  # difference of log-likelihoods of independent samples
 CONTACT_FORCE = 10.0  # N; a wrench that changes by more is a contact
 MIN_FLANGE_SPEED = 0.01  # m/s, of the flange
@@ -50,59 +51,79 @@ def change(wrench: Sequence[ColumnBlock]) -> float:
     return float(np.nanmax(np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)))
 
 
-def proven_frame(
+def frame_of(
     wrench: Sequence[ColumnBlock],
     means: BlockMeans | None,
     values: Array,
-    arm: Robot,
+    arm: Robot | None,
     file: FileContents,
 ) -> WrenchFrame | None:
-    """Return the frame and the sign of a wrench, None where no effort proves its frame.
+    """Return the frame and the sign of a wrench, None where neither names nor efforts tell it.
 
     means: with the joints in order, and the effort that may prove it alone, None without one;
     values: force and torque (M, 6) [N, Nm] at the blocks.
     """
-    title, evidence = " and ".join(block.title for block in wrench), file.evidence
-    frame, lead = likeliest_frame(means, values, arm) if means else (None, 0.0)
-    if means is None or frame is None:
-        evidence.left_out.append(
-            f"{title}: in the base's frame or the flange's, by the arm or on it (the best two "
-            f"log-likelihoods are {lead:.1f} apart, changes up to {change(wrench):.0f} N); record "
-            "a push in several postures, or name them, as with --columns"
+    frame, lead = likeliest_frame(means, values, arm) if means and arm else (None, 0.0)
+    if wrench[0].stem() == SENSOR_STEM and (frame is None or frame.axes == "flange"):
+        for block in wrench:
+            file.account.hold("assumed", block, "name", "a force sensor in the flange's axes")
+        return WrenchFrame("flange", by_arm=False)
+    if means is None or arm is None or frame is None:
+        unproven = (
+            f"in the base's frame or the flange's, by the arm or on it: the best two "
+            f"log-likelihoods are {lead:.1f} apart"
+            if means
+            else "no effort beside it tells its frame"
         )
+        _leave_out(wrench, f"{unproven}; it changes by up to {change(wrench):.0f} N", file)
         return None
     if len(wrench) == 1 and frame.axes == "base":
-        evidence.left_out.append(
-            f"{title}: in the base's frame, in which a force is read only together with its "
-            "moments: record these, too, or the force in the flange's axes"
+        of_base = (
+            "in the base's frame, in which a force is read only together with its moments: record "
+            "these, too, or the force in the flange's axes"
         )
+        file.account.exclude(wrench[0], of_base)
         return None
-    evidence.proven.append(
-        f"{title} in the {frame.axes}'s frame: it explains the efforts better than in others "
-        f"(log-likelihood greater by {lead:.3g})"
-    )
+    for block in wrench:
+        explains = f"in the {frame.axes}'s frame: it explains the efforts better than in others"
+        likelier = f"{explains} (log-likelihood greater by {lead:.3g})"
+        file.account.hold("proven", block, "numbers", likelier)
     if frame.axes == "base" and frame.by_arm and arm.wrist_sensor:
-        evidence.check.append(f"{title} has the sign of actual_TCP_force, as where a hand leads")
+        led = "it has the sign of actual_TCP_force, as where a hand leads"
+        file.account.hold("check", wrench[0], "numbers", led)
         return WrenchFrame("base", by_arm=False)
-    _doubt_sign(title, frame, _share_along_motion(frame, means, values, arm), file)
+    _doubt_sign(wrench[0], frame, _share_along_motion(frame, means, values, arm), file)
     return frame
 
 
-def _doubt_sign(title: str, frame: WrenchFrame, along: float, file: FileContents) -> None:
+def _leave_out(wrench: Sequence[ColumnBlock], reason: str, file: FileContents) -> None:
+    """Leave a wrench out, with the line of the entry that would add it as a sensor."""
+    named = dict(zip(("ft_f", "ft_t"), (block.names for block in wrench), strict=False))
+    channels = ", ".join(f"{name}: [{', '.join(names)}]" for name, names in named.items())
+    line = (
+        "`ft_fx … ft_tz` for its columns in `columns`"
+        if file.format == TABLE_FORMAT
+        else f"`force_sensor: {{channels: {{time: {wrench[0].clock}, {channels}}}}}`"
+    )
+    for block in wrench:
+        reads = f"{reason}; record a push in several postures, or, in the flange's axes, {line}"
+        file.account.exclude(block, reads)
+
+
+def _doubt_sign(block: ColumnBlock, frame: WrenchFrame, along: float, file: FileContents) -> None:
     """Note the sign of a wrench, in doubt where it acts along the motion, or against it.
 
     Where a hand leads an arm, friction takes up the hand, and efforts may have the sign of the
     force on the arm.
     """
     actor = "of the arm on its surroundings" if frame.by_arm else "of the surroundings on the arm"
-    sentence = f"{title} is the force {actor}, by the efforts"
+    acts = f"the force {actor}, by the efforts; along the motion in {along:.0%} of the moving time"
     if 1 - ONE_SIDED_SHARE <= along <= ONE_SIDED_SHARE:
-        file.evidence.proven.append(sentence)
-        return
-    file.evidence.check.append(
-        f"{sentence}; but it acts along the motion in {along:.0%} of the moving time, as where a "
-        "hand leads the arm: check its sign"
-    )
+        file.account.hold("proven", block, "numbers", acts)
+    else:
+        file.account.hold(
+            "check", block, "numbers", f"{acts}, as where a hand leads: check its sign"
+        )
 
 
 def likeliest_frame(

@@ -1,5 +1,6 @@
 """Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather."""
 
+import json
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from functools import wraps
@@ -22,28 +23,31 @@ from ur5lib.recordings.unpacked import (
     parquet_numbers,
 )
 from ur5lib.records.quality import Finding
-from ur5lib.strict import expect_file
+from ur5lib.strict import MOST_BYTES, expect_file
 from ur5lib.timeseries.arrays import Array
 
 Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
 Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
 LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
+LEVELS_OF_DATA_SET = 4  # folders of a LeRobot data set above its files
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 
 
-def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
+def array_format(
+    name: str, kind: str, *endings: str, is_folder: bool = False
+) -> Callable[[Load], Load]:
     """Register a function that loads a format; whatever it raises becomes an InputError.
 
-    name: in a study; kind: for messages; endings: of such files, none where it is a folder. Arrays
-    that the file lacks are left out.
+    name: in a study; kind: for messages; endings: of such files, none where it is always a folder;
+    is_folder: whether it may be one. Arrays that the file lacks are left out.
     """
 
     def registered(load: Load) -> Load:
         @wraps(load)
         def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
             expect_file(path)
-            if not (path.is_file() if endings else path.is_dir()):
+            if not ((endings and path.is_file()) or (is_folder and path.is_dir())):
                 raise InputError(
                     f"{path} is missing or not {kind}; add it, or remove the recording from the "
                     "study"
@@ -70,10 +74,37 @@ def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
 @array_format("parquet", "a Parquet file", ".parquet")
 def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the columns of numbers by name."""
+    elements = named_elements(path)
+    listed = {name for name in elements if wanted is None or any(name in one for one in wanted)}
     with pq.ParquetFile(path, page_checksum_verification=True) as file:
-        columns = _numeric(file.schema_arrow, wanted)
+        columns = _numeric(file.schema_arrow, None if wanted is None else {*wanted, *listed})
         expect_room(path, parquet_numbers(file, columns))
-        return _columns(file.read(columns))
+        arrays = _columns(file.read(columns))
+    for name in listed & {*arrays}:
+        if arrays[name].ndim == 2 and arrays[name].shape[1] == len(elements[name]):
+            parts = {f"{name}/{part}": arrays[name][:, k] for k, part in enumerate(elements[name])}
+            arrays |= parts
+            del arrays[name]
+    return arrays
+
+
+def named_elements(path: Path) -> dict[str, list[str]]:
+    """Return the names of the elements of list columns, by the `info.json` of a LeRobot data set.
+
+    It lies beside the file, or in `meta` of a folder above it; none without it. The name of an
+    element is `<column>/<name>`.
+    """
+    folders = path.absolute().parents[:LEVELS_OF_DATA_SET]
+    infos = [path.with_name("info.json"), *(folder / "meta" / "info.json" for folder in folders)]
+    info = next((info for info in infos if info.is_file()), None)
+    if info is None or info.stat().st_size > MOST_BYTES:
+        return {}
+    told = json.loads(info.read_text(encoding="utf-8")).get("features", {})
+    names = {column: feature.get("names") for column, feature in told.items()}
+    lists = {
+        c: next(iter(n.values()), None) if isinstance(n, dict) else n for c, n in names.items()
+    }
+    return {c: [*map(str, n)] for c, n in lists.items() if isinstance(n, list)}
 
 
 @array_format("feather", "a Feather file", ".feather")
@@ -116,6 +147,11 @@ def _column(column: pa.ChunkedArray) -> np.ndarray:
     widths = pc.if_else(pc.is_valid(column), lengths, 0).to_numpy()
     values = pc.list_flatten(column).cast(pa.float64()).to_numpy()
     return rows_of(values, widths, int(widths[0]) if len(widths) else 0)
+
+
+def format_of(path: Path) -> str | None:
+    """Return the format of a file by its ending, None where that tells none. A folder is a bag."""
+    return "rosbag" if path.is_dir() else ENDINGS.get(path.suffix.lower())
 
 
 def rows_of(values: np.ndarray, widths: np.ndarray, width: int) -> Array:

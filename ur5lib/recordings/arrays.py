@@ -72,7 +72,8 @@ def _wanted(tables: Iterable[StoredTable]) -> set[str]:
     single = {
         name + suffix for channel, name in named for suffix in suffixes_of(channel, MOST_JOINTS)
     }
-    return {name for _, name in named} | single
+    whole = {name.rpartition("_")[0] for _, name in named if name[-2:-1] == "_"}
+    return {name for _, name in named} | single | whole
 
 
 def _table(named: StoredTable, arrays: Arrays, path: Path) -> pd.DataFrame:
@@ -117,6 +118,9 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
     if isinstance(given, str) and given in arrays:
         return arrays[given]
     single = _single(arrays, channel, given) if isinstance(given, str) else given
+    arrays = arrays | {
+        name: part for name in single if (part := _element(arrays, name)) is not None
+    }
     missing = [name for name in single if name not in arrays]
     if missing or not single:
         named = given if isinstance(given, str) else missing[0]
@@ -133,6 +137,16 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
             "again"
         )
     return np.concatenate(turned)
+
+
+def _element(arrays: Arrays, name: str) -> np.ndarray | None:
+    """Return column k of an array by its name and number, as `state_3`; None for no such name."""
+    whole, mark, number = name.rpartition("_")
+    rows = arrays.get(whole)
+    if name in arrays or not mark or not number.isdecimal() or rows is None or rows.ndim != 2:
+        return None
+    tall = rows if rows.shape[0] > rows.shape[1] else rows.T
+    return tall[:, int(number)] if int(number) < tall.shape[1] else None
 
 
 def _single(arrays: Arrays, channel: str, given: str) -> list[str]:

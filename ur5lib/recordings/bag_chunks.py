@@ -8,13 +8,17 @@ from typing import Any
 
 from ur5lib.recordings.limits import most_bytes, too_large
 
+Unpack = Callable[[bytes], bytes]
 CHUNK_SHARE = 0.2  # of the limit; a chunk has a megabyte or so, and is in memory three times
 USUAL_COMPRESSION = 20  # bytes for each byte of a file whose chunks are compressed
 
 
 @contextmanager
-def with_bounded_chunks(path: Path) -> Iterator[None]:
-    """Let the library read a bag whose chunks raise InputError where they unpack to too much."""
+def with_bounded_chunks(path: Path) -> Iterator[Unpack]:
+    """Let the library read a bag whose chunks raise InputError where they unpack to too much.
+
+    Yields how a message that is compressed by itself is unpacked, within the same limit.
+    """
     from rosbags.rosbag1 import reader as ros1
     from rosbags.rosbag2 import storage_mcap as ros2
 
@@ -25,10 +29,15 @@ def with_bounded_chunks(path: Path) -> Iterator[None]:
     ros2.DECOMPRESSORS["lz4"] = lambda data, _: inflate(data, lz4_object)
     ros2.DECOMPRESSORS["zstd"] = lambda data, _: inflate(data, zstd_object)
     try:
-        yield
+        yield lambda data: inflate(data, zstd_object)
     finally:
         ros1.decompressors.update(before[0])
         ros2.DECOMPRESSORS.update(before[1])
+
+
+def most_unpacked(path: Path) -> float:
+    """Return how many bytes a bag may unpack to."""
+    return most_bytes() + USUAL_COMPRESSION * path.stat().st_size
 
 
 def _lz4_object() -> Callable[[], Any]:
@@ -40,7 +49,7 @@ def _lz4_object() -> Callable[[], Any]:
 def _inflate_within(path: Path) -> Callable[[bytes, Callable[[], Any]], bytes]:
     """Return a function that unpacks a chunk of a file. Raises InputError beyond the limit."""
     most = int(CHUNK_SHARE * most_bytes())
-    left = most_bytes() + USUAL_COMPRESSION * path.stat().st_size
+    left = most_unpacked(path)
 
     def inflate(data: bytes, new: Callable[[], Any]) -> bytes:
         nonlocal left

@@ -19,7 +19,7 @@ BLANK_LINE = re.compile(rb"\n[ \t\r]*\n")
 SEPARATORS_TO_BLANKS = bytes.maketrans(b",;\t", b"   ")
 
 
-@array_format("channel-files", "a folder of text files")
+@array_format("channel-files", "a folder of text files", is_folder=True)
 def channel_file_arrays(
     folder: Path, wanted: Collection[str] | None, findings: list[Finding]
 ) -> Arrays:

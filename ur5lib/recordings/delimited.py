@@ -32,6 +32,8 @@ SPREADSHEET_CELL = re.compile(
 BLOCK_BYTES = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
 TAIL_LINES = 20  # lines that show what a complete last line looks like
 LEAD_LINES = 60  # lines that show where a table begins
+# a table without names that is wider, and so much wider than long, is transposed
+MIN_SAMPLES, SAMPLES_A_ROW = 100, 5
 MIN_LEAD_COUNT = 6  # rows and cells that a table has at least
 SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
 UNNAMED_COLUMN = ""  # the column behind the last separator
@@ -118,6 +120,23 @@ def first_cells(path: Path) -> tuple[list[str], list[str]]:
     lines = (header, first) if header else (first, below)
     named, cells = ([*map(_text, line.split(_delimiter(first)))] for line in lines)
     return named, cells
+
+
+def expect_row_each_sample(path: Path) -> None:
+    """Raise InputError for a table that has a row for each joint, and a column for each sample."""
+    data = next(text_blocks(Log(path, "robot", [])))
+    lines = [line for line in data.split(b"\n", LEAD_LINES) if line.strip()]
+    mark = _delimiter(lines[0]) if lines else b","
+    cells = lines[0].split(mark) if lines else []
+    wide = len(cells) >= max(MIN_SAMPLES, SAMPLES_A_ROW * len(lines)) and len(lines) < LEAD_LINES
+    if wide and all(map(_is_cell, cells[1:])):
+        opener = "gzip.open" if path.suffix == ".gz" else "open"
+        rows = f"csv.reader({opener}({str(path)!r}, 'rt'), delimiter={mark.decode()!r})"
+        raise InputError(
+            f"{path}: the table has one row a joint ({len(lines)} rows of {len(cells)} cells); "
+            'transpose it: python -c "import csv, gzip; '
+            f"csv.writer(open('turned.csv', 'w', newline='')).writerows(zip(*{rows}))\""
+        )
 
 
 def _text(cell: bytes) -> str:

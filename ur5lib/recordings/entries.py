@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from ur5lib.channels import SIX_SUFFIXES, joint_count, meant
 from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
+from ur5lib.records.account import AccountRow
 from ur5lib.records.quality import SENSORS, Device
 from ur5lib.robots.description import Direction, Vector3
 from ur5lib.strict import PathText, Strict
@@ -43,8 +44,9 @@ UNIT_FACTORS = {  # from these units to SI
 RunFile = Annotated[
     PathText,
     Field(
-        description="path within the recording's folder; a pattern, as `2026-*/*.csv`, stands for "
-        "an entry of each file that it matches, named after it and dated by its path"
+        description="path within the recording's folder, of a bag also its folder; a pattern, as "
+        "`2026-*/*.csv`, stands for an entry of each file that it matches, named after it and "
+        "dated by its path"
     ),
 ]
 
@@ -261,6 +263,10 @@ class Files(Strict):
         description="direction of each joint: -1 where the signs of its recorded positions, "
         "velocities, currents and torques are opposite to those of the arm's description; default: "
         "as the arm's `drives` say, else 1",
+    )
+    account: list[AccountRow] = Field(
+        default=[],
+        description="what `ur5 import` took each column for, and why; the report shows it",
     )
     format: str = Field(description="format of the files")
 

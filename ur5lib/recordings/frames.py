@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
+from ur5lib.recordings.bunched_stamps import evenly_stamped
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
 from ur5lib.records.quality import Finding, add_finding
@@ -72,7 +73,7 @@ def repair_frames(
     findings: list[Finding] = []
     _expect_frames(frames, source)
     given, frames = frames, _whole_channels(frames, findings, source)
-    possible = drop_implausible(frames, source, "robot", findings, bounds)
+    possible = drop_implausible(evenly_stamped(frames, findings), source, "robot", findings, bounds)
     frames = in_order(possible, findings)
     del possible
     for name in [*given]:
@@ -80,12 +81,14 @@ def repair_frames(
     _expect_frames(frames, source)
     timing = _timing_of_positions(frames, cycle, source)
     _report_steps(timing, findings)
-    steps, holes, channels = _steps(frames), _holes(frames), len(_vectors(frames))
+    steps, holes, vectors = _steps(frames), _holes(frames), _vectors(frames)
     stretches = _stretches(frames, timing, max_gap)
-    table, lost, slow = _on_grid(frames, stretches, timing, max_gap)
+    arrays = {name: frames[name].to_numpy() for names in vectors.values() for name in names}
+    del frames
+    table, lost, slow = _on_grid(arrays, vectors, stretches, timing, max_gap)
     _expect_frames(table, source)
     add_finding(findings, "robot", "slow channels", "note", len(slow), names=slow)
-    _report_lost(steps, table, timing, channels, findings)
+    _report_lost(steps, table, timing, len(vectors), findings)
     counts = {
         "missing cells": holes,
         "split": int(table["segment"].max()),
@@ -110,7 +113,7 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
         name
         for name, columns in _vectors(frames).items()
         if len(columns) < (len(suffixes(name, joint_count(frames))) or len(columns))
-        or not np.isfinite(frames[columns].to_numpy(float)).all(axis=1).any()
+        or not np.all([np.isfinite(frames[c].to_numpy(float)) for c in columns], axis=0).any()
     ]
     if "actual_q" in absent or "actual_q_0" not in frames:
         raise InputError(
@@ -187,18 +190,22 @@ def _stretch(rows: Labels, time: Array, timing: Timing) -> GridStretch:
 
 
 def _on_grid(
-    frames: pd.DataFrame, stretches: list[GridStretch], timing: Timing, max_gap: float
+    arrays: dict[str, Array],
+    vectors: Mapping[str, list[str]],
+    stretches: list[GridStretch],
+    timing: Timing,
+    max_gap: float,
 ) -> tuple[pd.DataFrame, int, list[str]]:
     """Return the table on the grid, how many of its slots were lost, and the slow channels.
 
     A slot is lost if any channel has a long gap there, or is missing altogether. What is filled in
-    between the samples of a slow channel makes no frame an interpolated one. `frames` loses each
-    channel when it is on the grid.
+    between the samples of a slow channel makes no frame an interpolated one. arrays: (N,) by
+    column, each of which is freed when it is on the grid; vectors: the columns of each channel.
     """
     columns_at, flags = dict[str, Array](), dict[str, Mask]()
     lost = np.zeros(sum(len(stretch.slots) for stretch in stretches), dtype=bool)
-    for name, columns in _vectors(frames).items():
-        values = np.stack([frames.pop(column) for column in columns], axis=1).astype(float)
+    for name, columns in vectors.items():
+        values = np.stack([arrays.pop(column) for column in columns], axis=1).astype(float)
         filled, flag, beyond = _fill_stretches(values, stretches, timing, max_gap, name)
         columns_at |= {column: filled[:, k].copy() for k, column in enumerate(columns)}
         lost |= beyond

@@ -17,9 +17,11 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.held_samples import fresh_samples
+from ur5lib.recordings.plausibility import drop_unwritten
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, repair_samples
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.recordings.wraps import without_wraps
 from ur5lib.recordings.zeroings import on_one_zero
 from ur5lib.records.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.robots.description import Robot
@@ -56,14 +58,17 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     Raises InputError when it cannot be used.
     """
     raw = read_recording(recording)
+    whole, wrapped = without_wraps(raw.robot.table)
+    raw = replace(raw, robot=replace(raw.robot, table=whole))
     frames, findings = known_frames(raw, counted_as(recording, arm))
     raw, frames = with_slow_sensor(raw, frames, findings)
     if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
         findings.append(Finding("robot", "no velocities", "note", len(frames)))
-    findings += raw.findings
+    findings += raw.findings + wrapped
     contents = fingerprint(frames)
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
+    del whole
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
     del raw  # whose channels are freed while they are repaired
@@ -87,6 +92,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         files=files,
         findings=findings,
         fingerprint=contents,
+        account=recording.account,
     )
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
 
@@ -96,8 +102,11 @@ def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Find
 
     Raises InputError where they have not the positions of the arm's joints.
     """
-    _expect_joints(raw.robot, arm)
-    frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
+    unwritten: list[Finding] = []
+    written = replace(raw.robot, table=drop_unwritten(raw.robot.table, unwritten))
+    _expect_joints(written, arm)
+    frames, findings = _known_channels(written.table, "force" in raw.sensors)
+    findings += unwritten
     return with_currents(at_the_joints(frames, arm), arm, findings), findings
 
 

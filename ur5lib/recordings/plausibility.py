@@ -1,6 +1,8 @@
 """Detection of impossible values: shifted bytes, wrong units, absurd times, lost cells."""
 
 import math
+import re
+from collections import defaultdict
 from collections.abc import Mapping
 
 import numpy as np
@@ -8,7 +10,7 @@ import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.channels import CHANNELS, MOST_JOINTS, columns
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.recordings.ordering import epochs
 from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.tables import unit
@@ -51,7 +53,7 @@ def drop_implausible(
         own = {n: (bounds or {}).get(n, spec.bound) for n in columns(name, MOST_JOINTS)}
         bounded = {n: bound for n, bound in own.items() if n in frames and math.isfinite(bound)}
         if bounded:
-            wrong |= _beyond(frames[[*bounded]], bounded, source)
+            wrong |= _beyond(frames, bounded, source)
     time = frames["time"].to_numpy(float)
     wrong[~wrong] = stray_times(time[~wrong])
     name = "impossible frames" if device == "robot" else "impossible samples"
@@ -61,14 +63,14 @@ def drop_implausible(
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
 
 
-def _beyond(channels: pd.DataFrame, bounds: Mapping[str, float], source: str) -> Mask:
-    """Return which rows (N,) exceed a bound. Raises InputError when more than a few do."""
-    size = channels.abs()
-    too_large = size > pd.Series(bounds)
-    beyond = too_large.any(axis=1).to_numpy()
+def _beyond(frames: pd.DataFrame, bounds: Mapping[str, float], source: str) -> Mask:
+    """Return which rows (N,) exceed a column's bound. Raises InputError when more than a few do."""
+    size = {name: np.abs(frames[name].to_numpy(float)) for name in bounds}
+    too_large = {name: size[name] > bound for name, bound in bounds.items()}
+    beyond = np.logical_or.reduce([*too_large.values()])
     if beyond.mean() > MAX_SHARE_IMPOSSIBLE:
-        channel = str(too_large.sum().idxmax())
-        middle = size[channel].where(too_large[channel]).median()
+        channel = max(too_large, key=lambda name: too_large[name].sum())
+        middle = np.median(size[channel][too_large[channel]])
         raise InputError(
             f"{source}: {channel} exceeds {bounds[channel]:.4g} {unit(channel)} in "
             f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); "
@@ -132,16 +134,36 @@ def _islands(time: Array) -> Mask:
     return strays & (strays.mean() <= MAX_SHARE_IMPOSSIBLE)
 
 
+def is_silent(values: Array) -> bool:
+    """Return whether values (N, k) hold nothing but zeros, and numbers that nobody wrote."""
+    return not (np.abs(values) >= SMALLEST_VALUE).any()
+
+
+def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
+    """Return a table without channels of stray bytes, as of efforts that a driver never sets."""
+    channels = defaultdict[str, list[str]](list)
+    for name in table:
+        channels[re.sub(r"_\d+$", "", name)].append(name)
+    silent = [n for n, names in channels.items() if is_silent(table[names].to_numpy(float))]
+    names = [name for name in silent if np.nan_to_num(table[channels[name]].to_numpy(float)).any()]
+    add_finding(findings, "robot", "unwritten channels", "warning", len(names), names=some(names))
+    unwritten = [column for name in names for column in channels[name]]
+    return table.drop(columns=unwritten) if unwritten else table
+
+
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """Return a table with NaN where a column falls to exactly zero at once, or a current is zero
     while those of other joints are not.
     """
     values = table.to_numpy(float)
-    stray = (values != 0.0) & (np.abs(values) < SMALLEST_VALUE)
+    near_zero = np.abs(values) < SMALLEST_VALUE
+    stray = (values != 0.0) & near_zero & ~near_zero.all(axis=0)
     # velocities of slow joints are rounded to zero
     least = [ROUNDED_SPEED if "_qd_" in name else 0.0 for name in table]
     fallen = [_fallen(values[:, k], leap) for k, leap in enumerate(least)]
     wrong = stray | np.stack(fallen, axis=1)
+    if "time" in table:  # a clock may start anew at zero
+        wrong[:, table.columns.get_loc("time")] &= ~_restarts(table["time"].to_numpy(float))
     noisy = [k for k, name in enumerate(table) if name.startswith(NOISY_COLUMNS)]
     if noisy:
         wrong[:, noisy] |= _dead(values[:, noisy])
@@ -149,6 +171,12 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         return table
     add_finding(findings, "robot", "zeroed cells", "warning", wrong.any(axis=1).sum())
     return table.mask(wrong)
+
+
+def _restarts(time: Array) -> Mask:
+    """Return the stamps (N,) behind which the time goes on from them, below the stamps before."""
+    before, after = np.append(-np.inf, time[:-1]), np.append(time[1:], np.inf)
+    return (after > time) & (after < before)
 
 
 def _fallen(column: Array, least: float) -> Mask:

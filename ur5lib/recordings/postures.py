@@ -46,6 +46,7 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
         devices=["robot"],
         findings=findings,
         fingerprint=fingerprint(frames),
+        account=recording.account,
     )
     return postures, quality
 

@@ -5,13 +5,15 @@ from array import array
 from collections import Counter, defaultdict
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import Arrays, array_format, rows_of
-from ur5lib.recordings.bag_chunks import with_bounded_chunks
+from ur5lib.recordings.bag_chunks import Unpack, with_bounded_chunks
+from ur5lib.recordings.bag_files import PACKED_ENDING, bag_files, unpacked
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Mask
@@ -25,6 +27,7 @@ JOINT_NAMES = [  # of drivers, and as the teach panel has them
         *("elbow", r"wrist[ _]?1", r"wrist[ _]?2", r"wrist[ _]?3"),
     )
 ]
+PACKED_MESSAGE = b"\x28\xb5\x2f\xfd"  # how zstd begins, and no message of ROS 2 by itself
 FIELDS = {  # that are read of each kind of message
     "sensor_msgs/msg/JointState": ("position", "velocity", "effort"),
     "geometry_msgs/msg/WrenchStamped": ("force", "torque"),
@@ -35,94 +38,127 @@ FIELDS = {  # that are read of each kind of message
 }
 
 
+class Joints(NamedTuple):
+    """The joints of a message: their names, none where it does not name each once, and how many."""
+
+    names: tuple[str, ...] = ()
+    width: int = 0
+
+
 class Messages:
     """The messages of a topic: columns of numbers, so that many take little memory.
 
     stamps: of their headers [s]; received: of their receipt [s]; values: of each field, of all
-    messages one after the other; widths: how many each message has; names: of joints, each list of
-    them once, and places: where each message's is.
+    messages one after the other; widths: how many each message has; joints: each kind of them
+    once, and places: where each message's is.
     """
 
     def __init__(self) -> None:
         self.stamps, self.received, self.places = array("d"), array("d"), array("q")
         self.values: defaultdict[str, array[float]] = defaultdict(lambda: array("d"))
         self.widths: defaultdict[str, array[int]] = defaultdict(lambda: array("q"))
-        self.names: dict[tuple[str, ...], int] = {}
+        self.joints: dict[Joints, int] = {}
 
     def add(self, message: Any, received: float, fields: Collection[str]) -> None:
         """Add a message. Raises where it lacks something."""
         stamp, body = message.header.stamp, getattr(message, "wrench", message)
         seconds = stamp.sec + 1e-9 * stamp.nanosec
-        names = tuple(getattr(message, "name", ()))
+        joints = _joints_of(message)
         numbers = {name: _numbers(getattr(body, name)) for name in fields}
         self.stamps.append(seconds)
         self.received.append(received)
-        self.places.append(self.names.setdefault(names, len(self.names)))
+        self.places.append(self.joints.setdefault(joints, len(self.joints)))
         for name, values in numbers.items():
             self.values[name].frombytes(values.tobytes())
             self.widths[name].append(len(values))
 
-    def usual_names(self) -> tuple[str, ...]:
-        """Return the names of the joints that most messages are about, those of an arm first."""
+    def size(self) -> int:
+        """Return how many numbers the messages have."""
+        return sum(map(len, self.values.values()))
+
+    def usual_joints(self) -> Joints:
+        """Return the joints that most messages are about, those of an arm first."""
         counts = Counter(self.places)
         return max(
-            self.names,
-            key=lambda names: (joint_order(names) is not None, counts[self.names[names]]),
+            self.joints,
+            key=lambda joints: (
+                joint_order(joints.names) is not None,
+                len(JOINTS) <= joints.width <= MOST_JOINTS,
+                counts[self.joints[joints]],
+            ),
         )
 
-    def about(self, joints: Collection[str]) -> Mask:
+    def about(self, joints: Joints) -> Mask:
         """Return which messages are about these joints (N,), in any order."""
-        alike = [frozenset(names) == frozenset(joints) for names in self.names]
+        alike = [_in_any_order(own) == _in_any_order(joints) for own in self.joints]
         return np.array(alike)[np.array(self.places)]
 
-    def rows(self, field: str, kept: Mask, names: tuple[str, ...]) -> Array:
-        """Return a field of some messages in the arm's order, else in that of `names`.
+    def rows(self, field: str, kept: Mask, joints: Joints) -> Array:
+        """Return a field of some messages in the arm's order, else in that of `joints`.
 
         Nothing where none of them has it; NaN in those without it.
         """
         widths = np.array(self.widths[field])
-        width = len(names) or int(widths[kept][0])
+        width, names = joints.width or int(widths[kept][0]), joints.names
+        if not width or not (widths[kept] == width).any():
+            return np.empty((0, 0))
         rows = rows_of(np.array(self.values[field]), widths, width)[kept]
-        if not (widths[kept] == width).any():
-            return rows[:0]
         ordered = [names[k] for k in joint_order(names) or range(len(names))]
-        for own, place in self.names.items():
-            if frozenset(own) == frozenset(names) and names:
+        for own, place in self.joints.items():
+            if _in_any_order(own) == _in_any_order(joints) and names:
                 these = np.array(self.places)[kept] == place
-                rows[these] = rows[these][:, [own.index(name) for name in ordered]]
+                rows[these] = rows[these][:, [own.names.index(name) for name in ordered]]
         return rows
 
 
-@array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap")
+@array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap", PACKED_ENDING, is_folder=True)
 def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the fields of JointState, WrenchStamped, Imu and FrankaState messages by
     `<topic>/<field>`.
 
-    `<topic>/stamp` is the time in the messages' headers, `<topic>/bag_stamp` that of their receipt
-    [s]. Joints come in the arm's order where the messages name them. Messages that cannot be read
-    are skipped and reported. Raises InputError when the file is damaged or no bag.
+    path: a file, or a folder with one bag. `<topic>/stamp` is the time in the messages' headers,
+    `<topic>/bag_stamp` that of their receipt [s]. Joints come in the arm's order where the messages
+    name them. Messages that cannot be read are skipped and reported. Raises InputError when the
+    file is damaged or no bag, and where a folder holds none or several.
     """
-    from rosbags.highlevel import AnyReader  # slow to import, and few recordings are bags
-    from rosbags.typesys import Stores, get_typestore
-
-    store = get_typestore(Stores.ROS2_HUMBLE)
     topics: dict[str, Messages] = {}
-    lost = Counter[str]()
-    try:
-        with with_bounded_chunks(path), AnyReader([path], default_typestore=store) as bag:
-            _collect(bag, wanted, topics, lost, path)
-    except InputError:
-        raise
-    except Exception:  # of damaged files, the library may raise anything
-        if not topics:
-            raise
-        lost["unreadable end"] += 1
-    for code, count in lost.items():
-        Log(path, "robot", findings).add("damaged messages", "warning", count, code)
+    files, missing = bag_files(path)
+    failures = [_read_part(file, wanted, topics, findings) for file in files]
+    if not topics and (failure := next(filter(None, failures), None)):
+        raise failure
+    Log(path, "robot", findings).add("damaged messages", "warning", missing, "missing parts")
     arrays: Arrays = {}
     for topic, messages in topics.items():
         arrays |= _topic_arrays(topic, messages, path, findings)
     return arrays
+
+
+def _read_part(
+    path: Path,
+    wanted: Collection[str] | None,
+    topics: dict[str, Messages],
+    findings: list[Finding],
+) -> Exception | None:
+    """Add the messages of a file to those of its bag; return what stopped its reading, if any."""
+    from rosbags.highlevel import AnyReader  # slow to import, and few recordings are bags
+    from rosbags.typesys import Stores, get_typestore
+
+    store, lost, failure = get_typestore(Stores.ROS2_HUMBLE), Counter[str](), None
+    try:
+        with (
+            unpacked(path) as plain,
+            with_bounded_chunks(path) as unpack,
+            AnyReader([plain], default_typestore=store) as bag,
+        ):
+            _collect(bag, unpack, wanted, topics, lost, path)
+    except InputError:
+        raise
+    except Exception as error:  # of damaged files, the library may raise anything
+        lost["unreadable end"] += 1
+        failure = error
+    for code, count in lost.items():
+        Log(path, "robot", findings).add("damaged messages", "warning", count, code)
+    return failure
 
 
 def joint_order(names: tuple[str, ...]) -> list[int] | None:
@@ -133,6 +169,7 @@ def joint_order(names: tuple[str, ...]) -> list[int] | None:
 
 def _collect(
     bag: Any,
+    unpack: Unpack,
     wanted: Collection[str] | None,
     topics: dict[str, Messages],
     lost: Counter[str],
@@ -145,20 +182,37 @@ def _collect(
         if connection.msgtype in FIELDS
         and (wanted is None or any(name.startswith(f"{connection.topic}/") for name in wanted))
     ]
-    missing, size = sum(connection.msgcount for connection in known), 0
+    missing = sum(connection.msgcount for connection in known)
+    size = BYTES_PER_NUMBER * sum(messages.size() for messages in topics.values())
     for connection, received, raw in bag.messages(connections=known) if known else ():
         missing -= 1
-        size += len(raw)
-        expect_room(path, size / BYTES_PER_NUMBER)
         try:
-            message, kind = bag.deserialize(raw, connection.msgtype), connection.msgtype
+            plain = unpack(raw) if bag.is2 and raw.startswith(PACKED_MESSAGE) else raw
+            size += len(plain)
+            expect_room(path, size / BYTES_PER_NUMBER)
+            message, kind = bag.deserialize(plain, connection.msgtype), connection.msgtype
             messages = topics.get(connection.topic, Messages())
             messages.add(message, received * 1e-9, FIELDS[kind])
             topics[connection.topic] = messages
+        except InputError:
+            raise
         except Exception:  # of damaged messages, the library may raise anything
             lost["undecodable messages"] += 1
     if missing > 0:
         lost["missing messages"] += missing
+
+
+def _joints_of(message: Any) -> Joints:
+    """Return the joints of a message, by its names or by how many numbers it has of them."""
+    if not hasattr(message, "name"):
+        return Joints()
+    names, fields = tuple(message.name), (message.position, message.velocity, message.effort)
+    count = next(filter(None, map(len, fields)), len(names))
+    return Joints(names if len({*names}) == len(names) == count else (), count)
+
+
+def _in_any_order(joints: Joints) -> tuple[frozenset[str], int]:
+    return frozenset(joints.names), joints.width
 
 
 def _numbers(field: Any) -> Array:
@@ -170,12 +224,14 @@ def _numbers(field: Any) -> Array:
 
 def _topic_arrays(topic: str, messages: Messages, path: Path, findings: list[Finding]) -> Arrays:
     """Return the arrays of a topic, of the messages about the joints that most of them name."""
-    usual = messages.usual_names()
+    usual = messages.usual_joints()
     kept = messages.about(usual)
-    log, about = Log(path, "robot", findings), {"topic": topic, "joints": usual}
+    log = Log(path, "robot", findings)
+    about = {"topic": topic, "joints": usual.names or f"the {usual.width} of most"}
     log.add("other messages", "note", np.count_nonzero(~kept), "", **about)
-    if joint_order(usual) is None:
-        log.add("unnamed joints", "note", len(usual), "", **about)
+    if joint_order(usual.names) is None:
+        code = "" if usual.names else "nameless joints"
+        log.add("unnamed joints", "note", usual.width, code, **about)
     arrays = {
         f"{topic}/stamp": np.array(messages.stamps)[kept],
         f"{topic}/bag_stamp": np.array(messages.received)[kept],

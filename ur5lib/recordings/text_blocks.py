@@ -9,6 +9,7 @@ from typing import BinaryIO
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import expect_short_text, longest_line, too_large
+from ur5lib.recordings.listed_cells import with_lists_apart
 from ur5lib.records.quality import Log
 from ur5lib.strict import expect_file
 
@@ -24,7 +25,7 @@ def text_blocks(log: Log) -> Iterator[bytes]:
     """Yield a file, unpacked if it is compressed, in blocks of whole lines.
 
     At least one block, which may be empty; without byte-order mark, carriage returns and quotes,
-    and without brackets around numbers.
+    and without brackets around numbers, each of which is a cell.
     Raises InputError when the file cannot be read, is not text, has a line beyond measure, or
     unpacks to more than may be read.
     """
@@ -76,11 +77,12 @@ def _lines(stream: BinaryIO | gzip.GzipFile, path: Path) -> bytes:
 def _plain(block: bytes) -> bytes:
     if b"\r" in block:
         block = block.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    if b'"' in block:
-        block = _unquoted(block)
-    # rows may group numbers in brackets, as Python prints lists and NIST's files do
+    # rows may group numbers in brackets, as NIST's files do
     first = block.partition(b"\n")[0]
     grouped = b"[" in first and not LETTERS.search(first)
+    block = with_lists_apart(block)
+    if b'"' in block:
+        block = _unquoted(block)
     return block.translate(None, BRACKETS) if grouped else block
 
 

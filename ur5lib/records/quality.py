@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal, SupportsInt, TypeVar
 
 from ur5lib.errors import InputError
+from ur5lib.records.account import AccountRow
 
 T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
@@ -69,7 +70,7 @@ class Quality:
     rows: that were read; frames: after the repair; jitter_s: of the time stamps, "median" and
     "99 %"; start_epoch_s: when the robot's clock read zero, since 1970; starts: of the other
     devices; files: SHA-256 of the devices' files, read: of all files, by their path; fingerprint:
-    hashes of the robot's rows.
+    hashes of the robot's rows; account: what import took the columns for.
     """
 
     rows: int = 0
@@ -85,6 +86,7 @@ class Quality:
     findings: list[Finding] = field(default_factory=list)
     read: dict[str, str] = field(default_factory=dict)
     fingerprint: list[int] = field(default_factory=list)
+    account: list[AccountRow] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -95,8 +95,9 @@ def gravity_columns(robot: Robot, q: Array) -> list[Array]:
 def _turned_about_z(rotation: Array, angle: Array) -> Array:
     """Return R Rot_z (N, 3, 3) of rotations R (N, 3, 3) and angles (N,) [rad]."""
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    x, y, z = np.moveaxis(rotation, 2, 0)
-    return np.stack([c * x + s * y, c * y - s * x, z], axis=2)
+    x, y, turned = rotation[:, :, 0], rotation[:, :, 1], rotation.copy()
+    turned[:, :, 0], turned[:, :, 1] = c * x + s * y, c * y - s * x
+    return turned
 
 
 def geometric_jacobian(robot: Robot, q: Array) -> Array:

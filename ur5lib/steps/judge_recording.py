@@ -117,6 +117,7 @@ def of_files(evidence: Evidence, beside_sensor: Compared) -> dict[str, Rows]:
     return written(
         recordings=files.recordings(quality, evidence.signals),
         files=files.files(quality),
+        account=files.account(quality),
         quality=files.quality(quality, contradictions, clocks, beside_sensor),
         clocks=files.clocks(clocks),
     )

@@ -53,6 +53,7 @@ def read_postures(
     rows = written(
         recordings=files.recordings(quality, None),
         files=files.files(quality),
+        account=files.account(quality),
         quality=files.quality(quality, postures.contradictions),
     )
     return ReadPostures(postures, Judgement(rows))

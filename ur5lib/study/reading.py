@@ -18,7 +18,7 @@ import yaml
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.lab.stand import layout
 from ur5lib.robots.description import PROJECT_FOLDER, load_robot, robot_path
 from ur5lib.strict import FAST_DUMPER, expect_few_values, explain, quoted, read_yaml
@@ -28,6 +28,7 @@ PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is 
 WILDCARD = re.compile(r"[*?\[]")
 DAY_IN_PATH = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 FORBIDDEN_CHARACTERS = re.compile(r"[^A-Za-z0-9_.-]+")
+ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # in the key of a mistake
 CODE_KEY = "__use_yte__"  # Snakemake runs what a file with this key holds
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 
@@ -85,8 +86,19 @@ def parse_study(raw: PlainData, source: str) -> Study:
         mistakes = (explain(_as_stated(detail, stated), schema) for detail in error.errors())
         problems = [*mistakes, *problems]
     if problems:
-        raise InputError("\n".join(f"{source}: {problem}" for problem in dict.fromkeys(problems)))
+        raise InputError("\n".join(f"{source}: {problem}" for problem in _each_once(problems)))
     return study
+
+
+def _each_once(problems: Iterable[str]) -> Iterator[str]:
+    """Yield what is wrong, each mistake once: at its first entry, with the others that have it."""
+    alike: dict[str, dict[str, str]] = {}
+    for problem in problems:
+        place, general = ENTRY_PLACE.search(problem), ENTRY_PLACE.sub("…", problem, count=1)
+        alike.setdefault(general, {}).setdefault(place[0] if place else "", problem)
+    for by_entry in alike.values():
+        first, *others = by_entry
+        yield f"{by_entry[first]}; the same in {some(others)}" if others else by_entry[first]
 
 
 def is_pattern(entry: Any) -> bool:
@@ -107,7 +119,9 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """
     folder = Path(entry["folder"])
     matches = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))
-    for file in sorted(file for file in matches if (folder / file).is_file()):
+    may_be_folder = entry.get("format") == "rosbag"
+    there = (file for file in matches if may_be_folder or (folder / file).is_file())
+    for file in sorted(there):
         path_in_folder = FORBIDDEN_CHARACTERS.sub("-", str(file.with_suffix("")))
         day = DAY_IN_PATH.search(str(file))
         date = {"date": "-".join(day.groups())} if day else {}

@@ -152,7 +152,8 @@ class Selection:
         stated = [folder / file for file in self.entries[name].file_names()]
         if name in self.simulated:
             return [str(path) for path in stated]
-        files = stated or [*folder.glob("*"), *folder.glob("csv_files/*")]
+        named = [part for one in stated for part in (one.glob("*") if one.is_dir() else [one])]
+        files = named if stated else [*folder.glob("*"), *folder.glob("csv_files/*")]
         paths = sorted(str(path) for path in files if path.is_file())
         return [path for path in paths if not SNAKEMAKE_PLACEHOLDER.search(path)]
 

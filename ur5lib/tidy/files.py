@@ -8,15 +8,15 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.copies import same_runs
+from ur5lib.records.account import NOTHING
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
-from ur5lib.report.page.findings import sentence, worded
+from ur5lib.report.page.findings import SAME_RUN, sentence, worded
 from ur5lib.signals.clock import SettledClock
 from ur5lib.tidy import Row
 
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
-SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
@@ -44,6 +44,11 @@ def files(quality: Quality) -> Iterator[Row]:
     """Yield the files that a recording was read from."""
     for file, checksum in quality.read.items():
         yield {"file": file, "sha256": checksum}
+
+
+def account(quality: Quality) -> Iterator[Row]:
+    """Yield what import took each column of a recording's file for."""
+    yield from map(vars, quality.account)
 
 
 def clocks(clocks: Mapping[str, SettledClock]) -> Iterator[Row]:
@@ -76,6 +81,10 @@ def quality(
     yield from map(worded, contradictions.stop_signs)
     yield from map(worded, quality.findings)
     yield from map(worded, contradictions.findings)
+    if unused := [row for row in quality.account if row.taken_for == NOTHING]:
+        detail = "; ".join(f"{row.subject}: {row.reason}" for row in unused)
+        about = {"device": "robot", "finding": "columns not used", "severity": "note"}
+        yield about | {"count": len(unused), "detail": detail}
     for device, checksum in quality.files.items():  # `name_copies` keeps those of several
         about = {"device": device, "finding": SAME, "severity": "note"}
         yield about | {"count": int(device in quality.devices), "detail": checksum}
@@ -120,20 +129,17 @@ def name_copies(quality: pd.DataFrame) -> pd.DataFrame:
 def _repeated(runs: pd.DataFrame) -> dict[Any, Row]:
     """Return the findings of the runs that several recordings hold, by their places."""
     by_name = zip(runs["recording"], runs["detail"].fillna("").astype(str), strict=True)
-    others: dict[str, list[str]] = {name: [] for name in runs["recording"]}
+    holders: dict[str, set[str]] = {name: {name} for name in runs["recording"]}
     for one, other in same_runs({name: [*map(int, rows.split())] for name, rows in by_name}):
-        others[one].append(other)
-        others[other].append(one)
-    return {
-        at: {
-            **row,
-            "severity": "stop",
-            "count": len(others[row["recording"]]),
-            "detail": sentence(SAME_RUN, {"others": others[row["recording"]]}),
-        }
-        for at, row in runs.iterrows()
-        if others[row["recording"]]
-    }
+        holders[one].add(other)
+        holders[other].add(one)
+    repeated = {}
+    for at, row in runs.iterrows():
+        names = [name for name in holders if name in holders[row["recording"]]]
+        if len(names) > 1:
+            detail = sentence(SAME_RUN, {"names": names})
+            repeated[at] = {**row, "severity": "stop", "count": len(names) - 1, "detail": detail}
+    return repeated
 
 
 def _copy(row: pd.Series, alike: pd.DataFrame) -> Row:

@@ -15,6 +15,7 @@ from ur5lib.errors import Remark, printable
 from ur5lib.records.quality import Finding
 from ur5lib.strict import read_yaml
 
+SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
 MAX_NAMED_PLACES = 3  # places of a meaning that are named beside the findings of other recordings
@@ -44,15 +45,16 @@ def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFra
 def by_finding(quality: pd.DataFrame) -> pd.DataFrame:
     """Group findings of all recordings, one row a finding, most serious first.
 
-    Stop signs and errors keep each meaning, whatever its numbers and paths; of others, `detail` is
-    that of the recording with the largest count, and `alike` whether all recordings have the same.
-    `recordings` is a list.
+    Stop signs and errors keep each meaning, whatever its numbers and paths, and each run that
+    several recordings hold; of others, `detail` is that of the recording with the largest count,
+    and `alike` whether all recordings have the same. `recordings` is a list.
     """
     grouped = group_findings(quality, MAX_NAMED_PLACES).sort_values(
         "count", ascending=False, kind="stable"
     )
     general = grouped["detail"].str.replace(PARTICULAR_WORD, "…", regex=True)
     meaning = general.where(grouped["severity"].isin(("stop", "error")), "")
+    meaning = meaning.where(grouped["finding"] != SAME_RUN, grouped["detail"])
     kinds = grouped.groupby(["severity", "device", "finding", meaning], sort=False)
     rows = kinds.agg(
         recordings=("recording", list),

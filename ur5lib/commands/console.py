@@ -1,0 +1,41 @@
+"""What commands print while they work: text from outside, and the file that is being read."""
+
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from rich.console import Console
+
+from ur5lib.errors import printable
+
+Item = TypeVar("Item", str, Path)
+
+
+def text_console(**settings: Any) -> Console:
+    """Return a console that prints text from outside unchanged, without markup or emoji names."""
+    return Console(markup=False, emoji=False, **settings)
+
+
+def announced(items: Sequence[Item]) -> Iterator[Item]:
+    """Yield files, or names of recordings, and print each on stderr before; on a terminal, a bar
+    has its name.
+    """
+    if sys.stderr.isatty():
+        yield from _beside_a_bar(items)
+        return
+    for number, item in enumerate(items, 1):
+        line = f"reading {printable(str(item))} ({number} of {len(items)})"
+        print(line, file=sys.stderr, flush=True)
+        yield item
+
+
+def _beside_a_bar(items: Sequence[Item]) -> Iterator[Item]:
+    from rich.progress import Progress  # takes a while to load
+
+    with Progress(console=text_console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("reading", total=len(items))
+        for item in items:
+            progress.update(bar, description=f"reading {printable(str(item))}")
+            yield item
+            progress.advance(bar)

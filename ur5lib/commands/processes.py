@@ -1,0 +1,47 @@
+"""Work on many recordings in several processes at once."""
+
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import TypeVar
+
+from ur5lib.errors import InputError
+from ur5lib.workspace.extensions import take_up_all
+
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+
+MAX_PROCESSES = 4  # each has a recording in memory
+MIN_ITEMS = 4  # for each process, which takes a while to start
+
+
+@contextmanager
+def side_by_side(
+    function: Callable[[Item], Answer], items: Sequence[Item]
+) -> Iterator[Iterable[Answer]]:
+    """Yield a function's answers to items, in their order; many are worked on in processes.
+
+    Raises InputError where a process ends early.
+    """
+    count = min(MAX_PROCESSES, os.cpu_count() or 1, len(items) // MIN_ITEMS)
+    if count < 2:
+        yield map(function, items)
+        return
+    processes = ProcessPoolExecutor(count, initializer=_start)
+    try:
+        yield processes.map(function, items)
+    except BrokenProcessPool as error:
+        raise InputError(
+            "a process that read recordings ended early, perhaps for lack of memory; "
+            "end other programs, or check a study of fewer recordings"
+        ) from error
+    finally:
+        processes.shutdown(cancel_futures=True)
+
+
+def _start() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is answered by the process that waits
+    take_up_all()

@@ -1,0 +1,98 @@
+"""What import states about a file, gathered into one row for each of its columns."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Protocol, get_args
+
+from ur5lib.records.account import NOTHING, AccountRow, Confidence, Evidence
+
+Names = tuple[str, ...]  # of a block's columns
+WEIGHT: tuple[Confidence, ...] = get_args(Confidence)  # of a block's statements, the first counts
+
+
+class Titled(Protocol):
+    """A block of columns: their names, and these in short."""
+
+    @property
+    def names(self) -> Names:
+        """Return the names of its columns."""
+
+    @property
+    def title(self) -> str:
+        """Return these in short."""
+
+
+@dataclass(frozen=True)
+class Account:
+    """Statements about blocks of columns, and about the file as a whole.
+
+    of_columns: by the columns' names; of_file: in order; excluded: names of blocks that the entry
+    therefore lacks; order: of the file's columns.
+    """
+
+    order: list[str] = field(default_factory=list)
+    of_columns: dict[Names, list[AccountRow]] = field(default_factory=dict)
+    of_file: list[AccountRow] = field(default_factory=list)
+    excluded: list[Names] = field(default_factory=list)
+
+    def tell(
+        self, confidence: Confidence, subject: str, taken_for: str, by: Evidence, reason: str
+    ) -> None:
+        """State something about the file as a whole."""
+        row = AccountRow(subject, taken_for, by, confidence, reason)
+        if row not in self.of_file:
+            self.of_file.append(row)
+
+    def state(
+        self, confidence: Confidence, names: Names, title: str, by: Evidence, reason: str
+    ) -> None:
+        """State what columns hold, or why they are left out; title: their names in short."""
+        row = AccountRow(title, "", by, confidence, reason)
+        told = self.of_columns.setdefault(names, [])
+        if row not in told:
+            told.append(row)
+
+    def hold(self, confidence: Confidence, block: Titled, by: Evidence, reason: str) -> None:
+        """State what a block holds, or how sure it is."""
+        self.state(confidence, block.names, block.title, by, reason)
+
+    def exclude(self, block: Titled, reason: str, by: Evidence = "numbers") -> None:
+        """Leave a block out of the entry."""
+        self.excluded.append(block.names)
+        self.hold("left out", block, by, reason)
+
+    def rows(self, meanings: Mapping[Names, str]) -> list[AccountRow]:
+        """Return a row for each block of columns, below those of the file as a whole.
+
+        meanings: channel and unit of the blocks that the entry has, by the names of their columns.
+        """
+        place = {name: k for k, name in enumerate(self.order)}
+        ordered = sorted(self.of_columns, key=lambda names: place.get(names[0], len(place)))
+        joined = (_joined(self.of_columns[names], meanings.get(names, "")) for names in ordered)
+        return [*self.of_file, *_merged(joined)]
+
+
+def _joined(told: Iterable[AccountRow], meaning: str) -> AccountRow:
+    """Return the one row of a block's statements, the weightiest first.
+
+    meaning: empty where the block is left out, whatever else was found about it.
+    """
+    weight = [*WEIGHT] if meaning else [*reversed(WEIGHT)]
+    ordered = sorted(told, key=lambda row: weight.index(row.confidence))
+    return AccountRow(
+        ordered[0].subject,
+        meaning or NOTHING,
+        ordered[0].evidence,
+        ordered[0].confidence if meaning else "left out",
+        "; ".join(row.reason for row in ordered if row.reason),
+    )
+
+
+def _merged(rows: Iterable[AccountRow]) -> Iterator[AccountRow]:
+    """Yield the rows, of columns that are left out for the same reason as one."""
+    alike = dict[tuple[str, str], list[AccountRow]]()
+    for row in rows:
+        key = row.reason if row.taken_for == NOTHING else row.subject
+        alike.setdefault((row.taken_for, key), []).append(row)
+    for same in alike.values():
+        yield replace(same[0], subject=", ".join(row.subject for row in same))

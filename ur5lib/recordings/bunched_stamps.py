@@ -1,0 +1,85 @@
+"""Rows that share a stamp, as of whole seconds, or arrive in bursts, put at equal steps.
+
+A clock of whole seconds gives many rows one stamp; a network's buffer delivers many at once. Rows
+that a controller sends at equal steps lie on the line below such stamps.
+"""
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.channels import joint_count
+from ur5lib.recordings.host_clock import MIN_STAMPS, least_delayed
+from ur5lib.recordings.plausibility import MIN_STEP
+from ur5lib.records.quality import Finding, add_finding
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+MIN_MEAN_STEP = 5.0  # times the usual step of bunched rows
+MIN_SHARE_NEW = 0.1  # of close rows with new data; a recorder that polls repeats the others
+MIN_PAUSE = 1.5  # times the time that the larger of the bunches before and after it takes
+
+
+def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
+    """Return frames with `time` [s] at equal steps where most rows follow another at once.
+
+    Longer pauses between bunches stay. Frames of which most have a time of their own stay as they
+    are, and so do those that repeat the data of the row before.
+    """
+    time = frames["time"].to_numpy(float)
+    close = close_rows(time)
+    if not close.any() or not _are_new(frames, close):
+        return frames
+    even = even_times(time, close)
+    values = {"step_ms": 1000 * float(np.median(np.diff(even)))}
+    add_finding(findings, "robot", "bunched stamps", "warning", close.sum(), "", **values)
+    return frames.assign(time=even)
+
+
+def close_rows(time: Array) -> Mask:
+    """Return which steps of stamps (N,) [s] are far shorter than a row, none where they are few."""
+    steps = np.diff(time)
+    return steps < _far_step(steps) if _are_bunched(steps) else np.zeros(len(steps), bool)
+
+
+def even_times(time: Array, close: Mask) -> Array:
+    """Return stamps (N,) [s] at equal steps between pauses; close: steps in bunches (N - 1,)."""
+    bunch = np.cumsum(np.append(False, ~close))
+    return _on_lines(time, _stretches(time, bunch)[bunch])
+
+
+def _are_bunched(steps: Array) -> bool:
+    """Return whether most steps [s] are shorter than any log's, and others much longer."""
+    if len(steps) < MIN_STAMPS or not (steps >= 0).all():
+        return False
+    usual = float(np.median(steps))
+    return usual < min(MIN_STEP, _far_step(steps)) and float(np.mean(steps)) >= MIN_STEP
+
+
+def _far_step(steps: Array) -> float:
+    """Return the step [s] from which on a row is no longer close to the one before."""
+    return float(np.mean(steps)) / MIN_MEAN_STEP
+
+
+def _are_new(frames: pd.DataFrame, close: Mask) -> bool:
+    """Return whether rows with positions, close behind another one, hold new data."""
+    joints = frames[[name for name in frames if joint_count([name])]].to_numpy(float)
+    new = (np.diff(joints, axis=0) != 0).any(axis=1)
+    positioned = np.isfinite(frames.filter(regex=r"^actual_q_\d+$").to_numpy(float)).all(axis=1)
+    return bool(positioned.mean() > 0.5 and np.mean(new[close]) >= MIN_SHARE_NEW)
+
+
+def _stretches(time: Array, bunch: Labels) -> Labels:
+    """Return how many pauses are before each bunch (M,). bunch: number of each row's (N,)."""
+    begins = time[np.flatnonzero(np.diff(bunch, prepend=-1))]
+    apart, sizes = np.diff(begins), np.bincount(bunch)
+    larger = np.maximum(sizes[1:], sizes[:-1])
+    pause = apart > MIN_PAUSE * larger * np.median(apart / sizes[1:])
+    return np.cumsum(np.append(False, pause))
+
+
+def _on_lines(time: Array, stretch: Array) -> Array:
+    """Return times (N,) at equal steps, below the stamps of each stretch (N,) between pauses."""
+    row = np.arange(len(time), dtype=float)
+    longest = stretch == np.bincount(stretch).argmax()
+    step = least_delayed(row[longest], time[longest]).slope
+    late = pd.Series(time - step * row)
+    return step * row + late.groupby(stretch).transform("min").to_numpy()

@@ -1,0 +1,55 @@
+"""Lists of numbers in a table's cells, as Python and NumPy print them: a column for each number."""
+
+import re
+
+HEAD_BYTES = 100_000  # bytes that show what the first row holds; NumPy breaks long lists into lines
+LIST = re.compile(  # a tuple has two numbers at least
+    rb'"?(?:array)?(?:\(?\[+|\((?=[^()]*[,;\s]))([-+.,;\s\deEnaifNAIF]*)[\])]+"?'
+)
+BETWEEN_NUMBERS = re.compile(rb"[\s,;]+")
+NUMBER_WORDS = re.compile(rb"nan|inf|array|none|null|e", re.IGNORECASE)
+LETTER, PLACE = re.compile(rb"[A-Za-z]"), b"\0"
+
+
+def with_lists_apart(block: bytes) -> bytes:
+    """Return lines of a table with the numbers of each list in columns of their own.
+
+    In a header, a list's name stands for `<name>_0` and so on. Lists of other lengths make rows of
+    other widths, which the reader reports.
+    """
+    head, _, below = block.partition(b"\n")
+    named = LETTER.search(NUMBER_WORDS.sub(b"", head)) is not None
+    named &= all(_count(found) < 2 for found in LIST.finditer(head))  # as in `q[0]`
+    rows = below if named else block
+    first = LIST.sub(lambda found: PLACE * _count(found), rows[:HEAD_BYTES]).partition(b"\n")[0]
+    if PLACE not in first:
+        return block
+    mark = next((mark for mark in (b";", b"\t", b",") if mark in first), b",")
+    apart = LIST.sub(lambda found: _apart(found, mark), rows)
+    return b"\n".join([_names(head, first, mark), apart]) if named else apart
+
+
+def _numbers(found: re.Match[bytes]) -> list[bytes]:
+    return [number for number in BETWEEN_NUMBERS.split(found[1]) if number]
+
+
+def _apart(found: re.Match[bytes], mark: bytes) -> bytes:
+    numbers = found[1].replace(b"\n", b" ").strip()
+    return numbers if mark in numbers else mark.join(_numbers(found))
+
+
+def _count(found: re.Match[bytes]) -> int:
+    return len(_numbers(found))
+
+
+def _names(head: bytes, first: bytes, mark: bytes) -> bytes:
+    """Return a header with a name for each number. first: the row below, a place for each."""
+    names, widths = head.split(mark), [cell.count(PLACE) for cell in first.split(mark)]
+    if len(names) != len(widths):
+        return head
+    bare = [name.strip().strip(b'"') for name in names]
+    return mark.join(
+        b"%s_%d" % (bare[k], place) if width > 1 else names[k]
+        for k, width in enumerate(widths)
+        for place in range(max(width, 1))
+    )

@@ -1,0 +1,25 @@
+"""The account of an imported file: what each of its columns was taken for, and why."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Evidence = Literal["option", "name", "numbers", "position"]
+Confidence = Literal["check", "proven", "assumed", "left out"]
+NOTHING = "nothing"  # what a column that is left out was taken for
+
+
+@dataclass(frozen=True)
+class AccountRow:
+    """A row of an account.
+
+    subject: columns of the file, or what is told of it as a whole: robot, rate, role; taken_for:
+    the channel and its unit, or what was decided; evidence: the user's option, the name, the
+    numbers, or the position in the file; confidence: check (the user should look), proven (by
+    numbers that beat an alternative), assumed, left out; reason: in words.
+    """
+
+    subject: str
+    taken_for: str
+    evidence: Evidence
+    confidence: Confidence
+    reason: str = ""
