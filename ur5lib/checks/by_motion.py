@@ -22,7 +22,6 @@ from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
-from ur5lib.timeseries.arrays import Array
 
 MIN_ERRORS = 2.5  # standard errors over stretches; of right logs that lead by more, at most 1.9
 MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against another
@@ -87,9 +86,10 @@ class MotionChecks:
         """Return the friction of joints that move, from 0, at their usual speed, in standard
         errors: the larger of those beside the declared links and beside any.
         """
-        rubbing = rubbing_joints(self.arm) if self.rubs else np.zeros(len(self.arm.joints), bool)
-        likelier = self.motion.friction_in_errors()
-        return {joint: float(likelier[joint]) for joint in self.moving if rubbing[joint]}
+        if not self.rubs:
+            return {}
+        rubbing, errors = rubbing_joints(self.arm), self.motion.friction_in_errors()
+        return {joint: float(errors[joint]) for joint in self.moving if rubbing[joint]}
 
     def gain(self, other: Explained) -> float:
         """Return by how much another explanation of all joints leads that as declared."""
@@ -103,17 +103,21 @@ class MotionChecks:
         """Return by how much all efforts are better explained with the opposite sign."""
         return self.gain(self.motion.explained(-self.motion.torque))
 
-    def exchanges(self) -> Iterator[Cause]:
-        """Yield exchanged joints, and exchanged efforts, that explain the efforts better."""
+    def exchanges_of_joints(self) -> Iterator[Cause]:
+        """Yield pairs of joints that explain the efforts better with all channels exchanged."""
         for pair, other in self.exchanged_joints.items():
             if is_likelier(other, self.declared, pair, OF_JOINTS):
                 means = self.means.part(columns=self._order(pair))
                 yield self._change("exchanged joints", other, means, pair)
+
+    def exchanges_of_efforts(self) -> Iterator[Cause]:
+        """Yield pairs of joints whose motion explains each other's efforts better."""
         code = "exchanged torques" if self.arm.senses_torque() else "exchanged currents"
         for pair, other in self.exchanged_efforts.items():
             if is_likelier(other, self.declared, pair, OF_EFFORTS):
                 efforts = self.means.currents[MEASURED_CURRENT][:, self._order(pair)]
-                yield self._change(code, other, self._with_efforts(efforts), pair)
+                means = replace(self.means, currents={MEASURED_CURRENT: efforts})
+                yield self._change(code, other, means, pair)
 
     def turned_efforts(self) -> Iterator[Finding]:
         """Find efforts whose friction drives the motion instead of braking it, or else the one that
@@ -182,9 +186,6 @@ class MotionChecks:
     def _change(self, code: str, other: Explained, means: BlockMeans, pair: Pair) -> Cause:
         finding = contradiction(code, joint=pair[0] + 1, other=pair[1] + 1)
         return Cause(finding, self.gain(other), means, self.arm)
-
-    def _with_efforts(self, efforts: Array) -> BlockMeans:
-        return replace(self.means, currents={MEASURED_CURRENT: efforts})
 
     def _order(self, pair: Pair) -> list[int]:
         """Return the columns of all joints, of which those of two are exchanged."""

@@ -11,6 +11,7 @@ from ur5lib.checks.arm import (
     likeliest,
     torque_constants,
 )
+from ur5lib.checks.by_motion import MotionChecks
 from ur5lib.checks.channels import misread_velocities
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
@@ -33,7 +34,6 @@ from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.quality import Finding, contradiction
 
-CODES_OF_ARM_AND_ORDER = ("exchanged joints", "other arm's currents")
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
@@ -82,31 +82,42 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
 def _of_efforts(checked: Checked) -> Iterator[Finding]:
     """Yield the likeliest cause of efforts that contradict arm, mounting, order or unit, then what
     contradicts signs and motors.
-
-    A controller's torque has shown the arm, its mounting and the order of its joints.
     """
     means, loaded, motion = checked.means, checked.loaded, checked.motion
     units = [*foreign_currents(means, loaded)] if loaded.tells_gravity() else []
-    causes = [*motion.exchanges()] if motion is not None else []
-    if motion is not None and loaded.has_ur_motors():
-        causes += motion.other_arms([one for one in checked.others if one.name != loaded.name])
-    if means.torque is not None:
-        causes = [own for own in causes if own.finding.code not in CODES_OF_ARM_AND_ORDER]
-    if units:
-        in_milliamperes = any(one.code in MILLIAMPERE_CODES for one in units)
-        causes = [
-            own
-            for own in causes
-            if not in_milliamperes and not any(foreign_currents(own.means, own.arm))
-        ]
-    if motion is not None and any(one.code == OPPOSITE_CODE for one in units):
-        causes = [own for own in causes if own.gain > motion.gain_of_opposite()]
-    yield from likeliest([*_mountings(checked), *causes])
+    explain_units = (own for own in _changes(checked) if _explains(own, units, motion))
+    yield from likeliest([*_mountings(checked), *explain_units])
     yield from units
     if motion is not None:
         yield from motion.turned_efforts()
     if checked.tells_by_gravity() and means.torque is None and not loaded.senses_torque():
         yield from foreign_constants(means, loaded, checked.others, checked.fitted)
+
+
+def _changes(checked: Checked) -> Iterator[Cause]:
+    """Yield exchanges and arms that explain the motion better; a controller's torque has shown arm
+    and joints.
+    """
+    motion, arm = checked.motion, checked.loaded
+    if motion is None:
+        return
+    yield from motion.exchanges_of_efforts()
+    if checked.means.torque is None:
+        yield from motion.exchanges_of_joints()
+        if arm.has_ur_motors():
+            yield from motion.other_arms([one for one in checked.others if one.name != arm.name])
+
+
+def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -> bool:
+    """Return whether a cause explains foreign units, too, better than the opposite sign does; none
+    explains milliamperes.
+    """
+    codes = {one.code for one in units}
+    if codes.intersection(MILLIAMPERE_CODES):
+        return False
+    if motion is not None and OPPOSITE_CODE in codes and cause.gain < motion.gain_of_opposite():
+        return False
+    return not codes or not any(foreign_currents(cause.means, cause.arm))
 
 
 def _mountings(checked: Checked) -> Iterator[Cause]:
