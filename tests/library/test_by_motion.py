@@ -115,6 +115,13 @@ def test_a_turned_current_is_told(ur5e: Robot) -> None:
     assert "the sign of the current of joint 5 is reversed" in sign
 
 
+def test_a_current_too_small_for_what_it_holds_is_told(ur5e: Robot) -> None:
+    """Gears lose torque, so that no motor's current holds more than its constant allows."""
+    weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
+    (sign,) = signs(spoilt(log(ur5e), [*range(6)], EFFORT, sign=weak))
+    assert "gravity's torque on joint 2 is" in sign
+
+
 def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:
     own = log(ur5e)
     ur10e = load_robot(robot_path("ur10e"))

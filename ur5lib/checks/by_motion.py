@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.channels import MEASURED_CURRENT
-from ur5lib.checks.arm import Cause, Pair
+from ur5lib.checks.arm import Cause, Pair, torque_constants
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import moving_joints, rubbing_joints
 from ur5lib.checks.readings import exchanged_order, in_order
@@ -32,6 +32,12 @@ MIN_LEAD_OF_SIGN = 0.5  # of the turned joint, by declared links; in right logs,
 MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.15  # mean over all joints; in right logs, at most 0.05
 MIN_ERRORS_OF_FRICTION = 3.0  # standard errors by which friction drives; in right logs, at most 1
 MIN_LEAD_OF_ARM, MIN_LEAD_OF_LOADED_ARM = 0.3, 0.1  # with its load, and with any load
+# by which any links lead the declared ones of a joint whose description is in doubt; in right logs
+# of arms that are described with all that they have, at most 0.6 beyond chance
+MAX_LEAD_OF_ANY_LINKS = 0.8
+# times the maker's constant, at the best and the lowest by its errors; in right logs, at most 1.05
+# and 1.00
+MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK = 1.18, 1.06
 MIN_MOVING_JOINTS = 3  # that tell arms apart
 
 
@@ -133,6 +139,28 @@ class MotionChecks:
             yield contradiction(f"turned torques{reason}", joints=turned, signs=str(signs))
         elif turned:
             yield contradiction(f"turned current{reason}", joint=turned[0])
+
+    def weak_currents(self) -> Iterator[Finding]:
+        """Find a current of a UR's motor that is too small for what it holds: gears win no torque.
+
+        Where any links explain the joint far better, the description is in doubt instead.
+        """
+        if not self.arm.has_ur_motors() or not self.arm.tells_gravity():
+            return
+        shown = torque_constants(self.means, self.arm)
+        weak = [
+            joint
+            for joint in shown.ratio.keys() & {*self.moving}
+            if shown.ratio[joint] > MIN_RATIO_OF_WEAK and shown.low[joint] > MIN_LOW_OF_WEAK
+        ]
+        declared = self.declared.by_links
+        for joint in sorted(weak, key=lambda own: -shown.ratio[own])[:1]:
+            ahead = declared and lead(self.declared.by_any_links, declared, [joint])
+            if ahead and ahead.size < MAX_LEAD_OF_ANY_LINKS:
+                known = shown.known[joint]
+                values = {"joint": joint + 1, "constant": shown.ratio[joint] * known}
+                arm = self.arm.name
+                yield contradiction("foreign constant", arm=arm, causes=[], known=known, **values)
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield arms that explain the efforts better, also if each carried any load; others: under

@@ -4,14 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ur5lib.checks.by_motion import MIN_ERRORS, MotionChecks
+from ur5lib.checks.by_motion import MAX_LEAD_OF_ANY_LINKS, MIN_ERRORS, MotionChecks
 from ur5lib.checks.whole_motion import Misfit, Regression, WholeMotion, lead
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array
 
-# by which any links lead the declared ones of a joint: of right logs of arms that are described
-# with all that they have, at most 0.6 beyond chance
-MAX_LEAD_OF_ANY_LINKS = 0.8
 DOUBT = "links in doubt"  # the finding
 
 
