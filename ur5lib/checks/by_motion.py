@@ -20,6 +20,7 @@ from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import moving_joints, rubbing_joints
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
+from ur5lib.errors import remark
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 
@@ -129,16 +130,18 @@ class MotionChecks:
         """Find efforts whose friction drives the motion instead of braking it, or else the one that
         explains all efforts better if it is turned.
         """
-        turned = [j + 1 for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
-        reason = "" if turned else " by links"
+        turned = [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
+        codes = "turned torques", "turned current"
         if not turned:
+            codes = "turned torques by links", "turned current by links"
             likely = [j for j, other in self.turned.items() if is_turned(other, self.declared, j)]
-            turned = [j + 1 for j in likely if j == max(likely, key=self._gain_of_sign)]
+            turned = [j for j in likely if j == max(likely, key=self._gain_of_sign)]
         if turned and self.arm.senses_torque():
-            signs = [-1 if joint in turned else 1 for joint in self.arm.joint_numbers]
-            yield contradiction(f"turned torques{reason}", joints=turned, signs=str(signs))
+            signs = [-1 if joint - 1 in turned else 1 for joint in self.arm.joint_numbers]
+            joints = [joint + 1 for joint in turned]
+            yield contradiction(codes[0], joints=joints, signs=str(signs))
         elif turned:
-            yield contradiction(f"turned current{reason}", joint=turned[0])
+            yield contradiction(codes[1], joint=turned[0] + 1)
 
     def weak_currents(self) -> Iterator[Finding]:
         """Find a current of a UR's motor that is too small for what it holds: gears win no torque.
@@ -163,29 +166,33 @@ class MotionChecks:
                 yield contradiction("foreign constant", arm=arm, causes=[], known=known, **values)
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
-        """Yield arms that explain the efforts better, also if each carried any load; others: under
-        the load that this one carries.
+        """Yield the arm that explains the efforts best, also if each carried any load, with those
+        that hardly do so worse; others: under the load that this one carries.
         """
-        if len(self.moving) < MIN_MOVING_JOINTS:
-            return
-        for arm in others:
-            other = WholeMotion(self.motion.means, arm)
-            bare = self._lead_of_arm(other, other.explained().by_known, self.declared.by_known)
-            if bare.size < MIN_LEAD_OF_ARM or bare.errors < MIN_ERRORS:
-                continue
-            loaded = self._lead_of_arm(other, other.with_any_load(), self.with_any_load)
-            if loaded.size > MIN_LEAD_OF_LOADED_ARM and loaded.errors > MIN_ERRORS:
-                values = {"arm": self.arm.name, "other": arm.name}
-                finding = contradiction("other arm's currents", **values)
-                yield Cause(finding, bare.size, self.means, arm)
+        ahead = {arm.name: own for arm in others if (own := self._lead_of_arm(arm)) is not None}
+        if ahead and len(self.moving) >= MIN_MOVING_JOINTS:
+            first, *names = sorted(ahead, key=lambda name: -ahead[name])
+            alike = [name for name in names if ahead[first] - ahead[name] < MAX_LEAD_AGAINST]
+            causes = [remark("robot as cause", value=name) for name in (first, *alike)]
+            finding = contradiction("other arm's currents", arm=self.arm.name, causes=causes)
+            (best,) = (arm for arm in others if arm.name == first)
+            yield Cause(finding, ahead[first], self.means, best)
+
+    def _lead_of_arm(self, arm: Robot) -> float | None:
+        """Return by how much another arm explains the efforts better, None where it does not."""
+        other = WholeMotion(self.motion.means, arm)
+        its = other.in_units_of(self.arm, other.explained().by_known)
+        bare = lead(its, self.declared.by_known, self.moving)
+        if not _leads(bare, MIN_LEAD_OF_ARM):
+            return None
+        loaded = other.in_units_of(self.arm, other.with_any_load())
+        with_load = lead(loaded, self.with_any_load, self.moving)
+        return bare.size if _leads(with_load, MIN_LEAD_OF_LOADED_ARM) else None
 
     @cached_property
     def with_any_load(self) -> Misfit:
         """Return what the declared links miss with any load."""
         return self.motion.with_any_load()
-
-    def _lead_of_arm(self, other: WholeMotion, its: Misfit, own: Misfit) -> Lead:
-        return lead(other.in_units_of(self.arm, its), own, self.moving)
 
     def tells_order(self, pair: Pair) -> bool:
         """Return whether an exchange of two joints would be noticed."""

@@ -21,11 +21,11 @@ def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
         return
     arm, best = checks.arm, first.by_any_links
     doubted = [joint for joint in checks.moving if _is_worse(first.by_links, best, joint)]
-    for cause, misfit in _remedies(checks.motion, doubted) if doubted else ():
+    for code, misfit in _remedies(checks.motion, doubted) if doubted else ():
         healed = [j for j in doubted if not _is_worse(misfit, best, j)]
         doubted = [joint for joint in doubted if joint not in healed]
         if healed:
-            yield _doubt(f"missing {cause}", arm.name, healed)
+            yield _doubt(code, arm.name, healed)
     if doubted and not arm.has_ur_motors():  # whose links are known
         yield _doubt("doubtful links", arm.name, doubted)
 
@@ -48,11 +48,11 @@ def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Mis
     def with_columns(columns: Array) -> Misfit:
         return Regression(np.concatenate([columns, motion.friction], axis=2)).misfit(left)
 
-    yield "rotors", with_columns(motion.regressor[:, :, 10 * len(motion.joints) :])
-    yield "load", motion.with_any_load()
+    yield "missing rotors", with_columns(motion.regressor[:, :, 10 * len(motion.joints) :])
+    yield "missing load", motion.with_any_load()
     q = motion.means.q
     springs = np.zeros((*q.shape, 3 * len(joints)))
     for k, joint in enumerate(joints):
         own = q[:, joint]
         springs[:, joint, 3 * k : 3 * k + 3] = np.column_stack([own, np.sin(own), np.cos(own)])
-    yield "spring", with_columns(springs)
+    yield "missing spring", with_columns(springs)

@@ -74,7 +74,7 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     yield from _of_efforts(checked)
     if checked.answers is not None and checked.driven and arm.tells_gravity():
         yield from scaled_currents(means, checked.odd_targets)
-    if checked.motion is not None and checked.driven:
+    if checked.motion is not None and checked.driven and checked.contact is None:
         yield from checked.motion.weak_currents()
     if checked.fitted and arm.tells_gravity():  # elsewhere, the fit finds an undeclared load
         configured = arm.carrying(checked.configured)
