@@ -23,6 +23,7 @@ from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lea
 from ur5lib.errors import remark
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
 
 MIN_ERRORS = 2.5  # standard errors over stretches; of right logs that lead by more, at most 1.9
 MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against another
@@ -84,9 +85,8 @@ class MotionChecks:
     @cached_property
     def turned(self) -> dict[int, Explained]:
         """Return how well they are with the opposite sign on a joint that moves."""
-        torque, joints = self.motion.torque, np.arange(len(self.arm.joints))
-        signs = {joint: np.where(joints == joint, -1.0, 1.0) for joint in self.moving}
-        return {joint: self.motion.explained(torque * sign) for joint, sign in signs.items()}
+        torque = self.motion.torque
+        return {j: self.motion.explained(torque * self._signs([j])) for j in self.moving}
 
     @cached_property
     def friction(self) -> dict[int, float]:
@@ -123,25 +123,27 @@ class MotionChecks:
         for pair, other in self.exchanged_efforts.items():
             if is_likelier(other, self.declared, pair, OF_EFFORTS):
                 efforts = self.means.currents[MEASURED_CURRENT][:, self._order(pair)]
-                means = replace(self.means, currents={MEASURED_CURRENT: efforts})
-                yield self._change(code, other, means, pair)
+                yield self._change(code, other, self._with_efforts(efforts), pair)
 
-    def turned_efforts(self) -> Iterator[Finding]:
-        """Find efforts whose friction drives the motion instead of braking it, or else the one that
-        explains all efforts better if it is turned.
+    def turned_by_links(self) -> Iterator[Cause]:
+        """Yield the joints whose turned efforts the declared links explain better, or, where nobody
+        knows links, the joint whose turned effort lets any explain those of all joints best.
         """
-        turned = [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
-        codes = "turned torques", "turned current"
-        if not turned:
+        joints = [j for j, other in self.turned.items() if is_turned(other, self.declared, j)]
+        if not self.arm.tells_gravity():
+            joints = [j for j in joints if j == max(joints, key=self._gain_of_sign)]
+        if joints:
+            signs = self._signs(joints)
+            other = self.motion.explained(self.motion.torque * signs)
+            means = self._with_efforts(self.means.currents[MEASURED_CURRENT] * signs)
             codes = "turned torques by links", "turned current by links"
-            likely = [j for j, other in self.turned.items() if is_turned(other, self.declared, j)]
-            turned = [j for j in likely if j == max(likely, key=self._gain_of_sign)]
-        if turned and self.arm.senses_torque():
-            signs = [-1 if joint - 1 in turned else 1 for joint in self.arm.joint_numbers]
-            joints = [joint + 1 for joint in turned]
-            yield contradiction(codes[0], joints=joints, signs=str(signs))
-        elif turned:
-            yield contradiction(codes[1], joint=turned[0] + 1)
+            yield Cause(self._as_turned(joints, *codes), self.gain(other), means, self.arm)
+
+    def turned_by_friction(self) -> Iterator[Finding]:
+        """Find efforts whose friction drives the motion instead of braking it."""
+        joints = [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
+        if joints:
+            yield self._as_turned(joints, "turned torques", "turned current")
 
     def weak_currents(self) -> Iterator[Finding]:
         """Find a current of a UR's motor that is too small for what it holds: gears win no torque.
@@ -214,6 +216,19 @@ class MotionChecks:
         known = self.arm.tells_gravity() or any(brakes)
         own = self.turned.get(joint)
         return known and own is not None and is_turned(self.declared, own, joint)
+
+    def _as_turned(self, joints: list[int], of_torques: str, of_current: str) -> Finding:
+        if not self.arm.senses_torque():
+            return contradiction(of_current, joint=joints[0] + 1)
+        numbers, signs = [joint + 1 for joint in joints], self._signs(joints).astype(int).tolist()
+        return contradiction(of_torques, joints=numbers, signs=str(signs))
+
+    def _signs(self, joints: list[int]) -> Array:
+        """Return -1 for some joints, 1 for others (n,)."""
+        return np.where(np.isin(np.arange(len(self.arm.joints)), joints), -1.0, 1.0)
+
+    def _with_efforts(self, efforts: Array) -> BlockMeans:
+        return replace(self.means, currents={MEASURED_CURRENT: efforts})
 
     def _gain_of_sign(self, joint: int) -> float:
         return self.gain(self.turned[joint])

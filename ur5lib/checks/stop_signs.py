@@ -91,19 +91,20 @@ def _of_efforts(checked: Checked) -> Iterator[Finding]:
     yield from likeliest([*_mountings(checked), *explain_units])
     yield from units
     if motion is not None:
-        yield from motion.turned_efforts()
+        yield from motion.turned_by_friction()
     if checked.tells_by_gravity() and means.torque is None and not loaded.senses_torque():
         yield from foreign_constants(means, loaded, checked.others, checked.fitted)
 
 
 def _changes(checked: Checked) -> Iterator[Cause]:
-    """Yield exchanges and arms that explain the motion better; a controller's torque has shown arm
-    and joints.
+    """Yield exchanges, signs and arms that explain the motion better; a controller's torque has
+    shown arm and joints.
     """
     motion, arm = checked.motion, checked.loaded
     if motion is None:
         return
     yield from motion.exchanges_of_efforts()
+    yield from motion.turned_by_links()
     if checked.means.torque is None:
         yield from motion.exchanges_of_joints()
         if arm.has_ur_motors():
