@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,12 +41,15 @@ MOST = 22  # recordings of a study, evenly chosen
 XMATE = (0.3415, 0, 0.394, 0, 0.366, 0, 0.2503), (-90, 90, -90, 90, -90, 90, 0)
 MED = (0.34, 0, 0.4, 0, 0.4, 0, 0.126), (-90, 90, 90, -90, -90, 90, 0)
 MASSES = (4.0, 4.0, 3.0, 3.0, 2.0, 1.5, 0.5)
-SEVEN = ["actual_q", "actual_qd", "actual_torque"]
+MEASURED = ["actual_q", "actual_qd", "actual_torque"]
 SIMULATED_ARMS = {  # names of described arms by kind; what else is simulated is drawn
     "UR": ("ur3", "ur5", "ur10", "ur3e", "ur5e", "ur10e", "ur16e", "ur20"),
 }
 WRONG, WRONG_CENTER = 0.4, 0.05  # of masses, as logarithms; m, of centres; both by link
 BEND, SWAY = 0.5, 0.5  # rad, of each joint of an arm of seven, and by which postures differ
+
+
+Made = tuple[str, Robot, dict[str, Any]]  # a log's name, arm and entry
 
 
 class RightLog(NamedTuple):
@@ -61,8 +65,8 @@ def real_logs(shared: Path) -> Iterator[RightLog]:
     for study, folder in STUDIES.items():
         if (shared / folder).is_dir():
             yield from of_study(study, shared / folder)
-    for name, (arm, entry) in own_entries(shared).items():
-        if Path(entry["folder"]).is_dir():
+    for makes in (of_baxter, of_cobots, of_staubli, of_kuka, of_ur5, of_sensing_arms):
+        for name, arm, entry in makes(shared):
             yield RightLog(arm.name, name, checked(entry, arm))
 
 
@@ -87,54 +91,74 @@ def checked(
     return Checked(table, arm, load.configured, load.payload, role == "fit")
 
 
-def own_entries(shared: Path) -> dict[str, tuple[Robot, dict[str, Any]]]:
-    """Return arms and entries of logs that no study of the workflow has."""
-    entries: dict[str, tuple[Robot, dict[str, Any]]] = {}
+def of_baxter(shared: Path) -> Iterator[Made]:
+    """Yield a Baxter's logs, with its links and as if nobody knew them."""
+    if (folder := shared / "baxter").is_dir():
+        baxter, _ = robot_from_urdf(folder / "baxter.urdf", tip="left_wrist")
+        for file, arm in product(("Random", "square"), (baxter, unknown(baxter))):
+            columns = of_joints(7, *MEASURED)
+            entry = table(folder / f"{file}_ang_vel_torq.csv", columns, rate=100)
+            yield f"baxter {file}, links {arm.links}", arm, entry
 
-    def add(name: str, arm: Robot, file: str, columns: list[str], **keys: Any) -> None:
-        path = shared / file
-        kind = {"format": "table-csv", "file": path.name, "columns": columns}
-        entries[name] = arm, {"folder": str(path.parent), **kind, **keys}
 
-    if (shared / "baxter").is_dir():
-        baxter, _ = robot_from_urdf(shared / "baxter/baxter.urdf", tip="left_wrist")
-        for file in ("Random", "square"):
-            for arm in (baxter, unknown(baxter)):
-                name, place = f"baxter {file}, links {arm.links}", f"baxter/{file}_ang_vel_torq.csv"
-                add(name, arm, place, of_joints(7, *SEVEN), rate=100)
-    if (shared / "shelec-cobot").is_dir():
-        shelec, _ = robot_from_urdf(shared / "shelec-cobot/shelec.urdf")
-        mended = {"actual_torque": [1, 1, -1, 1, 1, 1]}
-        add("shelec", shelec, "shelec-cobot/traj1_6ms.csv", ["time", *SEVEN], units=mended)
-    if (shared / "cases").is_dir():
-        mended = {"actual_torque": [1, 1, -1, 1, 1, 1]}
-        turned, _ = robot_from_urdf(shared / "cases/21_arm.urdf")
-        file = "cases/21_turned_torque_of_joint_3.csv.gz"
-        add("case 21", turned, file, ["time", *SEVEN], units=mended)
-    if (shared / "staubli-tx40").is_dir():
-        tx40, _ = robot_from_urdf(shared / "staubli-tx40/tx40_mdh_modified.urdf")
+def of_cobots(shared: Path) -> Iterator[Made]:
+    """Yield logs of arms of unknown links whose torque of joint 3 was written with another sign."""
+    mended = {"actual_torque": [1, 1, -1, 1, 1, 1]}
+    files = {
+        "shelec": ("shelec-cobot/shelec.urdf", "shelec-cobot/traj1_6ms.csv"),
+        "case 21": ("cases/21_arm.urdf", "cases/21_turned_torque_of_joint_3.csv.gz"),
+    }
+    for name, (urdf, log) in files.items():
+        if (shared / urdf).is_file():
+            arm, _ = robot_from_urdf(shared / urdf)
+            yield name, arm, table(shared / log, ["time", *MEASURED], units=mended)
+
+
+def of_staubli(shared: Path) -> Iterator[Made]:
+    """Yield a TX40's log, with its links and as if nobody knew them."""
+    if (folder := shared / "staubli-tx40").is_dir():
+        tx40, _ = robot_from_urdf(folder / "tx40_mdh_modified.urdf")
         for arm in (tx40, unknown(tx40)):
             columns = ["time", "actual_q", "actual_torque"]
-            add(f"tx40, links {arm.links}", arm, "staubli-tx40/joint_space_1khz.csv", columns)
-    kr300 = load_robot(robot_path("kuka-kr300"))
-    for file in "ABC":
-        columns = ["time", *SEVEN, *["-"] * 9]
-        add(f"kr300 raw {file}", kr300, f"kuka-kr300/raw-4ms/{file}.csv", columns)
-    threedigits = ["actual_q", "actual_qd", "actual_current", "target_current", *["-"] * 12]
-    ur5, file = load_robot(robot_path("ur5")), "ur5-threedigits/ContactlessDataset1.csv"
-    add("ur5 threedigits", ur5, file, threedigits, rate=43)
-    names = dict(zip(SEVEN, ("ang", "vel", "torque"), strict=True))
-    arrays = {name: f"excit_{short}_record.txt" for name, short in names.items()}
-    folder = {"folder": str(shared / "seven-joints/rokae-xmate7"), "format": "channel-files"}
-    entries["rokae"] = (
-        unknown(of_seven("rokae", *XMATE)),
-        {**folder, "channels": arrays, "rate": 1000},
-    )
-    columns = [*of_joints(7, "actual_q", "actual_torque"), *["-"] * 7]
-    lbr, opposite = unknown(of_seven("lbr-med", *MED)), {"actual_torque": "opposite"}
-    file = "seven-joints/kuka-lbr-med/measurements.csv"
-    add("lbr-med", lbr, file, columns, rate=100, units=opposite)
-    return entries
+            entry = table(folder / "joint_space_1khz.csv", columns)
+            yield f"tx40, links {arm.links}", arm, entry
+
+
+def of_kuka(shared: Path) -> Iterator[Made]:
+    """Yield a KR300's three motions of ten seconds."""
+    if (folder := shared / "kuka-kr300/raw-4ms").is_dir():
+        kr300 = load_robot(robot_path("kuka-kr300"))
+        for file in "ABC":
+            entry = table(folder / f"{file}.csv", ["time", *MEASURED, *["-"] * 9])
+            yield f"kr300 raw {file}", kr300, entry
+
+
+def of_ur5(shared: Path) -> Iterator[Made]:
+    """Yield a UR5's log with smoothed currents."""
+    file = shared / "ur5-threedigits/ContactlessDataset1.csv"
+    if file.is_file():
+        channels = ["actual_q", "actual_qd", "actual_current", "target_current", *["-"] * 12]
+        yield "ur5 threedigits", load_robot(robot_path("ur5")), table(file, channels, rate=43)
+
+
+def of_sensing_arms(shared: Path) -> Iterator[Made]:
+    """Yield logs of arms of seven joints with torque sensors; one senses what the links feel."""
+    if (folder := shared / "seven-joints").is_dir():
+        names = dict(zip(MEASURED, ("ang", "vel", "torque"), strict=True))
+        arrays = {name: f"excit_{short}_record.txt" for name, short in names.items()}
+        rokae = {"folder": str(folder / "rokae-xmate7"), "format": "channel-files"}
+        arm = unknown(of_seven("rokae", *XMATE))
+        yield "rokae", arm, rokae | {"channels": arrays, "rate": 1000}
+        columns = [*of_joints(7, "actual_q", "actual_torque"), *["-"] * 7]
+        file, opposite = folder / "kuka-lbr-med/measurements.csv", {"actual_torque": "opposite"}
+        entry = table(file, columns, rate=100, units=opposite)
+        yield "lbr-med", unknown(of_seven("lbr-med", *MED)), entry
+
+
+def table(path: Path, columns: list[str], **keys: Any) -> dict[str, Any]:
+    """Return the entry of a delimited table."""
+    kind = {"format": "table-csv", "folder": str(path.parent), "file": path.name}
+    return {**kind, "columns": columns, **keys}
 
 
 def of_joints(count: int, *channels: str) -> list[str]:
