@@ -50,7 +50,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | METHODS - {"signals"}
     | {"excitation", "records", "thesis", "tidy", "workspace"},
     "study": BASE | {"lab.recorder", "lab.stand", "recordings", "records", "thesis", "workspace"},
-    "finished": BASE | {"records", "study"},
+    "finished": BASE | {"jobs", "records", "study"},
     "commands": BASE
     | METHODS
     | {"checks", "excitation", "finished", "lab.doubles", "lab.recorder", "recordings", "records"}

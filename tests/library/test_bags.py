@@ -15,9 +15,10 @@ from tests.entries import read_and_check, read_recording
 from tests.stored_files import Made, entry_of, made_up_channels, write_bag
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement
-from ur5lib.importing.files import import_files, write_study
+from ur5lib.importing.files import ImportedRecording, import_files, write_study
 from ur5lib.recordings.array_files import LOADERS
 from ur5lib.recordings.limits import LIMIT_VARIABLE
+from ur5lib.records.account import AccountRow
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.study.reading import of_each_file, read_study
@@ -75,15 +76,18 @@ def test_messages_without_names_and_velocities_are_read(
     np.testing.assert_allclose(channel(table, "actual_q"), made[1]["actual_q"])
 
 
+def order_of(found: ImportedRecording) -> AccountRow:
+    return next(row for row in found.account if row.subject == "the joints' order")
+
+
 def test_an_order_that_no_message_names_is_not_proven(tmp_path: Path, made: Made) -> None:
     kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
     for names in ((), [""] * 6):
         write_bag(tmp_path / "run.bag", made[0], kept, names=names)
         (found,) = import_files([tmp_path / "run.bag"], UserStatement("ur5"))
         assert {"actual_q", "actual_qd"} <= found.entry["channels"].keys()
-        about_order = [line for line in found.comments if "joints' order" in line]
-        assert about_order
-        assert all(line.startswith("# check") for line in about_order)
+        assert order_of(found).evidence != "name"
+        assert order_of(found).confidence == "check"
 
 
 def test_names_of_another_topic_do_not_doubt_the_arm_s(tmp_path: Path, made: Made) -> None:
@@ -91,7 +95,7 @@ def test_names_of_another_topic_do_not_doubt_the_arm_s(tmp_path: Path, made: Mad
     wrench = np.ones((len(made[0]), 6))
     write_bag(tmp_path / "run.bag", made[0], kept, wrench=wrench)
     (found,) = import_files([tmp_path / "run.bag"], UserStatement("ur5"))
-    assert any(line.startswith("# proven: the joints' order, by") for line in found.comments)
+    assert order_of(found).evidence == "name"
 
 
 ARM = tuple(f"a{joint}" for joint in range(1, 8))

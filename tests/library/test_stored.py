@@ -322,7 +322,8 @@ def test_a_channel_that_was_never_written_is_not_recorded(
     (found,) = import_files([tmp_path / entry["file"]], UserStatement("ur5"))
     named = found.entry["columns" if kind == "table" else "channels"]
     assert not any("actual_current" in name for name in named)
-    assert any("actual_current" in line and "not recorded" in line for line in found.comments)
+    (row,) = (row for row in found.account if "actual_current" in row.subject)
+    assert (row.confidence, "not recorded" in row.reason) == ("left out", True)
 
 
 def test_velocities_and_currents_that_are_missing_are_replaced(

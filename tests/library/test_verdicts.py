@@ -451,6 +451,16 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
     )
 
 
+def test_a_wrench_that_is_not_used_is_named() -> None:
+    searched = [{"recording": name, "estimate": "Fmap", "alarms_per_min": 0.0} for name in ROLES]
+    unused = {"recording": "pushed", "taken_for": "nothing", "reason": "no effort tells its frame"}
+    told = [
+        said(judge_force(study(detection=searched, account=[unused | {"subject": subject}])))
+        for subject in ("/wrench/force/x … /wrench/force/z", "tool_mode")
+    ]
+    assert ["wrench in the files of pushed" in one for one in told] == [True, False]
+
+
 @pytest.mark.parametrize(
     ("recording", "told"),
     [

@@ -158,17 +158,18 @@ def test_positions_and_targets_are_in_one_turn(low: float) -> None:
 def test_a_file_with_angles_from_0_to_360_degrees_is_imported_and_read(
     tmp_path: Path, ur5: Robot
 ) -> None:
-    rows = robot_rows(0.0, None)
-    q = channel(rows, "actual_q")
-    rates = np.gradient(np.unwrap(q, axis=0), rows["time"], axis=0)
+    made = robot_rows(0.0, None)
+    q = channel(made, "actual_q")
+    rates = np.gradient(np.unwrap(q, axis=0), made["time"], axis=0)
     degrees = {f"position_{k}": np.degrees(np.mod(q[:, k], TURN)) for k in range(6)}
     speeds = {f"velocity_{k}": np.degrees(rates[:, k]) for k in range(6)}
     path = tmp_path / "run.csv"
-    pd.DataFrame({"time": rows["time"], **degrees, **speeds}).to_csv(path, index=False)
+    pd.DataFrame({"time": made["time"], **degrees, **speeds}).to_csv(path, index=False)
     (found,) = import_files([path], UserStatement("ur5"))
     assert found.entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
-    assert any("wraps by 360° in columns 1" in line for line in found.comments)
-    assert not any("not the derivative" in line for line in found.comments)
+    rows = {row.taken_for: row for row in found.account}
+    assert "wraps by 360° in columns 1" in rows["actual_q [deg]"].reason
+    assert rows["actual_qd [deg/s]"].confidence == "proven"
     taken = read_and_check(found.entry, ur5, 0.1)
     (note,) = (one for one in taken.quality.findings if one.finding == "wrapped angles")
     assert note.severity == "note"

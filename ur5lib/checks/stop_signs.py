@@ -12,7 +12,7 @@ from ur5lib.checks.arm import (
     torque_constants,
 )
 from ur5lib.checks.by_motion import MotionChecks
-from ur5lib.checks.channels import misread_velocities
+from ur5lib.checks.channels import misread_velocities, untold_motion
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
     MILLIAMPERE_CODES,
@@ -28,16 +28,19 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
+from ur5lib.checks.rectified import rectified_efforts
 from ur5lib.checks.sensed_torques import constant_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.quality import Finding, contradiction
+from ur5lib.tables import channel
 
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
+    (f"filled_{kind}_{name}" for kind in ("actual", "target") for name in ("q", "current")),
 )
 
 
@@ -57,14 +60,18 @@ def stop_signs(checked: Checked) -> list[Finding]:
 def _contradictions(checked: Checked) -> Iterator[Finding]:
     """Yield what contradicts the arm and what it carries, the strongest evidence first."""
     robot, arm, loaded = checked.robot, checked.arm, checked.loaded
+    positions, segment = channel(robot, "actual_q"), robot["segment"].to_numpy()
+    yield from untold_motion(positions, segment, checked.step, arm.velocity_limits())
     yield from misread_velocities(robot, checked.step)
     means = checked.means
     if len(means.q) < MIN_BLOCKS:
         return
     yield from foreign_torque(means, arm, checked.payloads)
     yield from tool_off_flange(robot, arm)
+    name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
+    if checked.shows_currents() and checked.tells_signs_by_friction():
+        yield from rectified_efforts(means, loaded, name)
     if checked.delays is not None:  # whatever arm and units are
-        name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
         yield from delayed_currents(checked.delays, checked.driven, name)
     if checked.answers is not None:
         yield from exchanged_currents(checked.answers)

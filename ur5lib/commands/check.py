@@ -12,7 +12,7 @@ from rich.padding import Padding
 from rich.table import Table
 
 from ur5lib.channels import MEASURED_CURRENT
-from ur5lib.checks.channels import too_short
+from ur5lib.checks.channels import fast_between_samples, slow_samples, too_short
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts, unfelt_contacts
 from ur5lib.checks.devices import checked_intake
@@ -155,8 +155,12 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     stops = stop_signs(checked)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
-    currents = study.settings.lowpass.currents
-    doubts += too_short(signals.segment, intake.quality.period_s, currents.cutoff_hz)
+    moved = signals.actual_q, signals.segment, intake.quality.period_s
+    cutoff = study.settings.lowpass.currents.cutoff_hz
+    doubts += too_short(*moved[1:], cutoff)
+    doubts += fast_between_samples(*moved, arm.velocity_limits())
+    if not fitted:
+        doubts += slow_samples(*moved, cutoff)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
         doubts += sensed_contacts(sensor, load.mass)

@@ -46,7 +46,8 @@ def compute_torques(
     load = carried(payload, known)
     doubts = disagreements(payload, tcp, known)
     doubts += too_short(known.segment, known.period, cutoff_hz)
-    doubts += fast_between_samples(known.actual_q, known.segment, known.period)
+    moved = known.actual_q, known.segment, known.period
+    doubts += fast_between_samples(*moved, robot.velocity_limits())
     contradictions = contradicting(signals, robot, load, role, doubts)
     torques = joint_torques(robot, load, known, motion)
     return RecordingTorques(torques, Premises(load, contradictions))

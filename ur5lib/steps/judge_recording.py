@@ -28,6 +28,7 @@ from ur5lib.steps.judge_contacts import (
 from ur5lib.steps.judge_joints import checkup, dated
 from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
 from ur5lib.steps.measure_observability import by_axis, pushed
+from ur5lib.steps.predict_currents import slower_than_fit
 from ur5lib.thesis.published_constants import PublishedConstants
 from ur5lib.thesis.reference import Published, read_reference
 from ur5lib.tidy import files, forces, friction, models, motion, written
@@ -113,7 +114,9 @@ def examine_joints(evidence: Evidence) -> Checkup:
 def of_files(evidence: Evidence, beside_sensor: Compared) -> dict[str, Rows]:
     """Return the rows about the recording's files."""
     quality, clocks = evidence.quality, evidence.alignment.clocks
-    contradictions = evidence.premises.contradictions
+    contradictions, cutoff = evidence.premises.contradictions, evidence.currents_lowpass.cutoff
+    slower = slower_than_fit(evidence.signals, evidence.friction, cutoff)
+    contradictions = replace(contradictions, findings=[*contradictions.findings, *slower])
     return written(
         recordings=files.recordings(quality, evidence.signals),
         files=files.files(quality),

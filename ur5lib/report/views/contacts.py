@@ -15,6 +15,7 @@ from ur5lib.force.contact_wrench import (
 )
 from ur5lib.force.detection import Span, match
 from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN
+from ur5lib.records.account import NOTHING
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
@@ -30,6 +31,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 FORCE_TOPIC = "Force in contact"
+WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
 STATIC_ESTIMATE = "static"  # the estimate without any fit
 MAX_CHANCE_OF_ALARMS = 0.05  # of as many in any recording, at the rate of the others
 USUAL_ALARMS, USUAL_SECONDS = 0.02, 60.0  # of false alarms where others tell nothing
@@ -325,6 +327,13 @@ def _numbers(row: pd.Series, share: pd.Series, least_covered: pd.Series | None) 
         )
 
 
+def unused_wrenches(results: Results) -> list[str]:
+    """Return the recordings whose file has a wrench that is not used."""
+    unused = results.rows("account", taken_for=NOTHING)
+    named = unused["subject"].astype(str).str.contains(WRENCH_NAME)
+    return sorted({*unused.loc[named, "recording"]})
+
+
 def _unjudged(results: Results) -> Verdict:
     """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
@@ -336,4 +345,9 @@ def _unjudged(results: Results) -> Verdict:
     counts = [*map(len, found_without_sensor(results).values())]
     plausible = [say("force.plausible", counts=counts)] if counts else []
     evidence = " ".join([*plausible, *false_alarms(results)])
-    return Verdict(FORCE_TOPIC, "not determined", say("force.no sensor"), evidence)
+    return Verdict(
+        FORCE_TOPIC,
+        "not determined",
+        say("force.no sensor", unused=unused_wrenches(results)),
+        evidence,
+    )
