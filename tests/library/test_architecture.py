@@ -43,7 +43,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "steps": BASE
     | ROOMS
     | {"commands", "lab.stand", "records", "report", "thesis", "tidy", "workspace"},
-    "tidy": BASE | {"force", "recordings", "records", "report", "signals", "thesis"},
+    "tidy": BASE | {"force", "recordings", "records", "signals", "thesis"},
     "jobs": {"errors", "records", "report", "robots", "tables", "workspace"},
     # readers
     "report": BASE

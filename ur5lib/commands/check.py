@@ -26,7 +26,8 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.signals import Signals
-from ur5lib.report.page.findings import by_finding, group_findings, worded
+from ur5lib.records.wording import worded
+from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
@@ -109,7 +110,7 @@ def print_tables(
     named: recordings all of whose findings and clocks are printed, as of a single one; none: each
     finding once, and the least certain clock of each device.
     """
-    findings = {name: files.quality(quality) for name, quality in qualities.items()}
+    findings = {name: map(worded, files.findings(own)) for name, own in qualities.items()}
     quality = files.name_copies(table("quality", findings))
     offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
     names = [name for name in qualities if name in named] if named else [*qualities]

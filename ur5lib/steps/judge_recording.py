@@ -15,6 +15,7 @@ from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.gains import GainSummary
 from ur5lib.records.judgement import Judgement, Rows
 from ur5lib.records.motion import FusedMotion, MotionAccount
+from ur5lib.records.quality import Finding
 from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
 from ur5lib.steps.judge_audit import audit
@@ -53,13 +54,14 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
     published = Published(read_reference(evidence.reference).printed, evidence.recording)
     contacts = detect_contacts(evidence, sensor)
     rows = {
-        **of_files(evidence, beside_sensor),
+        **of_files(evidence),
         **of_motion(evidence, published, beside_imu, account),
         **of_currents(evidence, published),
         **of_forces(evidence, published, beside_sensor, contacts),
     }
     condition = examine_joints(evidence)
-    judgement = Judgement(rows, condition, beside_imu, beside_sensor.offset)
+    found = findings_of(evidence, beside_sensor)
+    judgement = Judgement(rows, found, condition, beside_imu, beside_sensor.offset)
     return JudgedRecording(sensor, fused, accelerations, judgement)
 
 
@@ -111,17 +113,22 @@ def examine_joints(evidence: Evidence) -> Checkup:
     return checkup(record, smooth, evidence.friction.fit, day, evidence.quality)
 
 
-def of_files(evidence: Evidence, beside_sensor: Compared) -> dict[str, Rows]:
-    """Return the rows about the recording's files."""
-    quality, clocks = evidence.quality, evidence.alignment.clocks
+def findings_of(evidence: Evidence, beside_sensor: Compared) -> list[Finding]:
+    """Return the findings about the recording's files, clocks and sensor."""
     contradictions, cutoff = evidence.premises.contradictions, evidence.currents_lowpass.cutoff
     slower = slower_than_fit(evidence.signals, evidence.friction, cutoff)
     contradictions = replace(contradictions, findings=[*contradictions.findings, *slower])
+    clocks = evidence.alignment.clocks
+    return files.findings(evidence.quality, contradictions, clocks, beside_sensor)
+
+
+def of_files(evidence: Evidence) -> dict[str, Rows]:
+    """Return the rows about the recording's files."""
+    quality, clocks = evidence.quality, evidence.alignment.clocks
     return written(
         recordings=files.recordings(quality, evidence.signals),
         files=files.files(quality),
         account=files.account(quality),
-        quality=files.quality(quality, contradictions, clocks, beside_sensor),
         clocks=files.clocks(clocks),
     )
 
