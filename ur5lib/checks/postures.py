@@ -1,7 +1,6 @@
 """Checks of postures at rest: gravity is all that tells arm, order, units and signs."""
 
-from collections.abc import Iterator
-from itertools import islice
+from collections.abc import Container, Iterator
 
 import numpy as np
 import pandas as pd
@@ -20,6 +19,7 @@ from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
 from ur5lib.checks.currents import foreign_currents
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.errors import Remark, remark
+from ur5lib.records.accepted import up_to_first_standing
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
@@ -46,15 +46,19 @@ def posture_means(postures: pd.DataFrame) -> BlockMeans:
 
 
 def posture_stop_signs(
-    means: BlockMeans, arm: Robot, configured: Payload | None, declared: Payload | None
+    means: BlockMeans,
+    arm: Robot,
+    configured: Payload | None,
+    declared: Payload | None,
+    accepted: Container[str] = (),
 ) -> list[Finding]:
-    """Return the stop sign of a recording of postures, if there is one.
+    """Return the stop sign of a recording of postures, if there is one, behind accepted ones.
 
     arm: under the recording's gravity; configured: the payload that the controller was given;
-    declared: the one that the study gives.
+    declared: the one that the study gives; accepted: kinds of stop signs.
     """
     contradictions = _contradictions(means, arm, configured, declared)
-    return [*islice(contradictions, 1)]  # others follow from the first
+    return [*up_to_first_standing(contradictions, accepted)]
 
 
 def _contradictions(

@@ -23,8 +23,9 @@ from ur5lib.commands.console import announced, text_console
 from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import carried, disagreements
-from ur5lib.records.quality import Finding, Quality
+from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import by_finding, group_findings, worded
 from ur5lib.robots.description import Robot
@@ -152,7 +153,8 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
     checked = Checked(intake.robot, arm, load.configured, load.payload, fitted)
-    stops = stop_signs(checked)
+    accepted = recording.accepted()
+    stops = stop_signs(checked, accepted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
     currents = study.settings.lowpass.currents
@@ -167,7 +169,8 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
             *contacts_felt(checked, sensor is not None),
             *unchecked(checked),
         ]
-    findings = [*stops, *intake.quality.findings, *doubts]
+    found = accepting(Contradictions(stops, doubts), accepted)
+    findings = [*found.stop_signs, *intake.quality.findings, *found.findings]
     return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
 
 
@@ -189,7 +192,7 @@ def look_through_postures(recording: Recording, arm: Robot) -> Quality:
     tool = recording.known_tool()
     load, tcp = recording.known_payload(), tool.tcp if tool else None
     try:
-        postures, quality = checked_postures(recording, arm, load, tcp)
+        postures, quality = checked_postures(recording, arm, load, tcp, recording.accepted())
     except InputError as error:
         return unusable(error)
     contradictions = postures.contradictions

@@ -118,6 +118,7 @@ rule fit_friction:
     params:
         code=code("fit_friction"),
         dates=lambda wildcards: {name: SELECTION.date(name) for name in fitted_on(wildcards.robot)},
+        accepted=lambda wildcards: SELECTION.accepted_of_arm(wildcards.robot),
         lowpass=design(SETTINGS.lowpass.currents),
     run:
         run_step(rule, input, output, params, log)
