@@ -33,6 +33,7 @@ from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
+from ur5lib.steps.tare import tare_doubts, touched_by_own_clock
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tidy import files, table
@@ -159,6 +160,11 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     doubts += unfiltered(study, intake.quality.period_s)
     currents = study.settings.lowpass.currents
     doubts += too_short(signals.segment, intake.quality.period_s, currents.cutoff_hz)
+    if recording.untouched is not None:
+        doubts += tare_doubts(recording.untouched, signals, arm, currents.cutoff_hz)
+        if "force" in intake.sensors:
+            own = intake.sensors["force"], intake.quality.starts["force"]
+            doubts += touched_by_own_clock(recording.untouched, *own)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
         doubts += sensed_contacts(sensor, load.mass)

@@ -19,6 +19,7 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, Six
+from ur5lib.steps.tare import Span, tare_doubts
 from ur5lib.tables import read_footer, read_table
 
 
@@ -39,17 +40,20 @@ def compute_torques(
     payload: Payload | None = None,
     tcp: Six | None = None,
     accepted: dict[str, str] | None = None,
+    untouched: Span | None = None,
 ) -> RecordingTorques:
     """Return the torques of every link model, and what in the recording contradicts the study.
 
     signals: file of `Signals`; gravity, payload, tcp: as the study declares them; role: of the
     recording; cutoff_hz: of the currents' low-pass; accepted: why the study overrules stop signs,
-    by kind.
+    by kind; untouched: span [s] that the study declares as a tare.
     """
     known, robot = Signals.read(signals), arm.mounted(gravity)
     load = carried(payload, known)
     doubts = disagreements(payload, tcp, known)
     doubts += too_short(known.segment, known.period, cutoff_hz)
+    if untouched is not None:
+        doubts += tare_doubts(untouched, known, robot, cutoff_hz, motion.motor_qd)
     doubts += fast_between_samples(known.actual_q, known.segment, known.period)
     contradictions = contradicting(signals, robot, load, role, doubts, accepted or {})
     torques = joint_torques(robot, load, known, motion)

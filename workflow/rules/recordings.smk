@@ -81,6 +81,7 @@ rule compute_torques:
         payload=of_recording(SELECTION.payload),
         tcp=of_recording(SELECTION.tcp),
         accepted=of_recording(SELECTION.accepted),
+        untouched=lambda wildcards: RECORDINGS[wildcards.recording].untouched,
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)
