@@ -93,7 +93,8 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
     clocks = settled(
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
     )
-    severe_ones = print_tables(console, qualities, clocks, named)
+    roles = {recording.name: recording.role for recording in there}
+    severe_ones = print_tables(console, qualities, clocks, named, roles)
     months = {recording.name: f"{recording.date:%Y-%m}" for recording in there if recording.date}
     if not named and len({*months.values()}) > 1:
         console.print(by_month(months, qualities))
@@ -105,14 +106,15 @@ def print_tables(
     qualities: Mapping[str, Quality],
     clocks: Mapping[str, Mapping[str, SettledClock]],
     named: Sequence[str] = (),
+    roles: Mapping[str, str] | None = None,
 ) -> int:
     """Print the quality and the clocks of recordings; returns how many stop signs and errors.
 
     named: recordings all of whose findings and clocks are printed, as of a single one; none: each
-    finding once, and the least certain clock of each device.
+    finding once, and the least certain clock of each device; roles: of all.
     """
     findings = {name: files.quality(quality) for name, quality in qualities.items()}
-    quality = files.name_copies(table("quality", findings))
+    quality = files.name_copies(table("quality", findings), roles)
     offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
     names = [name for name in qualities if name in named] if named else [*qualities]
     quality, offsets = (own[own["recording"].isin(names)] for own in (quality, offsets))

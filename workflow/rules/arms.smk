@@ -220,6 +220,7 @@ rule measure_repetition:
         currents=results_of(SELECTION.drawn, "currents.parquet"),
         kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
         predictions=results_of(SELECTION.drawn, "currents.json"),
+        quality=results_of(SELECTION.drawn, "quality.json"),
         friction=parameter("friction.json"),
         residuals=parameter("residuals.json"),
         arm=parameter("arm.yaml"),

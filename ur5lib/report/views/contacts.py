@@ -61,7 +61,7 @@ def felt_while_fitted(results: Results) -> list[str]:
     them, than the rate of alarms on the arm's other ones, and on usual ones, lets expect.
     """
     found = results.rows("contacts", estimate=LEADING, kind="contact")["recording"].value_counts()
-    lengths = results.tables["recordings"].set_index("recording")["duration_s"]
+    lengths = results.tables["recordings"].set_index("recording")["duration_s"].astype(float)
     fitted = results.with_role("fit")
     rows = pd.DataFrame({"arm": results.arms(), "alarms": found, "seconds": lengths}).loc[fitted]
     rows = rows.fillna({"alarms": 0})

@@ -192,7 +192,7 @@ def judge_files(results: Results) -> Verdict:
             "quality.evidence",
             counts=count_findings(findings),
             bad=serious["recording"].nunique(),
-            recordings=len(lost),
+            recordings=len(results.roles()),
         ),
         drawing=bars({str(name): float(share) for name, share in drawn.items()}),
         caption=say("quality.caption", many=results.many),
