@@ -16,6 +16,7 @@ GIVEN_LOAD = "given load"  # the finding that the controller counts with a load 
 MAX_SHARE_UNMODELLED = 0.15
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 UNREADABLE = "unreadable"  # the finding that a recording cannot be read
+UNUSUAL_FRICTION = "unusual friction"  # the finding that friction hides a contact's force
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
-from ur5lib.force.problem import fmap_problem
+from ur5lib.force.problem import fmap_problem, unusual_friction
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.records.accelerations import Accelerations, ImuComparison
 from ur5lib.records.arm_state import Checkup
@@ -15,6 +15,7 @@ from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.gains import GainSummary
 from ur5lib.records.judgement import Judgement, Rows
 from ur5lib.records.motion import FusedMotion, MotionAccount
+from ur5lib.records.quality import UNUSUAL_FRICTION, Finding
 from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
 from ur5lib.steps.judge_audit import audit
@@ -113,12 +114,16 @@ def examine_joints(evidence: Evidence) -> Checkup:
 def of_files(evidence: Evidence, beside_sensor: Compared) -> dict[str, Rows]:
     """Return the rows about the recording's files."""
     quality, clocks = evidence.quality, evidence.alignment.clocks
-    contradictions = evidence.premises.contradictions
+    contradictions, account = evidence.premises.contradictions, quality
+    share = unusual_friction(evidence.motion, evidence.currents, evidence.residuals)
+    if share is not None:
+        unusual = Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})
+        account = replace(quality, findings=[*quality.findings, unusual])
     return written(
         recordings=files.recordings(quality, evidence.signals),
         files=files.files(quality),
         account=files.account(quality),
-        quality=files.quality(quality, contradictions, clocks, beside_sensor),
+        quality=files.quality(account, contradictions, clocks, beside_sensor),
         clocks=files.clocks(clocks),
     )
 

@@ -16,6 +16,7 @@ from ur5lib.force.contact_wrench import (
 from ur5lib.force.detection import Span, match
 from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN
 from ur5lib.records.account import NOTHING
+from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
@@ -334,12 +335,17 @@ def unused_wrenches(results: Results) -> list[str]:
     return sorted({*unused.loc[named, "recording"]})
 
 
+def withheld(results: Results) -> Iterator[str]:
+    """Say on which recordings no force is stated, since friction hides it."""
+    for row in results.rows("quality", finding=UNUSUAL_FRICTION)[:MOST_SHOWN].itertuples():
+        yield say("force.withheld", row=row)
+
+
 def _unjudged(results: Results) -> Verdict:
     """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
-        return Verdict(
-            FORCE_TOPIC, "not determined", say("force.none"), " ".join(readings(results))
-        )
+        evidence = " ".join([*withheld(results), *readings(results)])
+        return Verdict(FORCE_TOPIC, "not determined", say("force.none"), evidence)
     if len(results.tables["force_mae"]):
         return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
