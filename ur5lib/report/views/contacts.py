@@ -15,6 +15,7 @@ from ur5lib.force.contact_wrench import (
 )
 from ur5lib.force.detection import Span, match
 from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
 from ur5lib.records.account import NOTHING
 from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
@@ -215,7 +216,7 @@ def noticed(results: Results) -> pd.DataFrame:
     roles = rows["recording"].map(results.roles()).to_numpy()
     found = pd.DataFrame(parts).assign(role=roles)
     false = found["alarms_per_min"].where(roles != "contact", found["false_alarms_per_min"])
-    return found.assign(false_alarms_per_min=false)
+    return found.assign(false_alarms_per_min=false, tried=MAX_TRIAL_FORCE)
 
 
 def _noticed_on(results: Results, recording: str) -> dict[str, object]:
