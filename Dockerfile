@@ -5,8 +5,9 @@ RUN apt-get update \
     && rm -rf /var/lib/apt/lists/*
 COPY . /opt/source
 RUN python3 -m venv /opt/ur5lib \
-    && /opt/ur5lib/bin/pip install --no-cache-dir --requirement /opt/source/requirements.lock \
-    && /opt/ur5lib/bin/pip install --no-build-isolation --no-deps /opt/source \
+    && /opt/ur5lib/bin/pip install --no-cache-dir --require-hashes --no-deps \
+        --requirement /opt/source/requirements.lock \
+    && /opt/ur5lib/bin/pip install --no-cache-dir --no-build-isolation /opt/source \
     && rm -rf /opt/source
 ENV PATH=/opt/ur5lib/bin:/usr/local/bin:/usr/bin:/bin
 WORKDIR /lab

@@ -7,7 +7,10 @@ EXCEPT = and not thorough
 REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m "real_time $(EXCEPT)" --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
-FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib | sed 's/+cpu//'
+# torch has no hash: its small CPU build is another file than that of its release elsewhere. pyproject.toml pins it.
+FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib --exclude torch
+LOCKED := install --require-hashes --no-deps --requirement
+HASH := .venv/bin/pipx run uv pip compile --quiet --no-deps --generate-hashes --no-header --no-annotate
 
 all: .venv/ready ## set up, simulate and build the default study, name its report
 	snakemake
@@ -66,12 +69,14 @@ schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json
 	ur5 settings > docs/settings.md
 
-lock: ## pin the newest versions that pyproject.toml allows
+lock: ## pin the newest versions that pyproject.toml allows, with the hashes of all their files
 	rm -rf .venv && $(PYTHON) -m venv .venv
 	$(PIP) install hatchling --editable '.[record]'
-	$(FREEZE) > requirements.lock
+	$(FREEZE) > .venv/users
 	$(PIP) install --editable '.[dev]'
-	(echo "--requirement requirements.lock"; $(FREEZE) | grep --invert-match --line-regexp --fixed-strings --file requirements.lock) > requirements-dev.lock
+	$(FREEZE) | grep --invert-match --line-regexp --fixed-strings --file .venv/users > .venv/developers
+	$(HASH) .venv/users --output-file requirements.lock
+	$(HASH) .venv/developers --output-file requirements-dev.lock
 
 clean: ## remove results and the environment; recordings stay
 	rm -rf .venv .snakemake results .mypy_cache .pytest_cache .ruff_cache .hypothesis
@@ -82,17 +87,16 @@ help: ## list these commands
 .venv/ready: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { echo \
 		"Python 3.11 or newer is needed; name one: make PYTHON=python3.11"; exit 1; }
-	@echo "setting up .venv: $$(wc -l < requirements.lock) packages, some 2 GB; this takes a minute or two"
+	@echo "setting up .venv: $$(grep -c == requirements.lock) packages, some 2 GB; this takes a minute or two"
 	@$(PYTHON) -m venv .venv || { echo \
 		"$(PYTHON) cannot make .venv; install its venv module, free the disk, or name another: make PYTHON=..."; exit 1; }
-	@$(PIP) install --requirement requirements.lock || { echo \
+	@$(PIP) $(LOCKED) requirements.lock && $(PIP) install --no-build-isolation --editable . || { echo \
 		"the packages of requirements.lock cannot be installed; check the network and the disk, or name another Python: make PYTHON=python3.11"; exit 1; }
-	@$(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
 .venv/dev: .venv/ready requirements-dev.lock
 	@echo "adding what the tests need: $$(grep -c == requirements-dev.lock) packages"
-	@$(PIP) install --requirement requirements-dev.lock || { echo \
+	@$(PIP) $(LOCKED) requirements-dev.lock || { echo \
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 

@@ -1,6 +1,14 @@
 # The study, the rules, and what a run makes.
+import os
+import sys
+
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
+
+from ur5lib.workspace.places import WORKFLOW
+
+# Snakemake puts these folders first, where a user's pandas.py would hide the package.
+sys.path.sort(key=lambda folder: folder in (str(WORKFLOW), os.getcwd()))
 
 from ur5lib.errors import InputError
 from ur5lib.workspace.extensions import take_up_all

@@ -16,7 +16,7 @@ from tests import warm_snakemake
 from tests.commands import Command
 from tests.synthetic import write_recording
 from ur5lib.records.quality import Finding
-from ur5lib.report.page.findings import worded
+from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
 if TYPE_CHECKING:

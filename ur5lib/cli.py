@@ -3,6 +3,7 @@
 import math
 import os
 import shlex
+import signal
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Annotated, Literal
 import typer
 
 from ur5lib import __version__
-from ur5lib.errors import InputError, unknown
+from ur5lib.errors import InputError, printable, unknown
 
 Results = Annotated[Path, typer.Argument(help="results of a study: results/<study>")]
 RanStudy = Annotated[
@@ -38,11 +39,19 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
+    context: typer.Context,
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="the version")
     ] = False,
+    no_extensions: Annotated[
+        bool,
+        typer.Option("--no-extensions", help="run no file of the folder extensions"),
+    ] = False,
 ) -> None:
-    pass
+    from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
+
+    os.environ[USE_VARIABLE] = LEFT_OUT if no_extensions else NAMED
+    context.call_on_close(lambda: os.environ.pop(USE_VARIABLE, None))
 
 
 @app.command()
@@ -72,6 +81,7 @@ def fetch(
     from ur5lib.datasets.fetching import fetch as fetch_dataset
     from ur5lib.workspace.new import copy_study, next_command
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # removes temporary files
     if dataset is None:
         _print(listing())
         return
@@ -336,11 +346,18 @@ def describe(
         str | None, typer.Option(help="link of the flange; default: the last that turns")
     ] = None,
     name: Annotated[str | None, typer.Option(help="name of the arm; default: the file's")] = None,
+    physical: Annotated[
+        bool,
+        typer.Option(
+            "--physical",
+            help="where no body has the inertia of a link, add a model with the nearest possible",
+        ),
+    ] = False,
 ) -> None:
     """Describe an arm by its URDF: writes robots/<name>.yaml, for `robot: <name>` in a study."""
     from ur5lib.commands.described import describe_urdf
 
-    _print(describe_urdf(file, base, tip, name))
+    _print(describe_urdf(file, base, tip, name, physical))
 
 
 @app.command()
@@ -483,9 +500,18 @@ for command in app.registered_commands:
 
 
 def main() -> None:
-    """Run the command; an InputError is printed as one sentence and gives exit status 1."""
+    """Run the command; an error that a user can correct is one sentence, with exit status 1."""
     try:
         app()
     except InputError as error:
         typer.echo(f"ur5: {error}", err=True)
+        raise SystemExit(1) from error
+    except OSError as error:
+        if error.filename is None:
+            raise
+        typer.echo(
+            f"ur5: {printable(str(error.filename))} cannot be used ({error.strerror}); check its "
+            "name and the permissions",
+            err=True,
+        )
         raise SystemExit(1) from error

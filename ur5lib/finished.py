@@ -1,12 +1,14 @@
 """The results of a study that was run: as data frames for a notebook, as records for commands."""
 
 from difflib import get_close_matches
+from os.path import isdir, isfile  # unlike pathlib's, of names that are too long, too
 from pathlib import Path
 from typing import TypeVar
 
 import pandas as pd
 
 from ur5lib.errors import InputError
+from ur5lib.jobs.unreadable import reason
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
@@ -14,8 +16,8 @@ from ur5lib.records.table import Table
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.study.model import Recording, Study
 from ur5lib.study.paper_figure import paper_figure
-from ur5lib.study.reading import read_study
-from ur5lib.tables import read_csv, read_record, read_table, read_units
+from ur5lib.study.reading import parse_study, read_plain
+from ur5lib.tables import intact, read_csv, read_record, read_table, read_units
 
 Record = TypeVar("Record", bound=Table)
 Parameters = TypeVar("Parameters")
@@ -31,7 +33,7 @@ class FinishedStudy:
     def __init__(self, folder: str | Path) -> None:
         """Take a folder `results/<study>`. Raises InputError where it holds no results."""
         self.folder = Path(folder)
-        if not any((self.folder / part).is_dir() for part in ("recordings", "tables")):
+        if not any(isdir(self.folder / part) for part in ("recordings", "tables")):
             raise InputError(
                 f"{folder} holds no results of a study; run snakemake first, and name the folder "
                 "results/<study>"
@@ -49,7 +51,10 @@ class FinishedStudy:
 
     def configuration(self) -> Study:
         """Return the study with every default filled in."""
-        return read_study(self._existing("configuration.yaml"))
+        path = self._existing("configuration.yaml")
+        with intact(path):
+            plain = read_plain(path)
+        return parse_study(plain, str(path))
 
     def recording(self, name: str) -> Recording:
         """Return a recording's entry in the study."""
@@ -58,7 +63,9 @@ class FinishedStudy:
 
     def arm(self, robot: str) -> Robot:
         """Return an arm with the link models that were identified."""
-        return load_robot(self._existing("parameters", robot, "arm.yaml"))
+        path = self._existing("parameters", robot, "arm.yaml")
+        with intact(path):
+            return load_robot(path)
 
     def parameters(self, kind: type[Parameters], robot: str, name: str) -> Parameters:
         """Return what was fitted to an arm, e.g. `Friction` of `parameters/<arm>/friction.json`."""
@@ -129,9 +136,9 @@ class FinishedStudy:
 
     def frame(self, recording: str, name: str) -> pd.DataFrame:
         """Return the table `recordings/<recording>/<name>.parquet`."""
-        folder = self.folder / "recordings" / self._known(recording, self.recordings, "recording")
-        names = [path.stem for path in folder.glob("*.parquet")]
-        path = folder / f"{self._known(name, names, 'file')}.parquet"
+        own = self._known(recording, self.recordings, "recording")
+        names = [path.stem for path in (self.folder / "recordings" / own).glob("*.parquet")]
+        path = self._existing("recordings", own, f"{self._known(name, names, 'file')}.parquet")
         frame = read_table(path).set_index("time")
         frame.attrs["units"] = read_units(path)
         return frame
@@ -149,14 +156,16 @@ class FinishedStudy:
         """Return time zero of a recording in seconds since 1970; None where unknown."""
         name = self._known(recording, self.recordings, "recording")
         path = self.folder / "recordings" / name / "quality.json"
-        return read_record(Quality, path).start_epoch_s if path.is_file() else None
+        return self.quality(name).start_epoch_s if path.is_file() else None
 
     def _existing(self, *parts: str) -> Path:
         path = self.folder.joinpath(*parts)
-        if not path.is_file():
+        if not isfile(path):
             raise InputError(
                 f"{path} does not exist; check the folder and the names, and run snakemake"
             )
+        if why := reason(str(path)):
+            raise InputError(f"the recording of {path} cannot be read: {why}")
         return path
 
     def _known(self, name: str, names: list[str], kind: str) -> str:

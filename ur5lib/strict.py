@@ -214,8 +214,8 @@ def _parts(data: Any) -> Sequence[Any]:
 
 def _too_many(source: str) -> InputError:
     return InputError(
-        f"{source} stands for more than {MOST_VALUES:,} values, its aliases (`*name`) written out; "
-        "use fewer of them, or divide it"
+        f"{source} has more than {MOST_VALUES:,} values (an alias, `*name`, counts as all that it "
+        "names); divide it"
     )
 
 

@@ -2,7 +2,7 @@
 
 Signals are Parquet, one column a channel under its RTDE name with a zero-based suffix, `time` [s]
 first, the unit in each column's metadata. Results are CSV, summaries JSON. Every file is written to
-a temporary name and renamed, so that no reader meets an incomplete one.
+a temporary name, flushed to the disk and renamed, so that no reader meets an incomplete one.
 """
 
 import contextlib
@@ -15,7 +15,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO, TypeVar, cast
+from shlex import quote
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar, cast
 
 import numpy as np
 import pandas as pd
@@ -58,6 +59,22 @@ class ByKey(Mapping[str, Value]):
 
     def __ror__(self, other: Mapping[str, Value]) -> dict[str, Value]:
         return {**other, **self}
+
+
+@contextlib.contextmanager
+def intact(path: str | Path) -> Iterator[None]:
+    """Raise InputError with the remedy where a file of results is damaged."""
+    try:
+        yield
+    # OSError: also that of Parquet without an end, which has no number of the operating system's
+    except (InputError, OSError, ValueError, pa.ArrowException) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise
+        reason = str(error).splitlines()[0].removeprefix(f"{path} ").rstrip(".")
+        raise InputError(
+            f"{path} is damaged ({reason}); delete it (rm {quote(str(path))}), and run snakemake "
+            "again"
+        ) from error
 
 
 def unit(column: str) -> str:
@@ -113,7 +130,7 @@ def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) 
 def read_table(path: str | Path, names: list[str] | None = None) -> pd.DataFrame:
     """Read a table of signals, or some of its columns."""
     # Column by column, which avoids a second copy of the whole.
-    with pq.ParquetFile(path) as file:
+    with intact(path), pq.ParquetFile(path) as file:
         wanted = file.schema_arrow.names if names is None else names
         arrays = {name: file.read([name]).column(0).to_numpy() for name in wanted}
     return pd.DataFrame(arrays, copy=False)
@@ -121,13 +138,15 @@ def read_table(path: str | Path, names: list[str] | None = None) -> pd.DataFrame
 
 def read_units(path: str | Path) -> dict[str, str]:
     """Return the unit of each column of a table of signals."""
-    fields = pq.read_schema(path)
+    with intact(path):
+        fields = pq.read_schema(path)
     return {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in fields}
 
 
 def read_footer(path: str | Path) -> pq.FileMetaData:
     """Return where a table's columns are in its file, with their names as `schema.names`."""
-    return pq.read_metadata(path)
+    with intact(path):
+        return pq.read_metadata(path)
 
 
 def read_columns(
@@ -142,7 +161,7 @@ def read_columns(
     rows: indices of the rows to return, ascending; all by default; footer: of `read_footer`, if it
     is known: of a short table, it takes longer to read than the columns.
     """
-    with pq.ParquetFile(path, metadata=footer) as file:
+    with intact(path), pq.ParquetFile(path, metadata=footer) as file:
         count = file.metadata.num_rows if rows is None else len(rows)
         result = np.empty((count, len(names)), dtype)
         start = 0
@@ -206,12 +225,25 @@ def write_rows(kind: type, rows: Sequence[object], path: str | Path) -> None:
 def read_csv(path: str | Path) -> pd.DataFrame:
     """Read a table of results: an empty cell is NaN, and a name is text (`nan`, `1e5`)."""
     names = dict.fromkeys(NAMES, str)
-    return pd.read_csv(path, dtype=names, keep_default_na=False, na_values=[""])
+    with _whole_lines(path) as file:
+        return pd.read_csv(file, dtype=names, keep_default_na=False, na_values=[""])
 
 
-def read_cells(file: str | Path | TextIO) -> pd.DataFrame:
+def read_cells(path: str | Path) -> pd.DataFrame:
     """Read a table of results, each cell as the text that stands there."""
-    return pd.read_csv(file, dtype=str, keep_default_na=False)
+    with _whole_lines(path) as file:
+        return pd.read_csv(file, dtype=str, keep_default_na=False)
+
+
+@contextlib.contextmanager
+def _whole_lines(path: str | Path) -> Iterator[BinaryIO]:
+    """Open a table of results. Raises InputError where its last line has no end."""
+    with intact(path), open(path, "rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - 1))
+        if file.read() != b"\n":
+            raise ValueError("its last line is cut")
+        file.seek(0)
+        yield file
 
 
 def checksum(path: str | Path) -> str:
@@ -237,7 +269,8 @@ def json_text(data: object) -> str:
 
 def read_json(path: str | Path) -> Any:
     """Read a summary."""
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    with intact(path):
+        return json.loads(Path(path).read_text(encoding="utf-8"))
 
 
 def read_record(kind: type[Record], path: str | Path) -> Record:
@@ -308,15 +341,18 @@ def write_bytes(data: bytes, path: str | Path) -> None:
 
 
 def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
-    """Write a file to a temporary path by the function `write`, then rename it.
+    """Write a file to a temporary path by the function `write`, flush it, then rename it.
 
-    Raises InputError where the file cannot be written.
+    Without the flush, a power failure may leave the new name without its content. Raises InputError
+    where the file cannot be written.
     """
     path = Path(path)
     aside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write(aside)
+        with aside.open("rb") as written:
+            os.fsync(written.fileno())
         os.replace(aside, path)
     except OSError as error:
         raise InputError(

@@ -21,7 +21,7 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.records.accepted import ACCEPTED, CODES, KINDS, accepting, up_to_first_standing
 from ur5lib.records.quality import Contradictions, contradiction
-from ur5lib.report.page.findings import templates
+from ur5lib.records.wording import templates, worded
 from ur5lib.report.views.first_screen import verdicts
 from ur5lib.report.views.recordings import accepted
 from ur5lib.robots.description import Robot
@@ -121,7 +121,7 @@ def test_an_accepted_stop_sign_is_a_warning_and_others_stand() -> None:
     assert found.stop_signs == [LATE]
     (warning,) = found.findings
     assert (warning.finding, warning.severity) == (ACCEPTED, "warning")
-    rows = pd.DataFrame(files.quality(files.Quality(), found))
+    rows = pd.DataFrame(map(worded, files.findings(files.Quality(), found)))
     told = rows.loc[rows["finding"] == ACCEPTED, "detail"].item()
     assert told.startswith(f"accepted by the study: {REASON}")
     assert "joints 1 and 3" in told

@@ -43,14 +43,14 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "steps": BASE
     | ROOMS
     | {"commands", "lab.stand", "records", "report", "thesis", "tidy", "workspace"},
-    "tidy": BASE | {"force", "recordings", "records", "report", "signals", "thesis"},
+    "tidy": BASE | {"force", "recordings", "records", "signals", "thesis"},
     "jobs": {"errors", "records", "report", "robots", "tables", "workspace"},
     # readers
     "report": BASE
     | METHODS - {"signals"}
     | {"excitation", "records", "thesis", "tidy", "workspace"},
     "study": BASE | {"lab.recorder", "lab.stand", "recordings", "records", "thesis", "workspace"},
-    "finished": BASE | {"records", "study"},
+    "finished": BASE | {"jobs", "records", "study"},
     "commands": BASE
     | METHODS
     | {"checks", "excitation", "finished", "lab.doubles", "lab.recorder", "recordings", "records"}

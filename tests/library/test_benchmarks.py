@@ -25,6 +25,7 @@ PRINTED = {  # what each prints at least
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "slow_presses": ["1 seeds", "with an untouched span", "twenty lines"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
+    "false_stops": ["4 right logs", "links described wrongly", "another arm declared"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
     "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],

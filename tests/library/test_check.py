@@ -13,8 +13,9 @@ import pytest
 
 from tests.commands import Command, words
 from tests.conftest import said
-from tests.made_tables import table
+from tests.made_tables import record
 from tests.synthetic import write_recording
+from ur5lib import tidy
 from ur5lib.commands.check import (
     MAX_NAMED,
     SEVERITY_ORDER,
@@ -26,10 +27,13 @@ from ur5lib.commands.check import (
 )
 from ur5lib.commands.console import announced, text_console
 from ur5lib.errors import InputError, printable, remark
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import Finding, Quality
+from ur5lib.records.wording import worded
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
+from ur5lib.signals.clock import SettledClock
 from ur5lib.study.model import Settings, Study
 from ur5lib.tables import named
 from ur5lib.tidy import files
@@ -236,8 +240,16 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": REST}}
     forces["two"]["offset_doubt"] = REST
     qualities = {"one": fresh, "two": stale}
-    known = {name: (own, {}, clocks[name], forces[name]) for name, own in qualities.items()}
-    rows = table(files.quality, known)
+    found = {
+        name: files.findings(
+            record(Quality, own),
+            None,
+            record(dict[str, SettledClock], clocks[name]),
+            record(Compared, forces[name]),
+        )
+        for name, own in qualities.items()
+    }
+    rows = tidy.table("quality", {name: map(worded, own) for name, own in found.items()})
     grouped = group_findings(name_copies(rows))
     assert {*grouped.loc[grouped["severity"] == "warning", "count"]} == {1}
     reported = grouped.set_index(["recording", "finding"])["detail"].to_dict()

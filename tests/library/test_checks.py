@@ -5,12 +5,14 @@ import pandas as pd
 import pytest
 
 from tests.conftest import said
-from tests.synthetic import PERIOD
-from ur5lib.checks.channels import check_robot, fast_between_samples
+from tests.synthetic import PERIOD, poor_log
+from ur5lib.checks.channels import check_robot, fast_between_samples, untold_motion
+from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import check_force_sensor, check_imu
+from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.records.quality import Finding
-from ur5lib.robots.description import FullScale
+from ur5lib.robots.description import FullScale, load_robot, robot_path
 
 CURRENTS = [f"actual_current_{joint}" for joint in range(6)]
 
@@ -267,11 +269,37 @@ def test_a_contact_in_a_free_recording_is_found(
     assert len(sensed_contacts(table, mass)) == found
 
 
-@pytest.mark.parametrize(("hertz", "is_told"), [(0.2, True), (1.0, True), (4.0, False)])
-def test_a_slow_log_says_where_motion_is_faster_than_it_tells(hertz: float, is_told: bool) -> None:
-    """At 10 Hz; a log at 50 Hz and more is fast enough for any arm."""
+def told_at_10_hz(hertz: float, period: float = 0.1, leap: float = 0.0) -> list[str]:
+    """What is said of joint 2, which swings beside a slow joint, by samples of a period [s].
+
+    leap: in the middle of the log [rad], as where two logs were joined.
+    """
     time = 0.1 * np.arange(100)
     q = np.stack([0.5 * np.sin(2 * np.pi * f * time + 1) for f in (0.1, hertz)], axis=1)
-    sentences = [*map(said, fast_between_samples(q, np.zeros(len(q), int), 0.1))]
-    assert [words.split("move")[0] for words in sentences] == ["joints 2 "] * (not is_told)
-    assert fast_between_samples(q, np.zeros(len(q), int), 0.004) == []
+    q[50:] += leap
+    moved = q, np.zeros(len(q), int), period, [15.0, 15.0]
+    return [*map(said, [*untold_motion(*moved), *fast_between_samples(*moved)])]
+
+
+@pytest.mark.parametrize(
+    ("hertz", "sentences"),
+    [(0.2, []), (1.0, []), (1.5, ["joints 2 move faster"]), (4.0, ["how joints 2 move between"])],
+)
+def test_a_slow_log_says_where_motion_is_faster_than_it_tells(
+    hertz: float, sentences: list[str]
+) -> None:
+    """A log at 33 Hz and more is fast enough for any arm."""
+    said_of_it = told_at_10_hz(hertz)
+    assert len(said_of_it) == len(sentences)
+    assert all(part in own for part, own in zip(sentences, said_of_it, strict=True))
+    assert told_at_10_hz(hertz, 0.004) == []
+    assert told_at_10_hz(hertz, leap=2.0) == said_of_it
+
+
+def test_motion_that_samples_do_not_tell_is_a_stop_sign() -> None:
+    log = poor_log(load_robot(robot_path("ur5")), 40, seed=1, speed=1.5)
+    for every, stops in ((1, False), (12, False), (125, True)):  # at 125, 10 and 1 Hz
+        table = log[::every].reset_index(drop=True).assign(segment=0, interpolated=False)
+        checked = Checked(table, load_robot(robot_path("ur5")), None, None, True)
+        codes = [sign.code for sign in stop_signs(checked)]
+        assert ("untold motion" in codes) == stops

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import ur5lib
+from tests.commands import Command
 from ur5lib.cli import app
 from ur5lib.errors import InputError
 
@@ -70,3 +71,46 @@ def test_a_study_names_the_arm_that_may_be_meant(tmp_path: Path) -> None:
     entry = f"{{name: a, robot: ur5ee, format: rtde-csv, folder: {tmp_path}, file: a, role: fit}}"
     study.write_text(f"study: a\ntitle: A\nrecordings: [{entry}]\n")
     assert "`ur5ee` (did you mean `ur5e`?)" in told("check", str(study))
+
+
+LONG = "a" * 300
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"figure {LONG} torques",
+        f"compare {LONG} .",
+        f"convert {LONG}",
+        f"export --robot ur5 --results {LONG}",
+        f"leaderboard {LONG}",
+        f"new {LONG}",
+        f"excite --robot ur5 --write {LONG}",
+        f"describe {LONG}",
+    ],
+)
+def test_a_name_that_no_file_can_have_is_told_in_a_sentence(
+    words: str, run_ur5: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = run_ur5(*words.split())
+    assert answer.status == 1
+    assert answer.err.startswith(f"ur5: {LONG}")
+    assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "damaged"),
+    [("compare . .", "tables/quality.csv"), ("convert .", "recordings/run/signals.parquet")],
+)
+def test_a_damaged_result_is_told_in_a_sentence(
+    words: str, damaged: str, run_ur5: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = Path(damaged)
+    path.parent.mkdir(parents=True)
+    path.write_text("PAR1")
+    answer = run_ur5(*words.split())
+    assert answer.status == 1
+    assert answer.err.startswith(f"ur5: {path} is damaged")
+    assert answer.err.count("\n") == 1

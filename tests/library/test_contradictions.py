@@ -38,7 +38,7 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.records.friction import Friction
 from ur5lib.records.quality import Contradictions, Quality, contradiction
-from ur5lib.report.page.findings import worded
+from ur5lib.records.wording import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import left_out_fits, stop_signs
 from ur5lib.steps.fit_friction import (

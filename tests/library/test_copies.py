@@ -13,6 +13,7 @@ from tests.synthetic import poor_log
 from ur5lib.channels import columns
 from ur5lib.recordings.copies import MAX_ROWS_KEPT, MIN_ROWS_COMPARED, fingerprint
 from ur5lib.records.judgement import Judgement
+from ur5lib.records.quality import Finding
 from ur5lib.report.page.findings import by_finding
 from ur5lib.robots.description import Robot
 from ur5lib.steps.make_tables import tables_of_recordings
@@ -112,8 +113,11 @@ def test_a_spare_copy_is_left_out_and_costs_nothing_else(ur5: Robot) -> None:
     roles = {"fit": "fit", "pushed": "contact"}
     roles |= dict.fromkeys(("seen", "again", "third", "seen_fit"), "validate")
     judgements = {
-        name: Judgement({"quality": rows.to_dict("records"), "sensed": [{"contacts": 1}]})
-        for name, rows in quality.groupby("recording", sort=False)
+        row.recording: Judgement(
+            {"sensed": [{"contacts": 1}]},
+            [Finding("robot", "same run", "note", 0, {"rows": row.detail}, "fingerprint")],
+        )
+        for row in quality.itertuples()
     }
     tables = tables_of_recordings(judgements, {}, roles)
     assert [*tables["sensed"]["recording"]] == ["fit", "seen", "pushed"]

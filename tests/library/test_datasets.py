@@ -4,7 +4,11 @@ import functools
 import hashlib
 import http.server
 import json
+import os
 import shutil
+import struct
+import subprocess
+import sys
 import threading
 import zipfile
 from collections.abc import Callable, Iterator
@@ -148,6 +152,72 @@ def test_a_page_in_place_of_an_archive_is_reported(server: str, tmp_path: Path) 
     with pytest.raises(InputError, match=r"archive.zip gives no zip file, .* web page.*--from"):
         fetch_archive(f"{server}/archive.zip", CHECKSUMS, tmp_path / "raw")
     assert not (tmp_path / "raw").exists()
+
+
+# In each head of a zip file: the offsets of flags, of the method, and of the unpacked size
+HEADS = {b"PK\3\4": (6, 8, 22), b"PK\1\2": (8, 10, 24)}
+
+
+def change_heads(archive: Path, flags: int = 0, method: int = 0, size: int | None = None) -> None:
+    """Change what the heads say of the archive's first file."""
+    data = bytearray(archive.read_bytes())
+    for mark, (flags_at, method_at, size_at) in HEADS.items():
+        head = data.index(mark)
+        data[head + flags_at] |= flags
+        data[head + method_at] = method
+        if size is not None:
+            struct.pack_into("<I", data, head + size_at, size)
+    archive.write_bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"flags": 1}, r"could not be unpacked \(.*password required.*\); .* with --from"),
+        ({"method": 99}, r"could not be unpacked \(.*compression method.*\); .* with --from"),
+        ({"size": 2**32 - 2}, r"unpacks to 4 GB, more than 1; .* with --from"),
+    ],
+)
+def test_an_archive_that_cannot_be_unpacked_is_reported(
+    packed: Packed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changes: Any, said: str
+) -> None:
+    monkeypatch.setattr("ur5lib.datasets.fetching.MOST_GB", 1, raising=False)
+    archive = packed({name: name for name in FILES})
+    change_heads(tmp_path / "www" / "archive.zip", **changes)
+    with pytest.raises(InputError, match=said):
+        fetch_archive(archive, CHECKSUMS, tmp_path / "raw")
+    assert not (tmp_path / "raw").exists()
+
+
+def test_what_a_killed_run_has_left_is_removed(packed: Packed, tmp_path: Path) -> None:
+    left = tmp_path / "raw" / ".fetching" / "archive.zip"
+    left.parent.mkdir(parents=True)
+    left.write_bytes(b"PK")
+    fetch_archive(packed({name: name for name in FILES}), CHECKSUMS, tmp_path / "raw")
+    assert contents(tmp_path / "raw") == FILES
+
+
+KILLED = """
+import os, pathlib, signal, time, pooch
+from ur5lib.cli import main
+def killed(url, checksum, name, folder, *others, **options):
+    pathlib.Path(folder, name).write_bytes(b"PK")
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(10)
+pooch.retrieve = killed
+main()
+"""
+
+
+def test_a_run_that_is_killed_leaves_nothing_behind(tmp_path: Path) -> None:
+    (tmp_path / "tmp").mkdir()
+    places = {"PYTHONPATH": str(PROJECT), "TMPDIR": str(tmp_path / "tmp")}
+    run = [sys.executable, "-c", KILLED, "fetch", "thesis"]
+    ended = subprocess.run(
+        run, cwd=tmp_path, env=os.environ | places, capture_output=True, check=False
+    )
+    assert ended.returncode != 0
+    assert contents(tmp_path) == {}
 
 
 def test_a_wrong_archive_is_reported(packed: Packed, tmp_path: Path) -> None:

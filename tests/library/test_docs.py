@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.page.findings import templates
+from ur5lib.records.wording import templates
 
 OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "raw/README.md", "config/README.md")
 PAGES = [*(PROJECT / name for name in OTHERS), *sorted((PROJECT / "docs").glob("*.md"))]

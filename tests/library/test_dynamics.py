@@ -14,6 +14,7 @@ from torch.func import jvp
 from ur5lib.dynamics import euler_lagrange
 from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.kinematics import jacobian, velocity_product_acceleration
+from ur5lib.dynamics.recursion import symmetric
 from ur5lib.dynamics.rigid_body import (
     coriolis_matrix,
     forward_dynamics,
@@ -217,6 +218,13 @@ def test_change_of_inertia_less_twice_coriolis_is_skew_symmetric(arm: ArmTensors
     _, change = jvp(lambda q: inertia_matrix(arm, q), (q,), (qd,))
     difference = change - 2 * coriolis_matrix(arm, q, qd)
     assert (difference + difference.mT).abs().max() < 1e-12 * change.abs().max()
+
+
+def test_a_symmetric_matrix_is_its_upper_half() -> None:
+    """Whatever stands below, which need not be computed."""
+    unused = np.nan
+    upper = [[1.0, 2.0, 3.0], [unused, 4.0, 5.0], [unused, unused, 6.0]]
+    assert symmetric(upper) == ((1.0, 2.0, 3.0), (2.0, 4.0, 5.0), (3.0, 5.0, 6.0))
 
 
 def test_both_derivations_agree(arm: ArmTensors) -> None:

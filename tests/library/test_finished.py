@@ -8,6 +8,7 @@ import pytest
 
 import ur5lib
 from ur5lib.errors import InputError
+from ur5lib.jobs.unreadable import mark
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
@@ -62,6 +63,27 @@ def test_the_payload_is_that_of_the_premises(results: Path) -> None:
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="run snakemake"):
         ur5lib.load(tmp_path)
+
+
+@pytest.mark.parametrize("file", ["configuration.yaml", "parameters/ur5/arm.yaml"])
+@pytest.mark.parametrize("content", ["", "recordings: [{name: a,", "\0\0\0"])
+def test_a_damaged_file_of_settings_is_a_result_to_be_made_anew(
+    results: Path, file: str, content: str
+) -> None:
+    (results / file).parent.mkdir(parents=True, exist_ok=True)
+    (results / file).write_text(content)
+    study = ur5lib.load(results)
+    with pytest.raises(InputError, match=rf"{file} is damaged .*rm \S*{file}\)"):
+        study.arm("ur5") if "arm" in file else study.configuration()
+
+
+def test_a_recording_that_cannot_be_read_says_why(results: Path) -> None:
+    folder = results / "recordings" / "pushed"
+    mark([str(folder / "forces.parquet"), str(folder / "quality.json")], "line 3: no number")
+    study = ur5lib.load(results)
+    for read in (study.forces, study.quality, study.start):
+        with pytest.raises(InputError, match=r"recordings/pushed/.* cannot be read: line 3"):
+            read("pushed")
 
 
 def test_a_missing_file_is_named(results: Path) -> None:

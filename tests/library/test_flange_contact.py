@@ -3,16 +3,20 @@
 import numpy as np
 import pytest
 
+from tests.library.synthetic_run import synthetic_run
 from ur5lib.dynamics.flange import flange_kinematics, link_frames
 from ur5lib.force.flange_contact import (
+    MAX_CONTACT_SAMPLES,
     MIN_PROBABILITY_ELSEWHERE,
     PLACE_SPACING,
     flange_probability,
     place_jacobian,
     places,
 )
+from ur5lib.force.force_input import ForceInput
 from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.robots.description import Robot
+from ur5lib.steps.judge_contacts import middle_half
 from ur5lib.timeseries.arrays import Array
 
 SIZES, COUNT = (5.0, 15.0, 45.0, 135.0), 3  # N, samples
@@ -27,6 +31,22 @@ def frames_at(robot: Robot, posture: Array) -> Frames:
 def levers_of(frames: Frames) -> Levers:
     along = places(*frames)
     return {link: [place_jacobian(*frames, link, own) for own in along[link]] for link in along}
+
+
+def test_a_contact_is_judged_by_its_middle_half_where_torques_are_known() -> None:
+    run = synthetic_run()
+    time = run.period * np.arange(len(run.q))
+    torque = run.torque.copy()
+    torque[1000:1100, 2] = np.nan
+    given = ForceInput(run.q, run.qd, torque, run.states, run.segment, run.period)
+    for start, end in ((2.0, 2.2), (4.0, 12.0), (8.2, 8.6)):
+        rows = middle_half(given, time, start, end)
+        middle = np.abs(time - (start + end) / 2) <= (end - start) / 4
+        known = middle & np.isfinite(torque).all(axis=1)
+        assert set(rows) <= {*np.flatnonzero(known)}
+        assert len(rows) >= min(MAX_CONTACT_SAMPLES, known.sum())
+        if len(rows):
+            assert time[rows[-1]] - time[rows[0]] > 0.9 * np.ptp(time[known])
 
 
 @pytest.fixture(scope="module")

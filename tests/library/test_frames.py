@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 from tests.conftest import said
+from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.ordering import in_order
@@ -184,7 +185,9 @@ def test_steps_that_fit_no_cycle_are_interpolated_in_time() -> None:
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        (lambda t: t.drop(columns="actual_q_5"), "run.csv: has no actual_q_0 .*; record the"),
+        (lambda t: t.drop(columns="actual_q_3"), "run.csv: has no actual_q_3; record the"),
+        (lambda t: t.assign(actual_q_3=np.nan), "run.csv: has no actual_q_3; record the"),
+        (lambda t: t.drop(columns=columns("actual_q")), "has no actual_q_0 to actual_q_5; record"),
         (lambda t: t[:1], "run.csv: contains only 1 complete frames; record at least a second"),
     ],
 )  # fmt: skip

@@ -226,6 +226,10 @@ def test_what_is_missing_is_named(root: Element, named: str, tmp_path: Path) -> 
         ('mass value="', 'mass value="${m}', "run xacro"),
         ("robot", "html", "holds <html>"),
         ('upper="2.5"', 'upper="one"', "is no URDF"),
+        ('<axis xyz="', '<axis xyz="nan 0 0" was="', "`xyz` in the <axis> of axis_1 is 'nan 0 0'"),
+        ('<origin xyz="', '<origin xyz="0 -inf 0" was="', "`xyz` in the <origin> of base is"),
+        ('ixy="', 'ixy="nan" was="', "`ixy` in the <inertia> of base is 'nan'; give a number"),
+        ('upper="2.5"', 'upper="1e999"', "`upper` in the <limit> of axis_1"),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named(
@@ -288,6 +292,20 @@ def test_links_without_inertia_are_found_from_recordings(part: str, tmp_path: Pa
     robot, remarks = robot_from_urdf(saved(damaged(part), tmp_path))
     assert robot.links == "unknown"
     assert any("link_1, link_2" in remark for remark in remarks)
+
+
+def test_links_fixed_to_each_other_may_be_many(tmp_path: Path) -> None:
+    """Long chains and circles of fixed links end no less than others do."""
+    root, random, last = planar(2), np.random.default_rng(0), "rod_2"
+    for k in range(1500):
+        SubElement(root, "link", name=f"part_{k}")
+        add_joint(root, f"screw_{k}", (last, f"part_{k}"), "fixed", random)
+        last = f"part_{k}"
+    assert len(robot_from_urdf(saved(root, tmp_path), tip=last)[0].joints) == 2
+    add_joint(root, "circle", (last, "part_0"), "fixed", random)
+    with pytest.raises(InputError, match="does not hang on base"):
+        robot_from_urdf(saved(root, tmp_path), tip=last)
+    assert len(robot_from_urdf(saved(root, tmp_path), tip="rod_2")[0].joints) == 2
 
 
 def test_equal_masses_are_placeholders(tmp_path: Path) -> None:

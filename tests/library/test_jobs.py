@@ -44,6 +44,12 @@ def advises(numbers: list[int]) -> None:
     "fills": "def fills(numbers: list[int]) -> None:\n    b'1' * 600_000_000\n",
     "garbled": "def garbled(numbers: list[int]) -> None:\n    return (\n",
     "dies": "import os\ndef dies(numbers: list[int]) -> None:\n    os.kill(os.getpid(), 9)\n",
+    "uses": """\
+import numpy, pandas, queue, secrets
+import mine
+def uses(numbers: list[int]) -> str:
+    return mine.PLACE
+""",
     "lasts": """\
 import os, time
 def lasts(pid: str) -> None:
@@ -72,6 +78,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for name, text in STEPS.items():
         (steps / f"{name}.py").write_text(text)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(workers, "PACKAGE", library)
     monkeypatch.setattr(workers, "IDLE", workers.queue.LifoQueue())
     yield tmp_path
     workers.end_idle()
@@ -97,6 +104,24 @@ def test_a_step_gets_its_settings_and_its_result_is_written(folder: Path) -> Non
     assert 0 < job["s"] < 60
     assert 1 < job["max_rss"] < 10_000
     assert 0 <= job["start_up_time"] <= job["cpu_time"]
+
+
+@pytest.mark.parametrize("name", ["numpy", "secrets", "queue", "pandas"])
+def test_a_file_of_the_user_s_hides_no_package(
+    folder: Path,
+    name: str,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    """Nor does it in the folder of a clone, where the library lies beside it."""
+    workspace = tmp_path_factory.mktemp("workspace")
+    for place in (folder, workspace):
+        (place / f"{name}.py").write_text("raise SystemExit('the wrong one')\n")
+        (place / "mine.py").write_text(f"PLACE = {str(place)!r}\n")
+        monkeypatch.chdir(place)
+        run("uses", sum="sum.txt")
+        assert Path("sum.txt").read_text() == str(place)
+        workers.end_idle()
 
 
 def test_a_warm_process_loads_once(folder: Path) -> None:

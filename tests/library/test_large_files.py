@@ -3,8 +3,10 @@
 import gzip
 import random
 import re
+import struct
 import subprocess
 import sys
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -121,6 +123,26 @@ def test_files_that_would_fill_the_memory_are_refused_before_they_do(
     refused = TOLD.findall(told.stdout + told.stderr)
     assert {Path(path).name for path in refused} == {path.name for path in paths}
     assert 1024 * int(told.stdout.split()[-1]) < 0.5e9
+
+
+SMALL_ELEMENTS = {  # of MAT files: tag, and content
+    "empty": struct.pack("<II", 1, 0),
+    "in their tags": struct.pack("<II", 0x10001, 0),
+    "one number each": struct.pack("<IId", 9, 8, 1.0),
+}
+
+
+@pytest.mark.parametrize("kind", SMALL_ELEMENTS)
+@pytest.mark.parametrize(("megabytes", "said"), [(4, "is damaged"), (15, "more than 0.02 GB")])
+def test_many_small_elements_take_no_longer_than_a_few_large_ones(
+    limited: None, tmp_path: Path, kind: str, megabytes: int, said: str
+) -> None:
+    element = SMALL_ELEMENTS[kind]
+    packed = zlib.compress(element * (megabytes * 1_000_000 // len(element)))
+    head = b" " * 124 + b"\0\1IM" + struct.pack("<II", 15, len(packed))
+    (tmp_path / "run.mat").write_bytes(head + packed)
+    with time_limit(SECONDS), pytest.raises(InputError, match=said):
+        LOADERS["mat"](tmp_path / "run.mat", None, [])
 
 
 def test_the_limit_may_be_raised(

@@ -8,6 +8,7 @@ from tests.commands import Command
 from ur5lib.datasets.catalogue import catalogue
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import read_study
+from ur5lib.tables import write_text
 from ur5lib.thesis.reference import read_reference
 from ur5lib.workspace.new import copy_study, new_workspace, next_command
 
@@ -39,6 +40,30 @@ def test_files_that_are_there_stay(here: Path) -> None:
     (here / "config.yaml").write_text("study: mine\n")
     assert new_workspace(Path()).endswith("next: snakemake")
     assert (here / "config.yaml").read_text() == "study: mine\n"
+
+
+@pytest.mark.parametrize("written", range(0, 12, 3))
+def test_a_workspace_whose_making_was_stopped_is_completed(
+    here: Path, monkeypatch: pytest.MonkeyPatch, written: int
+) -> None:
+    files = []
+
+    def stopped(text: str, path: Path) -> None:
+        if len(files) == written:
+            raise KeyboardInterrupt
+        files.append(path)
+        write_text(text, path)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("ur5lib.workspace.new.write_text", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            new_workspace(here / "a")
+    new_workspace(here / "a")
+    new_workspace(here / "whole")
+    made, whole = ({*(here / name).rglob("*")} for name in ("a", "whole"))
+    assert {path.relative_to(here / "a") for path in made} == {
+        path.relative_to(here / "whole") for path in whole
+    }
 
 
 def test_a_folder_with_a_snakefile_is_left_alone(here: Path, run_ur5: Command) -> None:

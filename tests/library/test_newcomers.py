@@ -168,11 +168,14 @@ def test_a_log_without_currents_is_warned_of(
 def test_what_a_log_does_not_show_could_not_be_checked(
     arm: str, folder: Path, run_ur5: Command, speed: float
 ) -> None:
-    """Base and last joint bear nothing; at rest, no friction shows order, sign and clock."""
+    """Base and last joint bear nothing, but may differ in inertia; at rest, nothing shows order,
+    sign and clock.
+    """
     log = exchanged(1, 6)(poor_log(load_robot(robot_path(arm)), 32.0, 5, speed))
     status, printed = check(log, folder, run_ur5, arm)
-    assert status == 0
-    assert "1-6" in printed
+    told = speed > 0 and "joints 1 and 6 are exchanged" in printed
+    assert status == int(told)
+    assert told or "1-6" in printed
     rests = "order, sign and delay of actual_current could not be checked" in printed
     assert rests == (speed == 0.0)
 

@@ -8,8 +8,8 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.errors import remark
+from ur5lib.records.wording import in_words, templates
 from ur5lib.report.page import sentences
-from ur5lib.report.page.findings import in_words, templates
 from ur5lib.report.page.formats import error
 from ur5lib.report.page.sentences import say
 from ur5lib.strict import read_yaml

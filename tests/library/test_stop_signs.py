@@ -25,6 +25,7 @@ from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.currents import foreign_currents
 from ur5lib.checks.delays import DELAY_STEP
+from ur5lib.checks.exchanged_channels import roughness
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import foreign_torque, given_load
@@ -390,6 +391,19 @@ def jumping(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
     rows = np.random.default_rng(1).integers(100, len(table) - 100, 4)
     table.loc[rows, six("actual_q") + six("actual_qd") + six("actual_current")] = 0.0
     return table
+
+
+def test_smoothed_currents_are_no_targets(made: Path) -> None:
+    """A target follows its model; a measurement without its noise does not."""
+    taken = simulated(made, "fast", "ur5", "floor")
+    table, names = taken.table.copy(), six("actual_current")
+    table[names] = sosfiltfilt(butter(4, 1.0, fs=500, output="sos"), table[names], axis=0)
+    assert np.mean(roughness(channel(table, "actual_current"))) < 0.3 * np.mean(
+        roughness(channel(table, "target_current"))
+    )
+    assert taken.signs(table) == []
+    swapped = exchanged(("actual_current", "target_current"))(taken.table.copy(), taken.arm)
+    assert any("are exchanged" in sign for sign in taken.signs(swapped))
 
 
 NO_SHIFT = np.array([0])

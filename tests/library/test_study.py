@@ -249,6 +249,48 @@ def test_a_real_recording_still_needs_its_file(raw: dict[str, Any]) -> None:
     assert words("`recordings[0].file` missing") <= words(complaint)
 
 
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        ("root:x:0:0\nbin: x: 1:\n", "mapping values are not allowed"),
+        ("", "it is no mapping"),
+        ("text\n", "it is no mapping"),
+        ("printed: {force_me: 1}\nerrata: [{place: a}]\n", "`errata[0].error` is missing; give"),
+    ],
+)
+def test_a_reference_that_holds_no_published_values_is_named_by_its_key(
+    raw: dict[str, Any], tmp_path: Path, content: str, fault: str
+) -> None:
+    path = tmp_path / "reference.yaml"
+    path.write_text(content)
+    (complaint,) = complaints(raw | {"reference": str(path)})
+    assert complaint.startswith(f"config.yaml: `reference`: {path} does not hold published values")
+    assert fault in complaint
+
+
+def test_the_truth_lies_in_the_recording_s_folder(raw: dict[str, Any], tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for place in (tmp_path, folder):
+        (place / "truth.json").touch()
+        (place / "truth.parquet").touch()
+    (folder / "half.json").touch()
+    entry = {"name": "run", "robot": "ur5", "format": "rtde-csv", "role": "fit", "file": "a.csv"}
+    for truth in ("../truth", "..", "../..", "half", "none", str(folder / "truth"), ""):
+        told = complaints(raw | {"recordings": [entry | {"folder": str(folder), "truth": truth}]})
+        assert len(told) == 1
+        assert told[0].startswith("config.yaml: `recordings[0].truth` is ")
+    study = parse_study(
+        raw | {"recordings": [entry | {"folder": str(folder), "truth": "truth"}]}, "config.yaml"
+    )
+    assert getattr(study.recordings[0], "truth", "") == "truth"
+
+
+def test_many_values_are_said_as_such(raw: dict[str, Any]) -> None:
+    (complaint,) = complaints(raw | {"hosts": [0] * 200_000})
+    assert "has more than 100,000 values" in complaint
+
+
 def test_all_errors_are_told_at_once(raw: dict[str, Any]) -> None:
     raw["titel"] = raw.pop("title")
     raw["recordings"][0] |= {"role": "x", "name": "a b"}

@@ -19,8 +19,10 @@ from ur5lib.errors import InputError
 from ur5lib.tables import (
     channel,
     named,
+    read_cells,
     read_columns,
     read_csv,
+    read_footer,
     read_json,
     read_record,
     read_table,
@@ -114,7 +116,11 @@ def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
         write_text("text", tmp_path / "results" / "report.html")
 
 
-def test_numbers_are_written_as_pandas_writes_them(tmp_path: Path) -> None:
+@pytest.mark.parametrize("rows", [7, 40, 1000])
+def test_numbers_are_written_as_pandas_writes_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int
+) -> None:
+    monkeypatch.setattr(tables, "ROWS", rows)  # that are written at once
     numbers = np.random.default_rng(3).standard_normal((40, 3)) * [1e-9, 1.0, 1e9]
     numbers[5, 1], numbers[6, 0], numbers[7, 2] = np.nan, np.inf, -np.inf
     table = pd.DataFrame(numbers, columns=["time [s]", 'a, "b"', "nan"])
@@ -133,6 +139,63 @@ def test_a_full_disk_leaves_the_old_file_and_no_half_one(
     with full_disk(), pytest.raises(InputError, match=r"file cannot be written .*; check .*disk"):
         write(long.get(write, table), path)
     assert [(file.name, file.read_bytes()) for file in tmp_path.iterdir()] == [("file", old)]
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a power failure leaves the name without its content."""
+    path, flushed = tmp_path / "x.json", list[tuple[str, bool]]()
+
+    def fsync(number: int) -> None:
+        flushed.append((Path(f"/proc/self/fd/{number}").read_text(), path.exists()))
+
+    monkeypatch.setattr("os.fsync", fsync)
+    write_json([1], path)
+    assert flushed == [(path.read_text(), False)]
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda _: b"",
+    "cut": lambda data: data[: len(data) // 2],
+    "zeros": lambda data: bytes(len(data)),
+}
+READERS: dict[str, list[Callable[[Path], object]]] = {
+    "x.parquet": [read_table, read_units, read_footer, lambda path: read_columns(path, ["time"])],
+    "x.csv": [read_csv, read_cells],
+    "x.json": [read_json, lambda path: read_record(dict[str, list[float]], path)],
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("name", READERS)
+def test_a_damaged_result_is_named_with_the_command_that_makes_it_anew(
+    table: pd.DataFrame, tmp_path: Path, name: str, damage: str
+) -> None:
+    path = tmp_path / "a study" / name
+    write_table(table, path.with_suffix(".parquet"))
+    write_csv(table, path.with_suffix(".csv"))
+    write_json({"time": table["time"].to_numpy()}, path.with_suffix(".json"))
+    for read in READERS[name]:
+        read(path)
+    path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    for read in READERS[name]:
+        with pytest.raises(InputError) as stop:
+            read(path)
+        sentence = str(stop.value)
+        assert sentence.startswith(f"{path} is damaged (")
+        assert sentence.endswith(f"(rm '{path}'), and run snakemake again")
+        assert "\n" not in sentence
+
+
+def test_pages_cut_out_of_a_table_are_damage(table: pd.DataFrame, tmp_path: Path) -> None:
+    """Its footer, at the end, is whole."""
+    path = tmp_path / "x.parquet"
+    write_table(table, path)
+    content = path.read_bytes()
+    path.write_bytes(content[:4] + bytes(100) + content[104:])
+    with pytest.raises(InputError, match="is damaged"):
+        read_columns(path, ["time"], footer=read_footer(path))
 
 
 @contextmanager

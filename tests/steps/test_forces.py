@@ -227,6 +227,23 @@ def test_nothing_is_predicted_beside_a_stop_sign(
 
 
 @pytest.mark.parametrize(
+    ("of_fit", "speed", "is_predicted"),
+    [(0.02, 1.0, False), (0.1, 1.0, True), (None, 1.0, True), (0.02, 0.0, True)],
+)
+def test_slow_samples_of_motion_take_a_fit_to_slow_recordings(
+    friction: Friction, ur5: Robot, of_fit: float | None, speed: float, is_predicted: bool
+) -> None:
+    """Bands of a fit at 50 Hz, low-passed, do not hold the noise of a recording at 10 Hz."""
+    made = with_noise(make_record(7, seconds=10.0), 7)
+    slow = {name: getattr(made, name)[::5] for name in ("q", "qd", "torque", "current", "segment")}
+    moved = replace(made, **slow, period=0.1)
+    record = replace(moved, q=moved.q[0] + speed * (moved.q - moved.q[0]), qd=speed * moved.qd)
+    run = Loaded(*tables(record), 0 * record.q)
+    currents = predicted(run, replace(friction, period=of_fit), ur5).currents
+    assert (currents.external_torque is not None) == is_predicted
+
+
+@pytest.mark.parametrize(
     "given",
     [
         {"role": "fit"},  # its payload is taken as it is told

@@ -128,6 +128,33 @@ def test_no_study_brings_any_along(lab: Workflow, tmp_path: Path) -> None:
     assert "no extension reads `.mylog`" in ur5(tmp_path, "check", str(study)).stdout
 
 
+COMMANDS = [
+    ("check", "config.yaml"),
+    ("import", "raw/free.mylog", "--robot", "ur5"),
+    ("audit", "config.yaml"),
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_names_the_files_that_it_runs_and_can_do_without(
+    lab: Workflow, tmp_path: Path, command: tuple[str, ...]
+) -> None:
+    own = lab.copied(tmp_path / "project").folder
+    trace = own / "ran"
+    for kind, code in EXTENSIONS.items():
+        line = f"open('ran', 'a').write('{kind} ')"
+        (own / "extensions" / f"{kind}.py").write_text(f"{code}\n{line}\n")
+    told = ur5(own, *command).stderr
+    ran = trace.read_text().split()
+    assert {kind for kind in KINDS if f"ur5: runs extensions/{kind}.py;" in told} == {*ran}
+    assert told.count("ur5: runs") == len(ran)
+    trace.unlink()
+    told = ur5(own, "--no-extensions", *command).stderr
+    assert "ur5: runs" not in told
+    assert "Traceback" not in told
+    assert not trace.exists()
+
+
 TERM = """from ur5lib.robots.friction import Term
 
 TERMS = {"root": Term(lambda motion: COLUMNS)}

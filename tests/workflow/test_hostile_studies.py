@@ -16,6 +16,8 @@ import yaml
 from tests.commands import Command
 from tests.conftest import Workflow, copy_project
 from tests.corpus import rtde
+from ur5lib.errors import InputError
+from ur5lib.study.paper_figure import paper_figure
 
 TRACE = "executed"
 CODE = f"open('{TRACE}', 'w').close()"
@@ -192,3 +194,36 @@ def test_the_usual_study_runs_nothing_either(lab: Workflow, name: str, command: 
     assert done.returncode != 0
     assert "config.yaml: `__use_yte__` tells Snakemake to run code" in done.stderr
     assert not (lab.folder / TRACE).exists()
+
+
+WAYS = {  # to start, from another folder than the project's: there, and with which Snakefile
+    "the root's": ("elsewhere", "Snakefile"),
+    "the catalogue's": ("elsewhere", "workflow/Snakefile"),
+    "in its folder": ("workflow", None),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_study_is_data_wherever_snakemake_starts(lab: Workflow, way: str) -> None:
+    folder, snakefile = WAYS[way]
+    here = Workflow(lab.folder / folder)
+    here.folder.mkdir(exist_ok=True)
+    here.environment |= {"PYTHONPATH": str(lab.folder)}
+    (here.folder / "theirs.yaml").write_text(PROGRAMS["a value"], encoding="utf-8")
+    chosen = ["--snakefile", str(lab.folder / snakefile)] if snakefile else []
+    ran = here.run(*chosen, "--cores", "1", "--dry-run", "--configfile", "theirs.yaml")
+    assert ran.returncode != 0
+    assert "theirs.yaml: `__use_yte__` tells Snakemake to run code" in ran.stdout
+    assert not (here.folder / TRACE).exists()
+
+
+def test_a_figure_of_others_takes_no_profile_of_theirs(tmp_path: Path) -> None:
+    theirs, profile = tmp_path / "results" / "mine", tmp_path / "profiles" / "default"
+    (theirs / "figures").mkdir(parents=True)
+    (theirs / "figures" / "calibration.svg").touch()
+    (theirs / "configuration.yaml").write_text(PROGRAMS["a value"])
+    profile.mkdir(parents=True)
+    (profile / "config.yaml").write_text(f'{YTE}__definitions__: ["{CODE}"]\ncores: 1\n')
+    with pytest.raises(InputError, match="tells Snakemake to run code"):
+        paper_figure(theirs, "calibration")
+    assert not (tmp_path / TRACE).exists()

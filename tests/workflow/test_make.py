@@ -1,6 +1,7 @@
 """What `make` says where it cannot set up, and which studies it builds."""
 
 import os
+import re
 import shutil
 import subprocess
 import tomllib
@@ -117,12 +118,29 @@ def locked(name: str) -> set[str]:
     return {canonicalize_name(line.split("==")[0]) for line in lines if "==" in line}
 
 
+def pins(requirement: Requirement) -> bool:
+    return any(each.operator == "==" for each in requirement.specifier)
+
+
+@pytest.mark.parametrize("name", ["requirements.lock", "requirements-dev.lock"])
+def test_every_locked_package_has_the_hashes_of_its_files(name: str) -> None:
+    lines = (PROJECT / name).read_text().replace("\\\n", " ").splitlines()
+    for line in lines:
+        pin, *hashes = line.split()
+        assert re.fullmatch(r"[a-z0-9.-]+==\S+", pin)
+        assert hashes
+        assert all(re.fullmatch("--hash=sha256:[0-9a-f]{64}", each) for each in hashes)
+
+
 def test_a_user_installs_nothing_that_only_tests_need() -> None:
-    """Each lock has what its part of pyproject.toml names, and no package is in both."""
+    """Each lock has what its part of pyproject.toml names, and no package is in both.
+
+    What pyproject.toml pins itself is in none.
+    """
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
     extras = project["optional-dependencies"]
-    for_users = project["dependencies"] + extras["record"]
-    named = {canonicalize_name(Requirement(each).name) for each in for_users}
+    for_users = map(Requirement, project["dependencies"] + extras["record"])
+    named = {canonicalize_name(each.name) for each in for_users if not pins(each)}
     for_tests = {canonicalize_name(Requirement(each).name) for each in extras["dev"]}
     assert named <= locked("requirements.lock")
     assert for_tests <= locked("requirements.lock") | locked("requirements-dev.lock")

@@ -1,14 +1,13 @@
-"""Checks of the arm, its mounting and the order of its joints, by the gravity that currents hold.
+"""Checks of the arm's mounting and its motors, by the gravity that currents hold.
 
-What another arm, another mounting or two exchanged joints would explain far better is a
-contradiction. So is a torque constant far from the maker's: of a right recording's joints that
-bear something, the current per torque of gravity is that constant but for the gears' losses.
+What another mounting would explain far better is a contradiction. So is a torque constant far from
+the maker's: of a right recording's joints that bear something, the current per torque of gravity is
+that constant but for the gears' losses.
 """
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -17,17 +16,14 @@ from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import (
     MAX_SHARE_UNEXPLAINED,
-    MILLIAMPERE_CODES,
     MIN_ERRORS_OF_FRICTION,
     MIN_GRAVITY_TORQUE,
     MIN_STANDARD_ERRORS,
-    OPPOSITE_CODE,
-    foreign_currents,
     friction_in_errors,
     held_gravity,
     moving_joints,
 )
-from ur5lib.checks.readings import exchanged_order, in_order, readings
+from ur5lib.checks.readings import in_order, readings
 from ur5lib.errors import remark
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -35,9 +31,6 @@ from ur5lib.robots.statics import STANDARD_GRAVITY
 
 # difference of log-likelihoods; in right recordings of four arms, at most 31
 MIN_LEAD_OF_ARM = 40.0
-# the same of two exchanged joints; at most 46 where a few postures are held
-MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
-BEARING_JOINTS = 3  # joints from the base that bear others in every posture
 # times the maker's torque constant or part of it; beyond all errors, right recordings need a factor
 # of 1.51, without the worst arm 1.34
 MAX_CONSTANT_RATIO = 1.75
@@ -56,7 +49,7 @@ Gravity = tuple[float, ...]  # [m/s²], base frame
 
 
 class Cause(NamedTuple):
-    """What would explain the currents by gravity, and how much likelier: log-likelihoods.
+    """What would explain the efforts better, and by how much, as its check counts it.
 
     means, arm: with it, as they would be.
     """
@@ -67,66 +60,15 @@ class Cause(NamedTuple):
     arm: Robot
 
 
-def contradictions_by_gravity(
-    means: BlockMeans, arm: Robot, others: Sequence[Robot], fitted: bool, driven: bool
-) -> Iterator[Finding]:
-    """Find exchanged joints, another arm or mounting, foreign units and foreign torque constants.
-
-    Where currents seem to be in a foreign unit, joints or arm are to blame if they explain that,
-    too, better than the opposite sign does. arm, others: under their load; fitted: whether the
-    recording has the role `fit`; driven: whether motors move the arm.
-    """
-    units = [*foreign_currents(means, arm)]
-    if not any(one.code in MILLIAMPERE_CODES for one in units):
-        causes = [*exchanged_joints(means, arm), *foreign_arms(means, arm, others)]
-        if units:
-            causes = [own for own in causes if not any(foreign_currents(own.means, own.arm))]
-        if any(one.code == OPPOSITE_CODE for one in units):
-            causes = [own for own in causes if own.gain > gain_of_sign(means, arm)]
-        yield from likeliest([*foreign_mountings(means, arm, driven), *causes])
-    yield from units
-    yield from foreign_constants(means, arm, others, fitted)
-
-
 def likeliest(causes: Iterable[Cause]) -> Iterator[Finding]:
     """Yield the finding of the likeliest cause, if there is one."""
     for cause in sorted(causes, key=lambda own: -own.gain)[:1]:
         yield cause.finding
 
 
-def of_measured(means: BlockMeans, sign: int = 1) -> BlockMeans:
-    """Return the means with the measured current, or its opposite, as the only effort."""
-    return replace(means, currents={MEASURED_CURRENT: sign * means.currents[MEASURED_CURRENT]})
-
-
-def gain_of_sign(means: BlockMeans, arm: Robot) -> float:
-    """Return how much likelier currents of the opposite sign are."""
-    as_recorded, opposite = (
-        readings(of_measured(means, sign), [arm], [in_order(arm)])[0].score for sign in (1, -1)
-    )
-    return opposite - as_recorded
-
-
-def gains_of_exchange(means: BlockMeans, arm: Robot) -> dict[Pair, float]:
-    """Return how much likelier the efforts are with all columns of two joints exchanged."""
-    in_place = in_order(arm)
-    orders = {pair: exchanged_order(in_place, *pair) for pair in combinations(in_place, 2)}
-    scores = {one.order: one.score for one in readings(means, [arm], [in_place, *orders.values()])}
-    return {pair: scores[order] - scores[in_place] for pair, order in orders.items()}
-
-
-def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Cause]:
-    """Find two joints, all channels of which are exchanged."""
-    for pair, gain in gains_of_exchange(of_measured(means), arm).items():
-        if gain > MIN_LEAD_OF_EXCHANGED_JOINTS and is_shown(means, pair):
-            finding = contradiction("exchanged joints", joint=pair[0] + 1, other=pair[1] + 1)
-            order = exchanged_order(in_order(arm), *pair)
-            yield Cause(finding, gain, means.part(columns=order), arm)
-
-
-def is_shown(means: BlockMeans, pair: Pair) -> bool:
-    """Return whether gravity shows an exchange of two joints: that bear others, or both move."""
-    return max(pair) < BEARING_JOINTS or bool(moving_joints(means)[[*pair]].all())
+def of_measured(means: BlockMeans) -> BlockMeans:
+    """Return the means with the measured current as the only effort."""
+    return replace(means, currents={MEASURED_CURRENT: means.currents[MEASURED_CURRENT]})
 
 
 def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dict[str, float]:
@@ -134,15 +76,6 @@ def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dic
     order = in_order(arm)
     (declared,) = readings(means, [arm], [order])
     return {one.arm: one.score - declared.score for one in readings(means, others, [order])}
-
-
-def foreign_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Cause]:
-    """Find other arms whose gravity explains the currents better by far; all under their load."""
-    gains = gains_of_arms(of_measured(means), arm, others)
-    for other in others:
-        if gains[other.name] > MIN_LEAD_OF_ARM:
-            finding = contradiction("other arm's currents", arm=arm.name, other=other.name)
-            yield Cause(finding, gains[other.name], means, other)
 
 
 def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[Cause]:

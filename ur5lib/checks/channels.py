@@ -35,10 +35,16 @@ LEVEL_RATIOS = [
 ]
 # two joints count as swapped if swapping them cuts their deviation to this share
 MAX_SWAPPED_DEVIATION = 0.3
-SLOW_PERIOD, MIN_SLOW_SAMPLES = 0.02, 12  # s; samples of a stretch that show their own spacing
+SLOW_PERIOD, MIN_SLOW_SAMPLES = 0.03, 12  # s; samples of a stretch that show their own spacing
 # A spline misses every second sample by less than this share of what a straight line does, beyond
 # what encoders and vibrations leave [rad]. Ten motions of a KUKA at 10 Hz: 0.001 to 0.008.
 MAX_MISSED_SHARE, MAX_MISSED_ANGLE = 0.1, 1e-3
+# The same share, from which on accelerations err by a third of their size and more. Fast motions of
+# a UR5, a UR3, a UR10e and a TX40: 0.1 to 0.5 at 10 Hz, 0.4 to 2.8 at 2 Hz.
+MAX_UNTOLD_SHARE = 0.5
+MIN_SAMPLES_OF_LOWPASS = 8  # samples, of which a low-pass makes one, and whose noise it takes out
+MAX_PERIOD_RATIO = 1.5  # of steps between samples, which are those of one rate
+MAX_SPEED_RATIO = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
 MAX_EXCESS = 0.05  # rad, of a joint beyond its described range, which no controller lets it leave
 MIN_LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
 
@@ -80,25 +86,67 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
     return [Finding("robot", "too short", "warning", 1, values)]
 
 
-def fast_between_samples(q: Array, segment: Labels, period: float) -> list[Finding]:
+def fast_between_samples(
+    q: Array, segment: Labels, period: float, velocity_max: Sequence[float]
+) -> list[Finding]:
     """Return a warning of the joints of a slow log that move faster than its samples tell.
 
-    q: (N, n) [rad]; segment: (N,) labels; period: [s]. A spline through every second sample misses
-    the one between by little where it tells the motion, and by as much as a straight line where it
-    tells nothing of it.
+    q: (N, n) [rad]; segment: (N,) labels; velocity_max: faster steps are no motion [rad/s].
     """
-    parts = [q[part] for part in unbroken(segment) if part.stop - part.start >= MIN_SLOW_SAMPLES]
+    fast = _untold_joints(q, segment, period, velocity_max, MAX_MISSED_SHARE)
+    if not fast or any(untold_motion(q, segment, period, velocity_max)):
+        return []
+    values = {"joints": fast, "period_s": period}
+    return [Finding("robot", "fast between samples", "warning", len(fast), values)]
+
+
+def untold_motion(
+    q: Array, segment: Labels, period: float, velocity_max: Sequence[float]
+) -> Iterator[Finding]:
+    """Find joints whose accelerations the samples of a slow log do not tell; arguments as above."""
+    if joints := _untold_joints(q, segment, period, velocity_max, MAX_UNTOLD_SHARE):
+        yield contradiction("untold motion", joints=joints, period_s=period)
+
+
+def _untold_joints(
+    q: Array, segment: Labels, period: float, velocity_max: Sequence[float], share: float
+) -> list[str]:
+    """Return the joints, from 1, whose samples miss more than a share of their curvature.
+
+    A spline through every second sample misses the one between by little where it tells the motion,
+    and by as much as a straight line where it tells nothing of it.
+    """
+    farthest = MAX_SPEED_RATIO * period * np.array(velocity_max)
+    leaps = (np.abs(np.diff(q, axis=0)) > farthest).any(axis=1)
+    stretches = unbroken(segment, np.append(0, np.cumsum(leaps)))
+    parts = [q[rows] for rows in stretches if rows.stop - rows.start >= MIN_SLOW_SAMPLES]
     if period < SLOW_PERIOD or not parts:
         return []
     missed, bent = (
         np.sqrt(np.mean(np.concatenate(own) ** 2, axis=0))
         for own in zip(*map(_missed_and_bent, parts), strict=True)
     )
-    fast = np.flatnonzero(missed > MAX_MISSED_SHARE * bent + MAX_MISSED_ANGLE).tolist()
-    if not fast:
+    untold = np.flatnonzero(missed > share * bent + MAX_MISSED_ANGLE)
+    return [str(joint + 1) for joint in untold]
+
+
+def slow_samples(
+    q: Array, segment: Labels, period: float, cutoff: float, of_fit: float | None = None
+) -> list[Finding]:
+    """Return a note on a moving joint's currents that are too few for a low-pass to average.
+
+    A warning where those of the recordings to fit are not, whose bands are without that noise.
+    q: (N, n) [rad]; segment: (N,) labels; cutoff: [Hz]; of_fit: longest period of the fit [s].
+    """
+    steps = np.diff(q, axis=0)[np.diff(segment) == 0]
+    moves = bool((np.mean(steps**2, axis=0) > (MIN_MOVING_SPEED * period) ** 2).any())
+    if not moves or period <= 1 / (2 * cutoff) / MIN_SAMPLES_OF_LOWPASS:
         return []
-    values = {"joints": [str(joint + 1) for joint in fast], "period_s": period}
-    return [Finding("robot", "fast between samples", "warning", len(fast), values)]
+    if of_fit is None:
+        return [Finding("robot", "slow samples", "note", 1, {"period_s": period})]
+    values = {"period_s": period, "of_fit_s": of_fit}
+    slower = period > MAX_PERIOD_RATIO * of_fit
+    return [Finding("robot", "slower than fit", "warning", 1, values)] * slower
 
 
 def _missed_and_bent(q: Array) -> tuple[Array, Array]:

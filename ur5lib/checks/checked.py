@@ -4,10 +4,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import BlockMeans, block_means
+from ur5lib.checks.by_motion import MotionChecks
 from ur5lib.checks.contacts import felt_contact
 from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
 from ur5lib.checks.delays import Delays, delays_by_motion
@@ -89,6 +91,18 @@ class Checked:
         if not self.shows_currents() or not by_motors or not moving_joints(self.means).any():
             return None
         return delays_by_motion(self.robot, self.loaded, self.step)
+
+    @cached_property
+    def motion(self) -> MotionChecks | None:
+        """Return what the whole motion tells of the efforts; None of an arm at rest, and where no
+        constant tells how large the torque of a current is.
+        """
+        constants = self.arm.maker_torque_constants()
+        if not self.shows_currents() or not np.isfinite(constants).all():
+            return None
+        if not moving_joints(self.means).any():
+            return None
+        return MotionChecks(self.means, self.loaded, self.tells_signs_by_friction())
 
     @cached_property
     def odd_targets(self) -> dict[int, Finding]:

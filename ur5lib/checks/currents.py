@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
 from ur5lib.checks.block_means import BlockMeans, combination, fitted_load, size
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.delays import CURRENT_NOISE, Delays, delays_by_motion
@@ -102,17 +102,6 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
         yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
 
 
-def turned_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find currents, or motors' torques, whose friction drives the motion instead of braking it."""
-    errors = friction_in_errors(means, arm)
-    turned = [joint + 1 for joint in errors if errors[joint] < -MIN_ERRORS_OF_FRICTION]
-    if turned and arm.senses_torque():
-        signs = [-1 if joint in turned else 1 for joint in arm.joint_numbers]
-        yield contradiction("turned torques", joints=turned, signs=str(signs))
-    elif turned:
-        yield contradiction("turned current", joint=turned[0])
-
-
 def rubbing_joints(arm: Robot) -> Mask:
     """Return which joints (n,) have friction that motors feel: of a torque, those behind a gear."""
     return (np.array(arm.gear_ratios()) >= MIN_GEAR_RATIO) | (not arm.senses_torque())
@@ -132,6 +121,23 @@ def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
         )
         errors[joint] = value / (error + 1e-9)
     return errors
+
+
+def follows_its_model(means: BlockMeans, arm: Robot) -> bool:
+    """Return whether the measured currents follow gravity, friction and inertia more closely than
+    their targets do, by most joints that move, or none moves.
+
+    A controller computes its targets from such a model, whatever has smoothed a measurement.
+    """
+    moving = np.flatnonzero(moving_joints(means)).tolist() if len(means.q) else []
+    gravity, rest = gravity_columns(arm, means.q), [means.qdd, np.ones((len(means.q), 1))]
+    closer = []
+    for joint in moving:
+        basis, _ = np.linalg.qr(np.column_stack([means.friction(joint), gravity[joint], *rest]))
+        both = (means.currents[name][:, joint] for name in (MEASURED_CURRENT, TARGET_CURRENT))
+        measured, target = (size(current - basis @ (basis.T @ current)) for current in both)
+        closer.append(measured < target)
+    return not closer or float(np.mean(closer)) > 0.5
 
 
 def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:

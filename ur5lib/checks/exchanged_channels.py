@@ -30,7 +30,7 @@ def names_equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
     """
     for name, least in (("q", MIN_MOVING_SPEED * step), ("current", 0.0)):
         if are_recorded(robot, f"actual_{name}", f"target_{name}"):
-            actual, target = (_received(robot, f"{kind}_{name}") for kind in ("actual", "target"))
+            actual, target = _measured(robot, f"actual_{name}", f"target_{name}")
             changes = (np.abs(np.diff(target, axis=0)) > least) & (target[1:] != 0)
             equal = (actual == target)[1:][changes]
             if len(equal) >= MIN_MOVING_FRAMES and np.mean(equal) > MIN_SHARE_EQUAL:
@@ -56,8 +56,8 @@ def exchanged_motion(robot: pd.DataFrame) -> tuple[str, ...]:
 def exchanged_current(robot: pd.DataFrame) -> Iterator[str]:
     """Yield "current" where the measured currents are smoother than their targets."""
     if are_recorded(robot, "actual_current", "target_current"):
-        kinds = ("actual", "target")
-        measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
+        samples = _measured(robot, "actual_current", "target_current")
+        measured, target = map(roughness, samples)
         varies = (measured > 0) | (target > 0)
         if varies.any() and np.mean(measured[varies] < MAX_ROUGHNESS_RATIO * target[varies]) > 0.5:
             yield "current"
@@ -83,6 +83,13 @@ def _median_deviation(robot: pd.DataFrame, moves: Mask, position: str, velocity:
     apart = np.where(moves[1:], np.abs(slope - (rate[1:] + rate[:-1]) / 2), np.nan)
     apart[:, ~moves[1:].any(axis=0)] = 0.0
     return np.asarray(np.nanmedian(apart, axis=0))
+
+
+def _measured(robot: pd.DataFrame, *names: str) -> list[Array]:
+    """Return channels of the frames in which all of them were received, none filled in."""
+    flags = [flag for name in names if (flag := f"filled_{name}") in robot]
+    frames = robot[~robot[["interpolated", *flags]].any(axis=1)]
+    return [channel(frames, name) for name in names]
 
 
 def _received(robot: pd.DataFrame, name: str) -> Array:

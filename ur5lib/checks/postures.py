@@ -1,22 +1,17 @@
 """Checks of postures at rest: gravity is all that tells arm, order, units and signs."""
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.channels import CURRENTS, MEASURED_CURRENT
-from ur5lib.checks.arm import (
-    MIN_LEAD_OF_ARM,
-    exchanged_joints,
-    foreign_arms,
-    gains_of_arms,
-    likeliest,
-    of_measured,
-)
+from ur5lib.checks.arm import MIN_LEAD_OF_ARM, gains_of_arms, of_measured
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
 from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.errors import Remark, remark
 from ur5lib.records.accepted import up_to_first_standing
@@ -25,6 +20,9 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
+# difference of log-likelihoods of two exchanged joints; at most 46 where a few postures are held
+MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
+BEARING_JOINTS = 3  # joints from the base that bear others in every posture
 MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
 # of the motor's largest torque, the standard deviation of gravity beside which friction is small
 MIN_GRAVITY_SHARE = 0.1
@@ -74,12 +72,32 @@ def _contradictions(
     for joint in np.flatnonzero(turned).tolist():
         yield contradiction("turned current at rest", joint=joint + 1)
     yield from foreign_currents(means, loaded)
-    yield from likeliest(exchanged_joints(means, loaded))
+    yield from _exchanged_joints(means, loaded)
     yield from _unexplained(means, loaded)
-    yield from likeliest(foreign_arms(means, loaded, arms_alike(arm, declared)))
+    yield from _foreign_arm(means, loaded, arms_alike(arm, declared))
     small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
     if small:
         yield contradiction("contradicting constants", each=small)
+
+
+def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find the two joints that bear others whose exchange explains the currents best, by far."""
+    in_place, measured = in_order(arm), of_measured(means)
+    pairs = [*combinations(in_place[:BEARING_JOINTS], 2)]
+    orders = [in_place, *(exchanged_order(in_place, *pair) for pair in pairs)]
+    scores = {one.order: one.score for one in readings(measured, [arm], orders)}
+    best = max(pairs, key=lambda pair: scores[exchanged_order(in_place, *pair)])
+    gain = scores[exchanged_order(in_place, *best)] - scores[in_place]
+    if gain > MIN_LEAD_OF_EXCHANGED_JOINTS:
+        yield contradiction("exchanged joints at rest", joint=best[0] + 1, other=best[1] + 1)
+
+
+def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
+    """Find the arm whose gravity explains the currents best, by far; all under their load."""
+    gains = gains_of_arms(of_measured(means), arm, others)
+    best = max(gains, key=lambda name: gains[name], default=arm.name)
+    if best in gains and gains[best] > MIN_LEAD_OF_ARM:
+        yield contradiction("other arm's currents at rest", arm=arm.name, other=best)
 
 
 def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.channels import MAX_SPEED_RATIO
 from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
@@ -29,7 +30,6 @@ SLOPE_BOUNDS_OR_NONE = SLOPE_BOUNDS | {"neither": (0.0, 0.0)}  # or a torque wit
 EFFORT_NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 SPREAD_OF_CONSTANTS = 0.2  # of torque constants around those of the joints' sizes
 CLEAR_LEAD = 8.0  # difference of log-likelihoods from which on a reading is proven
-MAX_SPEED_RATIO = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
 MAX_RANGE_RATIO = 1.05  # times the range of a joint, which a controller enforces
 IMPOSSIBLE_MOTION_PENALTY = 100.0  # on the log-likelihood of an arm that cannot move so
 MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm, root mean square; less gravity tells no torque constant

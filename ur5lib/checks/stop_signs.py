@@ -4,17 +4,21 @@ from collections.abc import Container, Iterator
 
 from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, SENSED_TORQUE, columns
 from ur5lib.checks.arm import (
-    contradictions_by_gravity,
+    Cause,
+    foreign_constants,
     foreign_mountings,
     likeliest,
     torque_constants,
 )
-from ur5lib.checks.channels import misread_velocities
+from ur5lib.checks.by_motion import MotionChecks
+from ur5lib.checks.channels import misread_velocities, untold_motion
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
+    MILLIAMPERE_CODES,
+    OPPOSITE_CODE,
     exchanged_currents,
+    follows_its_model,
     foreign_currents,
-    turned_currents,
     undeclared_load,
 )
 from ur5lib.checks.delays import delayed_currents
@@ -23,17 +27,20 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
-from ur5lib.checks.sensed_torques import constant_torques, exchanged_torques, foreign_size
+from ur5lib.checks.rectified import rectified_efforts
+from ur5lib.checks.sensed_torques import constant_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.accepted import KINDS, up_to_first_standing
 from ur5lib.records.quality import Finding, contradiction
+from ur5lib.tables import channel
 
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
+    (f"filled_{kind}_{name}" for kind in ("actual", "target") for name in ("q", "current")),
 )
 
 
@@ -46,7 +53,11 @@ def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]
     simulated = [contradiction("simulated", names=copied)] if copied else []
     if simulated and KINDS["simulated"] not in accepted:
         return simulated  # nothing else follows from it
-    channels = [*exchanged_motion(checked.robot), *exchanged_current(checked.robot)]
+    smooth = [*exchanged_current(checked.robot)]  # or smoothed by whoever wrote the log
+    channels = [
+        *exchanged_motion(checked.robot),
+        *(smooth if smooth and follows_its_model(checked.means, checked.loaded) else []),
+    ]
     of_channels = [contradiction("exchanged channels", name=name) for name in channels]
     of_arm = up_to_first_standing(_contradictions(checked), accepted)
     return [*simulated, *of_channels, *of_arm]
@@ -55,44 +66,83 @@ def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]
 def _contradictions(checked: Checked) -> Iterator[Finding]:
     """Yield what contradicts the arm and what it carries, the strongest evidence first."""
     robot, arm, loaded = checked.robot, checked.arm, checked.loaded
+    positions, segment = channel(robot, "actual_q"), robot["segment"].to_numpy()
+    yield from untold_motion(positions, segment, checked.step, arm.velocity_limits())
     yield from misread_velocities(robot, checked.step)
     means = checked.means
     if len(means.q) < MIN_BLOCKS:
         return
     yield from foreign_torque(means, arm, checked.payloads)
     yield from tool_off_flange(robot, arm)
+    name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
+    if checked.shows_currents() and checked.tells_signs_by_friction():
+        yield from rectified_efforts(means, loaded, name)
     if checked.delays is not None:  # whatever arm and units are
-        name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
         yield from delayed_currents(checked.delays, checked.driven, name)
     if checked.answers is not None:
         yield from exchanged_currents(checked.answers)
     if arm.senses_torque() and MEASURED_CURRENT in means.currents:
         yield from constant_torques(means)
-        if arm.links != "known":
-            yield from foreign_size(means, arm)
-        yield from exchanged_torques(means, loaded)
-        if checked.tells_signs_by_friction():
-            yield from turned_currents(means, loaded)
-    if not arm.tells_gravity():
-        return
-    if checked.tells_by_gravity() and means.torque is None:  # which has shown arm and joints
-        shown = means, loaded, checked.others, checked.fitted, checked.driven
-        yield from contradictions_by_gravity(*shown)
-    else:
-        yield from _mounting(checked)
-        yield from foreign_currents(means, loaded)
-    if checked.answers is not None and checked.driven:
-        yield from turned_currents(means, loaded)
+        yield from foreign_size(means, loaded)
+    yield from _of_efforts(checked)
+    if checked.answers is not None and checked.driven and arm.tells_gravity():
         yield from scaled_currents(means, checked.odd_targets)
-    if checked.fitted:  # elsewhere, the fit finds an undeclared load
+    if checked.motion is not None and checked.driven and checked.contact is None:
+        yield from checked.motion.weak_currents()
+    if checked.fitted and arm.tells_gravity():  # elsewhere, the fit finds an undeclared load
         configured = arm.carrying(checked.configured)
         yield from undeclared_load(means, configured, loaded, checked.odd_targets)
 
 
-def _mounting(checked: Checked) -> Iterator[Finding]:
-    """Find another mounting; a push at rest is like one, but for torque constants that none has."""
-    means, loaded = checked.means, checked.loaded
-    if MEASURED_CURRENT not in means.currents or loaded.senses_torque():
+def _of_efforts(checked: Checked) -> Iterator[Finding]:
+    """Yield the likeliest cause of efforts that contradict arm, mounting, order or unit, then what
+    contradicts signs and motors.
+    """
+    means, loaded, motion = checked.means, checked.loaded, checked.motion
+    units = [*foreign_currents(means, loaded)] if loaded.tells_gravity() else []
+    explain_units = (own for own in _changes(checked) if _explains(own, units, motion))
+    yield from likeliest([*_mountings(checked), *explain_units])
+    yield from units
+    if motion is not None:
+        yield from motion.turned_by_friction()
+    if checked.tells_by_gravity() and means.torque is None and not loaded.senses_torque():
+        yield from foreign_constants(means, loaded, checked.others, checked.fitted)
+
+
+def _changes(checked: Checked) -> Iterator[Cause]:
+    """Yield exchanges, signs and arms that explain the motion better; a controller's torque has
+    shown arm and joints.
+    """
+    motion, arm = checked.motion, checked.loaded
+    if motion is None:
         return
-    if checked.tells_by_gravity() or torque_constants(means, loaded).foreign():
-        yield from likeliest(foreign_mountings(means, loaded, checked.driven))
+    yield from motion.exchanges_of_efforts()
+    yield from motion.turned_by_links()
+    if checked.means.torque is None:
+        yield from motion.exchanges_of_joints()
+        if arm.has_ur_motors():
+            yield from motion.other_arms([one for one in checked.others if one.name != arm.name])
+
+
+def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -> bool:
+    """Return whether a cause explains foreign units, too, better than the opposite sign does; none
+    explains milliamperes.
+    """
+    codes = {one.code for one in units}
+    if codes.intersection(MILLIAMPERE_CODES):
+        return False
+    if motion is not None and OPPOSITE_CODE in codes and cause.gain < motion.gain_of_opposite():
+        return False
+    return not codes or not any(foreign_currents(cause.means, cause.arm))
+
+
+def _mountings(checked: Checked) -> Iterator[Cause]:
+    """Yield another mounting; a push at rest is like one, but for constants that no motor has."""
+    means, loaded, motion = checked.means, checked.loaded, checked.motion
+    if MEASURED_CURRENT not in means.currents or not loaded.tells_gravity():
+        return
+    if checked.tells_by_gravity() or (
+        not loaded.senses_torque() and torque_constants(means, loaded).foreign()
+    ):
+        for own in foreign_mountings(means, loaded, checked.driven):
+            yield own if motion is None else own._replace(gain=motion.gain_of_arm(own.arm))

@@ -4,25 +4,13 @@ from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
-from ur5lib.checks.arm import (
-    MIN_LEAD_OF_EXCHANGED_JOINTS,
-    Pair,
-    fitting_arms,
-    gains_of_exchange,
-    is_shown,
-    of_measured,
-    torque_constants,
-)
+from ur5lib.checks.arm import Pair, fitting_arms, torque_constants
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
-from ur5lib.checks.currents import (
-    MIN_ERRORS_OF_FRICTION,
-    MIN_GRAVITY_TORQUE,
-    MIN_LEAD_OF_EXCHANGE,
-    friction_in_errors,
-)
+from ur5lib.checks.currents import MIN_GRAVITY_TORQUE, MIN_LEAD_OF_EXCHANGE
 from ur5lib.checks.delays import MIN_DELAY
+from ur5lib.checks.doubts import doubted_links
 from ur5lib.checks.readings import exchanged_order, in_order
-from ur5lib.checks.sensed_torques import gains_of_exchanged_torques, size_ratio
+from ur5lib.checks.sensed_torques import size_ratio
 from ur5lib.checks.tool import (
     MAX_TOOL_DISTANCE,
     tool_and_angles,
@@ -39,11 +27,17 @@ def unchecked(checked: Checked) -> list[Finding]:
     """Return what would not be noticed in a recording without a stop sign."""
     if len(checked.means.q) < MIN_BLOCKS:
         return [_note("nothing checked", seconds=len(checked.robot) * checked.step)]
-    return [*_arm(checked), *_order(checked), *_currents(checked)]
+    return [*_arm(checked), *_order(checked), *_currents(checked), *_links(checked)]
 
 
 def _note(finding: str, **values: object) -> Finding:
     return Finding("robot", finding, "note", 1, values)
+
+
+def _links(checked: Checked) -> Iterator[Finding]:
+    """Yield doubts about the described links, unless contacts may be part of the efforts."""
+    if checked.fitted and checked.motion is not None:
+        yield from doubted_links(checked.motion)
 
 
 def _arm(checked: Checked) -> Iterator[Finding]:
@@ -69,7 +63,7 @@ def _order(checked: Checked) -> Iterator[Finding]:
     shown = {
         *_pairs_shown_by_pose(checked),
         *_pairs_shown_by_torque(checked),
-        *_pairs_shown_by_gravity(checked),
+        *_pairs_shown_by_motion(checked),
     }
     open_pairs = [pair for pair in combinations(in_order(checked.arm), 2) if pair not in shown]
     if open_pairs:
@@ -104,36 +98,31 @@ def _pairs_shown_by_torque(checked: Checked) -> Iterator[Pair]:
             yield pair
 
 
-def _pairs_shown_by_gravity(checked: Checked) -> Iterator[Pair]:
-    """Yield the pairs whose exchange the currents would not fit."""
-    if checked.means.torque is not None or not checked.tells_by_gravity():
-        return
-    for pair, gain in gains_of_exchange(of_measured(checked.means), checked.loaded).items():
-        if gain < -MIN_LEAD_OF_EXCHANGED_JOINTS and is_shown(checked.means, pair):
-            yield pair
+def _pairs_shown_by_motion(checked: Checked) -> Iterator[Pair]:
+    """Yield the pairs whose exchange the efforts would not fit."""
+    if checked.means.torque is None and checked.motion is not None:
+        yield from filter(checked.motion.tells_order, checked.motion.exchanged_joints)
 
 
 def _currents(checked: Checked) -> Iterator[Finding]:
     """Yield what is open about the columns of currents, their units, signs and clock."""
-    means, joints = checked.means, range(len(checked.arm.joints))
+    means, motion = checked.means, checked.motion
     if MEASURED_CURRENT not in means.currents:
         severity: Severity = "warning" if checked.fitted else "note"
         yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
         return
     told, sensed = checked.arm.tells_gravity(), checked.arm.senses_torque()
-    bearing = torque_constants(means, checked.loaded).ratio if told else {}
-    if told and not bearing and TARGET_CURRENT not in means.currents:
+    bearing = torque_constants(means, checked.loaded).ratio if told and not sensed else {}
+    if told and not sensed and not bearing and TARGET_CURRENT not in means.currents:
         yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
-    if sensed and checked.arm.links != "known" and size_ratio(means, checked.arm) is None:
+    if sensed and size_ratio(means, checked.loaded) is None:
         yield _note("size not checked", arm=checked.arm.name)
     if checked.answers is None and not sensed:
         yield _note("currents not checked")
         return
-    by_friction = checked.tells_signs_by_friction()
-    brakes = friction_in_errors(means, checked.loaded) if by_friction else {}
-    unproven = [j for j in joints if brakes.get(j, 0.0) < MIN_ERRORS_OF_FRICTION]
-    signs = [j + 1 for j in unproven if j not in bearing]
-    if signs:
+    joints = range(len(checked.arm.joints))
+    shown = {*bearing} | {j for j in joints if motion is not None and motion.tells_sign(j)}
+    if signs := [j + 1 for j in joints if j not in shown]:
         yield _note("sign not checked", joints=signs)
     if pairs := [*_pairs_alike(checked)]:
         yield _note("columns not checked", pairs=_named(pairs))
@@ -146,12 +135,10 @@ def _currents(checked: Checked) -> Iterator[Finding]:
 
 def _pairs_alike(checked: Checked) -> Iterator[Pair]:
     """Yield the joints whose currents, or measured torques, may be exchanged."""
-    joints = range(len(checked.arm.joints))
+    motion, lead = checked.motion, None
     if checked.answers is not None:
         lead = checked.answers.ahead().diagonal()
-        gains = {(j, k): -(lead[j] + lead[k]) for j, k in combinations(joints, 2)}
-    else:
-        gains = gains_of_exchanged_torques(checked.means, checked.loaded)
-    for pair in combinations(joints, 2):
-        if gains.get(pair, 0.0) > -MIN_LEAD_OF_EXCHANGE:
-            yield pair
+    for j, k in combinations(range(len(checked.arm.joints)), 2):
+        answered = lead is not None and lead[j] + lead[k] > MIN_LEAD_OF_EXCHANGE
+        if not answered and (motion is None or not motion.tells_efforts((j, k))):
+            yield j, k

@@ -12,7 +12,7 @@ from rich.padding import Padding
 from rich.table import Table
 
 from ur5lib.channels import MEASURED_CURRENT
-from ur5lib.checks.channels import too_short
+from ur5lib.checks.channels import fast_between_samples, slow_samples, too_short
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts, unfelt_contacts
 from ur5lib.checks.devices import checked_intake
@@ -27,7 +27,8 @@ from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.signals import Signals
-from ur5lib.report.page.findings import by_finding, group_findings, worded
+from ur5lib.records.wording import worded
+from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
@@ -113,7 +114,7 @@ def print_tables(
     named: recordings all of whose findings and clocks are printed, as of a single one; none: each
     finding once, and the least certain clock of each device; roles: of all.
     """
-    findings = {name: files.quality(quality) for name, quality in qualities.items()}
+    findings = {name: map(worded, files.findings(own)) for name, own in qualities.items()}
     quality = files.name_copies(table("quality", findings), roles)
     offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
     names = [name for name in qualities if name in named] if named else [*qualities]
@@ -160,10 +161,14 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     stops = stop_signs(checked, accepted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
-    currents = study.settings.lowpass.currents
-    doubts += too_short(signals.segment, intake.quality.period_s, currents.cutoff_hz)
+    moved = signals.actual_q, signals.segment, intake.quality.period_s
+    cutoff = study.settings.lowpass.currents.cutoff_hz
+    doubts += too_short(*moved[1:], cutoff)
+    doubts += fast_between_samples(*moved, arm.velocity_limits())
+    if not fitted:
+        doubts += slow_samples(*moved, cutoff)
     if recording.untouched is not None:
-        doubts += tare_doubts(recording.untouched, signals, arm, currents.cutoff_hz)
+        doubts += tare_doubts(recording.untouched, signals, arm, cutoff)
         if "force" in intake.sensors:
             own = intake.sensors["force"], intake.quality.starts["force"]
             doubts += touched_by_own_clock(recording.untouched, *own)

@@ -11,10 +11,10 @@ import yaml
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.force_errors import OffsetAccount
-from ur5lib.records.judgement import Value
-from ur5lib.records.quality import Quality
+from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
+from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.study.model import Recording
 from ur5lib.timeseries.arrays import Array
@@ -93,7 +93,7 @@ def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, 
         "start": _start(quality, entry),
         "duration_s": quality.duration_s,
         "temperature": _last_temperature(study.record(Signals, entry.name)),
-        "remarks": [row["detail"] for row in judged.rows["quality"] if _is_doubt(row)],
+        "remarks": [str(worded(one)["detail"]) for one in judged.findings if _is_doubt(one)],
         "reading": _reading(quality),
         "gravity": [*arm.mounted(entry.known_gravity()).gravity],
         "position": [*place.force_sensor],
@@ -158,9 +158,9 @@ def _last_temperature(signals: Signals) -> float | None:
     return None if known is None else float(np.nanmean(known[:, -1]))
 
 
-def _is_doubt(row: dict[str, Value]) -> bool:
-    """Return whether a row of findings is about the sensor's bias, or about the whole recording."""
-    return row["finding"] in DOUBTS or row["severity"] == "stop"
+def _is_doubt(one: Finding) -> bool:
+    """Return whether a finding is about the sensor's bias, or about the whole recording."""
+    return one.finding in DOUBTS or one.severity == "stop"
 
 
 def _reading(quality: Quality) -> str:

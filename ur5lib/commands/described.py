@@ -9,13 +9,15 @@ from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.tables import write_text
 
 
-def describe_urdf(file: Path, base: str | None, tip: str | None, name: str | None) -> list[str]:
+def describe_urdf(
+    file: Path, base: str | None, tip: str | None, name: str | None, physical: bool = False
+) -> list[str]:
     """Write an arm's description to `robots/`; return in sentences what it says and assumes.
 
     name: of the arm, that of the URDF where it is None; others: see `robot_from_urdf`. Raises
     InputError where the name is taken, and as `robot_from_urdf`.
     """
-    robot, remarks = robot_from_urdf(file, base, tip)
+    robot, remarks = robot_from_urdf(file, base, tip, physical)
     name = name or robot.name
     if not re.fullmatch(r"[\w-][\w.-]*", name, re.ASCII):
         raise InputError(f"{name!r} cannot name a file; letters, digits, `_`, `-` and dots can")

@@ -17,7 +17,7 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import BaseParameter, Identification, Rotors
 from ur5lib.records.motion import Motion
-from ur5lib.report.page.findings import in_words
+from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Robot, load_robot, no_description, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies, written_bodies

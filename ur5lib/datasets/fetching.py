@@ -1,9 +1,9 @@
 """Download of a published data set, whose files are verified."""
 
 import shutil
-import tempfile
 import zipfile
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ from ur5lib.errors import InputError, unknown
 from ur5lib.tables import made, write_aside
 
 TIMEOUT_S = 30  # s
+MOST_GB = 10  # that an archive unpacks to; the largest of the catalogue has less than 1
 NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
 
 
@@ -66,30 +67,59 @@ def fetch_archive(
     others = unverified and len(others_beside(target, checksums)) < unverified
     if not (missing or others):
         return 0
-    with tempfile.TemporaryDirectory() as unpacked:
-        if source is None:
-            remedy = "check the network, or copy the recordings from a local folder with --from"
-            unzip = pooch.Unzip(extract_dir=".")
-            # Archives are repacked on request; their files are verified.
-            _retrieve(archive, None, Path(unpacked, "archive.zip"), remedy, processor=unzip)
-        _copy_all(source or Path(unpacked), str(source or archive), missing, target)
+    with _folder_in(target) as folder:
+        unpacked = source or _unpacked(archive, folder)
+        _copy_all(unpacked, str(source or archive), missing, target)
         if others:
-            _copy_others(source or Path(unpacked), checksums, target)
+            _copy_others(unpacked, checksums, target)
     return len(missing)
 
 
-def _retrieve(
-    url: str, checksum: str | None, path: Path, remedy: str, processor: object = None
-) -> None:
-    """Download a file, and verify it. Raises InputError with the remedy if that fails."""
-    pooch.get_logger().setLevel("WARNING")
-    downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT_S)
+@contextmanager
+def _folder_in(target: Path) -> Iterator[Path]:
+    """Yield a temporary folder in another, in place of what a killed run has left there."""
+    folder, existed = target / ".fetching", target.exists()
+    shutil.rmtree(folder, ignore_errors=True)
     try:
-        pooch.retrieve(url, checksum, path.name, path.parent, processor, downloader)
+        yield made(folder)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        if not existed:
+            with suppress(OSError):  # where it is not empty
+                target.rmdir()
+
+
+def _unpacked(url: str, folder: Path) -> Path:
+    """Download a zip file into a folder, and return the one with its files.
+
+    Raises InputError where that fails.
+    """
+    remedy = "check the network, or copy the recordings from a local folder with --from"
+    archive = folder / "archive.zip"
+    # Archives are repacked on request; their files are verified.
+    _retrieve(url, None, archive, remedy)
+    try:
+        with zipfile.ZipFile(archive) as packed:
+            size_gb = sum(file.file_size for file in packed.infolist()) / 1e9
+            if size_gb <= MOST_GB:
+                packed.extractall(folder / "files")
     except zipfile.BadZipFile as error:
         raise InputError(
             f"{url} gives no zip file, but perhaps a web page, or a part of one; {remedy}"
         ) from error
+    except Exception as error:  # of damaged archives, zipfile raises anything
+        raise InputError(f"{url} could not be unpacked ({error}); {remedy}") from error
+    if size_gb > MOST_GB:
+        raise InputError(f"{url} unpacks to {size_gb:,.0f} GB, more than {MOST_GB}; {remedy}")
+    return folder / "files"
+
+
+def _retrieve(url: str, checksum: str | None, path: Path, remedy: str) -> None:
+    """Download a file, and verify it. Raises InputError with the remedy if that fails."""
+    pooch.get_logger().setLevel("WARNING")
+    downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT_S)
+    try:
+        pooch.retrieve(url, checksum, path.name, path.parent, downloader=downloader)
     except (requests.RequestException, OSError, ValueError, KeyError) as error:
         raise InputError(
             f"{url} could not be downloaded ({type(error).__name__}); {remedy}"
@@ -204,8 +234,8 @@ def _listed(entry: dict[str, Any]) -> RemoteFile:
 
 def _download(file: RemoteFile, target: Path) -> None:
     space = f"the disk space ({file.size / 1e6:,.0f} MB)"
-    with tempfile.TemporaryDirectory(dir=made(target), prefix=".") as folder:
-        aside = Path(folder, file.name)
+    with _folder_in(target) as folder:
+        aside = folder / file.name
         remedy = f"check the network and {space}, and fetch again"
         _retrieve(file.url, file.checksum, aside, remedy)
         aside.rename(target / file.name)

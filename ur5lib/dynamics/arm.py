@@ -5,14 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
-import numpy as np
 import torch
 from torch import Tensor
 
 from ur5lib.dynamics.tracing import Geometry, Kernel, Tail, straight_line
 from ur5lib.robots.description import Robot
 from ur5lib.robots.exports import urdf
-from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies, shift_inertia
+from ur5lib.robots.inertia import inertial_parameters, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 # Samples per batch: some hundred intermediate rows should stay in the caches of a processor; a GPU
@@ -91,22 +90,6 @@ def geometry(robot: Robot) -> Geometry:
         ),
         gravity=robot.gravity,
     )
-
-
-def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
-    """Return π of τ = Y π, (11 n,) [kg, kg m, kg m²]: ten per link, then the n rotor inertias.
-
-    m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin and in the axes of
-    the URDF's link_k: origin o_(k-1), and axes that the tail of link k turns into frame k's.
-    """
-    links = []
-    for k, pose in enumerate(robot.link_poses()):
-        rotation, translation = link_tail(pose)
-        mass, center = bodies.mass[k], translation + rotation @ bodies.center_of_mass[k]
-        inertia = shift_inertia(rotation @ bodies.inertia[k] @ rotation.T, mass, center)
-        upper = inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
-        links.append([mass, *(mass * center), *upper])
-    return np.append(np.ravel(links), bodies.rotor_inertia)
 
 
 def evaluate(

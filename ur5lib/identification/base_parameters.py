@@ -247,7 +247,7 @@ def _jackknife_changes(factors: Array, parameters: Array, spread: Array, width: 
 def identified_model(robot: Robot, parameters: Array, description: str) -> Model:
     """Return the model of an arm with inertial parameters π = parameters (P,).
 
-    π as in `ur5lib.dynamics.arm.inertial_parameters`, in the URDF's frames link_k; a payload
+    π as in `ur5lib.robots.inertia.inertial_parameters`, in the URDF's frames link_k; a payload
     belongs to the last link. Raises ValueError if a mass or a rotor inertia is negative.
     """
     masses, centers, inertias = [], [], []

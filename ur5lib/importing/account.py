@@ -7,6 +7,7 @@ from typing import Protocol, get_args
 from ur5lib.records.account import NOTHING, AccountRow, Confidence, Evidence
 
 Names = tuple[str, ...]  # of a block's columns
+REASONS = {"option": "as stated", "name": "named so", "position": "by its place", "numbers": ""}
 WEIGHT: tuple[Confidence, ...] = get_args(Confidence)  # of a block's statements, the first counts
 
 
@@ -84,7 +85,7 @@ def _joined(told: Iterable[AccountRow], meaning: str) -> AccountRow:
         meaning or NOTHING,
         ordered[0].evidence,
         ordered[0].confidence if meaning else "left out",
-        "; ".join(row.reason for row in ordered if row.reason),
+        "; ".join(row.reason for row in ordered if row.reason) or REASONS[ordered[0].evidence],
     )
 
 

@@ -118,7 +118,7 @@ class FileContents:
         """Return the block with a meaning and the time stamps of a clock, None without one."""
         stamps = self.clocks.stamps
         for block in self.blocks:
-            same = np.array_equal(stamps[block.clock], stamps[clock])
+            same = np.array_equal(stamps[block.clock], stamps[clock], equal_nan=True)
             if same and block.meaning() == meaning and block.names not in self.account.excluded:
                 return block
         return None
@@ -304,7 +304,7 @@ def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
     if not same:
         return None
     stamps = clocks[max(same, key=lambda clock: _shared_parts(name, clock))]
-    return next(clock for clock in same if np.array_equal(clocks[clock], stamps))
+    return next(clock for clock in same if np.array_equal(clocks[clock], stamps, equal_nan=True))
 
 
 def _shared_parts(path: str, other: str) -> int:

@@ -29,6 +29,7 @@ ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
 MAX_FACTOR_RATIO = 1.15  # of the largest to the smallest factor of joints that tell the same
+MAX_SHOWN_RATIO = 100.0  # times a known constant; beyond it, gravity shows none
 MIN_BEARING_JOINTS = 2  # that tell a unit together
 MIN_TURNING_JOINTS = 3  # that turn both ways, where efforts have both signs
 UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and --unit name it"
@@ -209,7 +210,7 @@ class GravityShown(NamedTuple):
     """What gravity tells of an effort.
 
     scores: log-likelihood of each unit; constants: Nm per unit of the file, by joint from 0; known:
-    the maker's [Nm/A].
+    the maker's [Nm/A], none of joints that sense their torque.
     """
 
     scores: Mapping[str, float]
@@ -231,6 +232,8 @@ class GravityShown(NamedTuple):
 
     def is_of_a_factor(self, unit: str) -> bool:
         """Return whether joints contradict a unit, but all tell one other factor."""
+        if not self.known:
+            return False
         ratios = self.ratios("A")
         alike = len(ratios) >= MIN_BEARING_JOINTS and max(ratios) < MAX_FACTOR_RATIO * min(ratios)
         return alike and self.contradicts(unit)
@@ -257,9 +260,10 @@ class GravityShown(NamedTuple):
         """Return the constants beside the maker's."""
         joints = ", ".join(str(joint + 1) for joint in self.constants)
         constants = ", ".join(f"{constant:.3g}" for constant in self.constants.values())
-        known = ", ".join(f"{self.known[joint]:.3g}" for joint in self.constants)
+        known = ", ".join(f"{self.known[joint]:.3g}" for joint in self.constants if self.known)
         plural = "s" if len(self.constants) > 1 else ""
-        return f"{constants} Nm per unit on joint{plural} {joints} (known: {known} Nm/A)"
+        of_joints = f"{constants} Nm per unit on joint{plural} {joints}"
+        return f"{of_joints} (known: {known} Nm/A)" if self.known else of_joints
 
 
 def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) -> GravityShown:
@@ -267,8 +271,13 @@ def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) ->
     if means is None or arm is None:
         return GravityShown({}, {}, ())
     fit = torque_constants(means, arm, name)
-    constants = {joint: ratio * fit.known[joint] for joint, ratio in fit.ratio.items()}
-    return GravityShown(unit_scores(means, name, arm), constants, fit.known)
+    shown = {joint: ratio for joint, ratio in fit.ratio.items() if ratio < MAX_SHOWN_RATIO}
+    constants = {joint: ratio * fit.known[joint] for joint, ratio in shown.items()}
+    scores = unit_scores(means, name, arm)
+    if arm.senses_torque():  # which has no amperes
+        scores = {unit: scores[unit] for unit in ("Nm", LESS_GRAVITY)}
+        return GravityShown(scores, constants, ())
+    return GravityShown(scores, constants, fit.known)
 
 
 def _named_unit(block: ColumnBlock) -> str | None:

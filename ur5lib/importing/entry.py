@@ -163,5 +163,5 @@ def _time(proposal: Proposal) -> StudyEntry:
         return {"still": True}
     if is_clockless(proposal):
         return {"rate": proposal.moving.rate}
-    first_stamp = proposal.contents.clocks.stamps[proposal.clock][0]
+    first_stamp = np.nanmin(proposal.contents.clocks.stamps[proposal.clock])
     return {"time": "epoch_s"} if first_stamp > MIN_EPOCH_STAMP else {}

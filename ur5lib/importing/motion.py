@@ -24,14 +24,17 @@ from ur5lib.importing.spellings import TARGET_OR_TORQUE, last_part, named_unit, 
 from ur5lib.importing.unwrapped import with_continuous_angles
 from ur5lib.records.account import NOTHING, Evidence
 from ur5lib.robots.drives import turns_matrix
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 MIN_CORRELATION = 0.9  # of a slope with its velocity
 VELOCITY_RATIO_RANGE = (0.8, 1.25)  # of a velocity to its slope
 CLEAR_MISFIT_RATIO = 0.1  # of what another block misses as a derivative
 MAX_SLOPE_STEP = 1.0  # s; across longer steps, a slope is no velocity
-SLOPE_SPAN = 0.05  # s
+SLOPE_SPANS = (0.05, 0.3)  # s
 MIN_SLOPES = 10
+USUAL_SHARE_OF_SLOPES = 0.95  # beyond which they may be leaps
+MIN_LEAP_SHARE = 0.02  # of a joint's travel, by which it leaps between two runs
+MAX_SHARE_AROUND_LEAP = 0.2  # of a leap, that the joint moves in the steps before and after it
 MIN_SHARE_OF_VELOCITIES = 0.8  # of moving columns that are derivatives; two exchanged are fewer
 CLEAR_CLOCK_RATIO = 2.0  # times the misfit of another clock that then takes its place
 WORST_MISFIT = 10.0  # of a clock under which no velocity is a derivative
@@ -88,7 +91,7 @@ class ImportedMotion:
         return [
             block
             for block in self.file.blocks
-            if np.array_equal(self.file.clocks.stamps[block.clock], self.time)
+            if np.array_equal(self.file.clocks.stamps[block.clock], self.time, equal_nan=True)
             and block.rows.shape[1] == self.file.joints
             and id(block) not in motion_blocks
             and (block.meaning() in meanings or block.is_nameless())
@@ -104,8 +107,16 @@ class ImportedMotion:
 
 
 def agreement(position: Array, velocity: Array, time: Array) -> Agreement:
-    """Return how well velocities (N, k) are the derivatives of positions (N, k) at times (N,)."""
-    slope, rate = slopes_and_rates(position, velocity, time)
+    """Return how well velocities (N, k) are the derivatives of positions (N, k) at times (N,).
+
+    Across the span over which most columns agree: a longer one where positions are rounded.
+    """
+    found = (_agreement(*slopes_and_rates(position, velocity, time, span)) for span in SLOPE_SPANS)
+    return max(found, key=lambda fit: fit.share)
+
+
+def _agreement(slope: Array, rate: Array) -> Agreement:
+    """Return how well velocities (M, k) agree with slopes (M, k)."""
     moving = [
         ratio for pair in zip(slope.T, rate.T, strict=True) if (ratio := _ratio(*pair)) is not None
     ]
@@ -117,11 +128,18 @@ def agreement(position: Array, velocity: Array, time: Array) -> Agreement:
     return Agreement(len(good) / len(moving), ratio, len(moving), float(missed))
 
 
-def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Array, Array]:
+def slopes_and_rates(
+    position: Array,
+    velocity: Array,
+    time: Array,
+    span: float = SLOPE_SPANS[0],
+    with_leaps: bool = False,
+) -> tuple[Array, Array]:
     """Return smoothed slopes of positions (N, k) and velocities at the same times (M, k).
 
     Rows of a polled log that repeat a stamp count once, rows without positions (of other topics in
-    one table) not at all; velocities that stand in rows of their own are interpolated.
+    one table) not at all; velocities that stand in rows of their own are interpolated. span: of a
+    slope [s]; with_leaps: also across the start of another run, so that all blocks have as many.
     """
     there = (np.diff(time, prepend=-np.inf) > 0) & np.isfinite(position).all(axis=1)
     apart = np.isfinite(velocity).all(axis=1)
@@ -130,14 +148,30 @@ def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Arr
         velocity = np.stack(rows, axis=1)
     position, velocity, time = position[there], velocity[there], time[there]
     step = np.diff(time)
-    width = max(1, round(SLOPE_SPAN / max(float(np.median(step)), 1e-4))) if len(step) else 1
+    width = max(1, round(span / max(float(np.median(step)), 1e-4))) if len(step) else 1
+    rise = np.diff(position, axis=0)
     whole = step < MAX_SLOPE_STEP
-    rise = np.diff(position, axis=0)[whole]
+    if not with_leaps:
+        whole &= ~_leaps(rise, np.ptp(position, axis=0))
+    rise = rise[whole]
     step = step[whole, None]
     rate = (velocity[1:] + velocity[:-1])[whole] / 2 * step
     count = len(rise) // width * width
     rise, rate, step = (v[:count].reshape(-1, width, v.shape[-1]) for v in (rise, rate, step))
     return rise.sum(axis=1) / step.sum(axis=1), rate.sum(axis=1) / step.sum(axis=1)
+
+
+def _leaps(rise: Array, travel: Array) -> Mask:
+    """Return which steps (N, k) of positions leap to the start of another run in the same file.
+
+    They stand alone: the joint moves far less just before and after. travel: of each column (k,).
+    """
+    size = np.abs(rise)
+    around = np.zeros_like(size)
+    around[1:] = size[:-1]
+    around[:-1] = np.maximum(around[:-1], size[1:])
+    far = (size > MIN_LEAP_SHARE * travel) & (around < MAX_SHARE_AROUND_LEAP * size)
+    return np.asarray(far.any(axis=1))
 
 
 def _ratio(slope: Array, rate: Array) -> float | None:
@@ -159,6 +193,7 @@ def find_motion(file: FileContents) -> ImportedMotion:
     positions.
     """
     file = with_continuous_angles(file)
+    file = _without_copies(file)
     position, velocity = _by_name(file) or _nameless(file)
     file, rate, still = _timed(file, position, velocity)
     file = _with_polled_target(file, file.block(position.names))
@@ -170,6 +205,18 @@ def find_motion(file: FileContents) -> ImportedMotion:
         measured["actual_qd"] = velocity
     targets = {name: block for name in TARGET_UNITS if (block := file.meant(name, position.clock))}
     return _with_targets(ImportedMotion(file, measured, units, rate, still), targets)
+
+
+def _without_copies(file: FileContents) -> FileContents:
+    """Return the file without nameless blocks that repeat an earlier one."""
+    kept = list[ColumnBlock]()
+    for block in file.blocks:
+        same = (one for one in kept if np.array_equal(one.rows, block.rows, equal_nan=True))
+        if block.is_nameless() and (first := next(same, None)):
+            file.account.exclude(block, f"it repeats {first.title}")
+        else:
+            kept.append(block)
+    return replace(file, blocks=kept)
 
 
 def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
@@ -244,20 +291,20 @@ def _likely_pairs(
     """
     by_clock = groupby(sorted(blocks, key=lambda block: block.clock), lambda block: block.clock)
     for clock, same in ((clock, [*group]) for clock, group in by_clock):
-        slopes, rates = (
-            np.nan_to_num(np.stack(part))
-            for part in zip(
-                *(slopes_and_rates(np.nan_to_num(b.rows), b.rows, stamps[clock]) for b in same),
-                strict=True,
-            )
-        )
+        pairs = [
+            slopes_and_rates(np.nan_to_num(b.rows), b.rows, stamps[clock], with_leaps=True)
+            for b in same
+        ]
+        slopes, rates = (np.nan_to_num(np.stack(part)) for part in zip(*pairs, strict=True))
+        usual = np.quantile(np.abs(slopes), USUAL_SHARE_OF_SLOPES, axis=1, keepdims=True)
+        slopes = np.clip(slopes, -usual, usual)  # without leaps between runs
         least = np.ones((len(same), len(same)))
         for slope, rate in zip(slopes.transpose(2, 0, 1), rates.transpose(2, 0, 1), strict=True):
             still = np.minimum.outer(slope.std(axis=1), rate.std(axis=1)) < MIN_MOVING_SPEED
             alike = _standardised(slope) @ _standardised(rate).T
             least = np.where(still, least, np.minimum(least, alike))
         np.fill_diagonal(least, 0.0)
-        for k, j in zip(*np.nonzero((least >= MIN_CORRELATION - 0.1) & (least < 1)), strict=True):
+        for k, j in zip(*np.nonzero((least >= MIN_CORRELATION - 0.2) & (least < 1)), strict=True):
             yield same[k], same[j]
 
 
@@ -327,6 +374,9 @@ def _on_best_clock(
         for name, unit, stamps in alternatives(file.clocks, current)
         if velocity or unit == units.get(name, "s")
     ]
+    if min(trial[0] for trial in tried) >= WORST_MISFIT:  # nothing moves that could tell
+        tried = [(irregularity(trial[3]), *trial[1:]) for trial in tried]
+        velocity = None
     misfit, name, unit, stamps = min(tried, key=lambda trial: trial[0])
     as_read = [trial[0] for trial in tried if trial[1:3] == (current, units.get(current, "s"))]
     if as_read and as_read[0] <= CLEAR_CLOCK_RATIO * misfit + 1e-9:

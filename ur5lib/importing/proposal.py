@@ -203,7 +203,7 @@ def _means(
     if moving.still:
         return None, nothing
     fresh = np.diff(moving.time, prepend=-np.inf) > 0
-    table = pd.DataFrame({"time": moving.time - moving.time[0], **columns})[fresh]
+    table = pd.DataFrame({"time": moving.time - np.nanmin(moving.time), **columns})[fresh]
     # in rad since `find_motion`
     anywhere = dict.fromkeys((f"actual_q_{k}" for k in range(moving.file.joints)), math.inf)
     table = table.reset_index(drop=True)

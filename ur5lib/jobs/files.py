@@ -18,6 +18,7 @@ from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import (
     ByKey,
+    intact,
     read_csv,
     read_record,
     read_table,
@@ -113,7 +114,8 @@ def _read_file(kind: Any, path: str) -> Any:
     if kind is pd.DataFrame:
         return read_table(path) if path.endswith(".parquet") else read_csv(path)
     if kind is Robot:
-        return load_robot(path)
+        with intact(path):
+            return load_robot(path)
     return read_record(kind, path)
 
 

@@ -18,9 +18,10 @@ MAX_BYTES = 10_000  # of a file that holds a reason
 
 def mark(paths: Iterable[str], reason: str) -> None:
     """Write the reason in place of files."""
-    for path in map(Path, paths):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(f"{MARK}{json.dumps(reason)}}}\n", encoding="utf-8")
+    from ur5lib.tables import write_text  # slow to import
+
+    for path in paths:
+        write_text(f"{MARK}{json.dumps(reason)}}}\n", path)
 
 
 def reason(path: str) -> str:
@@ -28,8 +29,11 @@ def reason(path: str) -> str:
     file = Path(path)
     if not file.is_file() or file.stat().st_size > MAX_BYTES:
         return ""
-    content = file.read_bytes()
-    return json.loads(content)["unreadable"] if content.startswith(MARK.encode()) else ""
+    if not file.read_bytes().startswith(MARK.encode()):
+        return ""
+    from ur5lib.tables import read_json  # slow to import
+
+    return str(read_json(path)["unreadable"])
 
 
 def readable(files: Files) -> tuple[Files, dict[str, str]]:

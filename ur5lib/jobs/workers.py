@@ -1,6 +1,7 @@
 """The warm processes of a run: one for each simultaneous job, with the packages that it has loaded.
 
-`python -m ur5lib.jobs.workers` is such a process.
+Such a process loads this package from where its parent has it, and modules of the working folder
+last: a `numpy.py` there is the user's own.
 """
 
 import atexit
@@ -18,7 +19,17 @@ from threading import Thread
 from typing import Any, TypeVar
 
 from ur5lib.jobs.job import Job, Setting, paths
+from ur5lib.workspace.places import PACKAGE
 
+START = """\
+import sys
+sys.path.insert(0, sys.argv[1])
+import ur5lib
+del sys.path[0]
+sys.path.append("")
+from ur5lib.jobs.workers import Connection, serve
+serve(Connection(int(sys.argv[2])))
+"""
 Work = TypeVar("Work")
 Answer = TypeVar("Answer")
 
@@ -31,7 +42,8 @@ class Worker:
 
     def __init__(self) -> None:
         self.connection, other = Pipe()
-        command = [sys.executable, "-m", "ur5lib.jobs.workers", str(other.fileno())]
+        given = str(PACKAGE.parent), str(other.fileno())
+        command = [sys.executable, "-P", "-c", START, *given]
         environment = os.environ | {"OMP_NUM_THREADS": "1"}
         self.process = subprocess.Popen(
             command, env=environment, stdin=subprocess.DEVNULL, pass_fds=[other.fileno()]
@@ -149,7 +161,3 @@ def end_with(connection: Connection) -> None:
     closed.register(connection, 0)  # no event but the end
     closed.poll()
     os._exit(0)
-
-
-if __name__ == "__main__":
-    serve(Connection(int(sys.argv[1])))

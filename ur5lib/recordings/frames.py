@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
-from ur5lib.channels import joint_count, suffixes
+from ur5lib.channels import SIX_SUFFIXES, joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.bunched_stamps import evenly_stamped
+from ur5lib.recordings.frozen import without_frozen
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
 from ur5lib.records.quality import Finding, add_finding
@@ -81,7 +82,8 @@ def repair_frames(
     _expect_frames(frames, source)
     timing = _timing_of_positions(frames, cycle, source)
     _report_steps(timing, findings)
-    steps, holes, vectors = _steps(frames), _holes(frames), _vectors(frames)
+    holes, frames = _holes(frames), without_frozen(frames, findings)
+    steps, vectors = _steps(frames), _vectors(frames)
     stretches = _stretches(frames, timing, max_gap)
     arrays = {name: frames[name].to_numpy() for names in vectors.values() for name in names}
     del frames
@@ -116,14 +118,22 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
         or not np.all([np.isfinite(frames[c].to_numpy(float)) for c in columns], axis=0).any()
     ]
     if "actual_q" in absent or "actual_q_0" not in frames:
-        raise InputError(
-            f"{source}: has no actual_q_0 to actual_q_5; record the joint positions, or name their "
-            "columns in the study"
-        )
+        raise no_positions(frames, joint_count(frames) or len(SIX_SUFFIXES), source)
     add_finding(findings, "robot", "incomplete channels", "warning", len(absent), names=absent)
     columns = _vectors(frames)
     dropped = [column for name in absent for column in columns[name]]
     return frames.drop(columns=dropped)
+
+
+def no_positions(frames: pd.DataFrame, joints: int, source: str) -> InputError:
+    """Return the error of frames that lack positions, which names the columns."""
+    names = [f"actual_q_{joint}" for joint in range(joints)]
+    missing = [name for name in names if name not in frames or not frames[name].notna().any()]
+    lacking = ", ".join(missing) or "row with all of actual_q"
+    if missing == names:
+        lacking = f"{names[0]} to {names[-1]}"
+    remedy = "record the joint positions, or name their columns in the study"
+    return InputError(f"{source}: has no {lacking}; {remedy}")
 
 
 def _timing_of_positions(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:

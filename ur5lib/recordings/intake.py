@@ -15,7 +15,8 @@ from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.counting import at_the_joints, counted_as
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
-from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.frames import no_positions, repair_frames
+from ur5lib.recordings.frozen import frozen_end
 from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.plausibility import drop_unwritten
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
@@ -134,11 +135,8 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
     """Raise InputError where a recording has not the positions of an arm's joints."""
     positions = [name for name in robot.table if name.startswith("actual_q_")]
     count, joints = joint_count(positions), len(arm.joints)
-    if count < joints:
-        raise InputError(
-            f"{robot.source}: has no actual_q_0 to actual_q_{joints - 1}; record the joint "
-            "positions, or name their columns in the study"
-        )
+    if any(f"actual_q_{joint}" not in robot.table for joint in range(joints)):
+        raise no_positions(robot.table, joints, robot.source)
     if count > joints:
         raise InputError(
             f"{robot.source}: has actual_q_0 to actual_q_{count - 1}, but {arm.name} has {joints} "
@@ -194,11 +192,12 @@ def with_slow_sensor(
     raw: RawRecording, frames: pd.DataFrame, findings: list[Finding]
 ) -> tuple[RawRecording, pd.DataFrame]:
     """Return a recording and its robot's frames with the force sensor as a device of its own, where
-    it is slower than the rows of the robot's file.
+    it is slower than the rows of the robot's file, or stays the same from some row on.
     """
     columns = [name for name in FORCE_CHANNELS if name in frames]
     samples = frames[["time", *columns]].dropna() if columns else frames[:0]
-    if fresh_samples(samples[columns].to_numpy(float)) is None:
+    values, time = samples[columns].to_numpy(float), samples["time"].to_numpy(float)
+    if fresh_samples(values) is None and frozen_end(values, time) is None:
         return raw, frames
     log = Log(Path(raw.robot.source), "force", findings)
     record = log.unless_unusable(lambda: repair_samples(samples, log))

@@ -11,6 +11,7 @@ from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import drop_untimed, read_rows
 from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
+from ur5lib.recordings.frozen import frozen_end, report_frozen
 from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
@@ -132,13 +133,23 @@ def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
     lacking = (~complete).sum(), "missing samples"
     add_finding(log.findings, log.device, "missing cells", "warning", *lacking)
     whole = _in_order(table[complete].reset_index(drop=True), log.device, log.findings)
-    whole = _without_held(whole, log)
+    whole = _without_held(_until_frozen(whole, log), log)
     if len(whole) < 2:
         raise InputError(
             f"{log.path}: has fewer than two samples with possible values; record it again"
         )
     _report_timing(whole["time"].to_numpy(), log.device, log.findings)
     return SensorSamples(whole, first_time(table["time"].to_numpy()))
+
+
+def _until_frozen(table: pd.DataFrame, log: Log) -> pd.DataFrame:
+    """Return the samples of a table, without those at its end that all repeat one reading."""
+    time = table["time"].to_numpy(float)
+    first = frozen_end(table.drop(columns="time").to_numpy(float), time)
+    if first is None:
+        return table
+    report_frozen(log.findings, log.device, str(log.path.name), time, first)
+    return table[:first]
 
 
 def _without_held(table: pd.DataFrame, log: Log) -> pd.DataFrame:

@@ -1,9 +1,11 @@
 """How many numbers a compressed file would unpack to, told before it is unpacked."""
 
+import io
 import math
 import struct
 import zlib
 from collections.abc import Callable, Collection, Iterator
+from itertools import accumulate
 from pathlib import Path
 from typing import IO, Any, BinaryIO
 from zipfile import ZipFile
@@ -12,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
+from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room, most_bytes
 
 PIECE_BYTES = 1 << 20  # bytes that are unpacked at a time
 NPY_HEADS: dict[tuple[int, ...], Callable[[IO[bytes]], tuple[Any, ...]]] = {  # by version
@@ -20,6 +22,7 @@ NPY_HEADS: dict[tuple[int, ...], Callable[[IO[bytes]], tuple[Any, ...]]] = {  # 
     (2, 0): np.lib.format.read_array_header_2_0,
 }
 MATRIX_ELEMENT, COMPRESSED_ELEMENT = 14, 15  # kinds of elements of a MAT file
+NUMBERS_PER_ELEMENT = 4  # beside its content: an array of four elements takes 112 bytes in memory
 MAT_SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}
 
 
@@ -111,40 +114,47 @@ def expect_mat_room(path: Path) -> None:
         head = file.read(128)
         order = {b"IM": "<", b"MI": ">"}.get(head[126:])
         if order:  # version 4 compresses nothing
-            numbers = 0.0
-            for count in _mat_numbers(file, order):
-                expect_room(path, numbers := numbers + count)
+            room = most_bytes() / BYTES_PER_NUMBER
+            for numbers in accumulate(_mat_numbers(file, order)):
+                if numbers > room:
+                    expect_room(path, numbers)
 
 
-def _mat_numbers(file: "BinaryIO | Inflated", order: str) -> Iterator[float]:
+def _mat_numbers(file: BinaryIO, order: str) -> Iterator[float]:
     """Yield how many numbers each element of a MAT file holds, in arrays and structures.
 
     order: of bytes. An element's content is passed by unread.
     """
     while len(tag := file.read(8)) == 8:
+        yield NUMBERS_PER_ELEMENT
         kind, size = struct.unpack(f"{order}II", tag)
         if kind == COMPRESSED_ELEMENT:
-            yield from _mat_numbers(Inflated(file.read(size)), order)
+            inflated = Inflated(file.read(size))
+            yield from _mat_numbers(io.BufferedReader(inflated, PIECE_BYTES), order)
         elif kind != MATRIX_ELEMENT and kind < 1 << 16:  # what is larger has its content in its tag
             yield size / MAT_SIZES.get(kind, 1)
             for rest in range(size + -size % 8, 0, -PIECE_BYTES):
                 file.read(min(rest, PIECE_BYTES))
 
 
-class Inflated:
+class Inflated(io.RawIOBase):
     """Compressed data that are unpacked as they are read."""
 
     def __init__(self, packed: bytes) -> None:
-        self._waiting, self._ready = packed, b""
+        self._packed = io.BytesIO(packed)
         self._inflate = zlib.decompressobj()
 
-    def read(self, size: int) -> bytes:
-        """Return the next bytes, fewer at the end."""
-        while len(self._ready) < size:
-            piece = self._inflate.decompress(self._waiting, PIECE_BYTES)
-            self._waiting = self._inflate.unconsumed_tail
-            if not piece:
-                break
-            self._ready += piece
-        found, self._ready = self._ready[:size], self._ready[size:]
-        return found
+    def readable(self) -> bool:
+        """Return that it can be read, as `io` asks."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Put the next bytes into a buffer, and return their number: 0 at the end."""
+        piece = b""
+        while not piece and (waiting := self._waiting()):
+            piece = self._inflate.decompress(waiting, len(buffer))
+        buffer[: len(piece)] = piece
+        return len(piece)
+
+    def _waiting(self) -> bytes:
+        return self._inflate.unconsumed_tail or self._packed.read(PIECE_BYTES)

@@ -34,6 +34,7 @@ class Friction:
 
     from_: the recordings in motion of the fit, none where friction is what other arms have;
     at_rest: those of postures, which tell torque constants alone; paths: number of trajectories;
+    period: the longest step between their samples [s], None without any;
     left_out: fits that predict what they have not seen; explained: (6,), share of the currents'
     variance that these explain, None of a single path; least_squares: (6, 4), the baseline's
     coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on
@@ -46,6 +47,7 @@ class Friction:
     from_: list[str] = field(default_factory=list)
     at_rest: list[str] = field(default_factory=list)
     paths: int = 0
+    period: float | None = None
     fit: CurrentFit = NO_FIT
     left_out: list[LeftOut] = field(default_factory=list)
     explained: Array | None = None

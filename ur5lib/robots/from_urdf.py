@@ -1,5 +1,6 @@
 """The description of any serial arm of revolute joints, from its URDF."""
 
+import math
 import re
 from collections.abc import Iterator
 from contextlib import redirect_stderr
@@ -17,8 +18,9 @@ from ur5lib.errors import InputError, some
 from ur5lib.robots.description import INVALID_DESCRIPTION, Pose, Robot, mistakes_in
 from ur5lib.robots.individual import link_matrix, pose_of
 from ur5lib.robots.inertia import joined, tensor
+from ur5lib.robots.possible_bodies import change, impossibility, nearest_possible
 from ur5lib.robots.statics import STANDARD_GRAVITY
-from ur5lib.strict import expect_file
+from ur5lib.strict import expect_file, quoted
 from ur5lib.timeseries.arrays import Array
 
 MIN_JOINTS = 2
@@ -28,12 +30,14 @@ PLACEHOLDER_MASS, PLACEHOLDER_INERTIA = 1.0, 0.01 * np.eye(3)  # kg, kg m²
 ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s: where a file has no limits
 GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s², in the axes of the base link
 MAX_USUAL_ANGLE, MAX_USUAL_LENGTH = 4 * np.pi, 10.0  # rad, m
+NUMERIC_TAGS = ("origin", "axis", "mass", "inertia", "limit")
+PHYSICAL = "physical"  # link model of possible bodies
 XACRO = "xacro"  # in the names of elements that xacro replaces
 RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
 
 
 def robot_from_urdf(
-    path: Path, base: str | None = None, tip: str | None = None
+    path: Path, base: str | None = None, tip: str | None = None, physical: bool = False
 ) -> tuple[Robot, list[str]]:
     """Return the arm between two links of a URDF, and in sentences what had to be assumed.
 
@@ -43,7 +47,8 @@ def robot_from_urdf(
     to it; what moves beside the chain is at its position zero.
 
     Where masses are left out, or the same in all links, the links are unknown; where limits of
-    effort or velocity are, some are assumed.
+    effort or velocity are, some are assumed. physical: add and choose the link model PHYSICAL,
+    where no body has the inertia of a link, with the nearest that one may have.
 
     Raises InputError where the file is no URDF, has no such chain of 2 to 8 revolute joints, or
     lacks limits of angles.
@@ -62,6 +67,10 @@ def robot_from_urdf(
     along[2, 3] = start[:3, 3] @ start[:3, 2]
     start, tails[0] = start @ np.linalg.inv(along), along @ tails[0]
     links = [_as_one(tree, *pair) for pair in zip(bodies, frames, strict=True)]
+    models, impossible = {"maker": _model(links, path)}, _impossible_links(tree, bodies)
+    if physical and impossible:
+        possible = [_as_one(tree, *pair, physical) for pair in zip(bodies, frames, strict=True)]
+        models[PHYSICAL] = _model(possible, path, f", {some([*impossible])} made possible")
     unknown = placeholders(tree, joints, bodies)
     description = {
         "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
@@ -72,8 +81,8 @@ def robot_from_urdf(
         "endless_joints": [k for k, j in enumerate(joints, 1) if j.type == "continuous"] or None,
         "links": "unknown" if unknown else "known",
         "masses": [mass for mass, _, _ in links],
-        "chosen_model": "maker",
-        "models": {"maker": _model(links, path)},
+        "chosen_model": [*models][-1],
+        "models": models,
     }
     try:
         robot = Robot.model_validate(description)
@@ -82,7 +91,7 @@ def robot_from_urdf(
             f"the arm of {path} {INVALID_DESCRIPTION}: {mistakes_in(error)}"
         ) from error
     remarks = [*_remarks(tree, base, tip, joints, bodies, start)]
-    return robot, [*remarks, *_missing(joints, unknown)]
+    return robot, [*remarks, *_missing(joints, unknown), *_bodies(tree, impossible, physical)]
 
 
 def _read(path: Path) -> Any:
@@ -99,10 +108,13 @@ def _read(path: Path) -> Any:
         _keep(root, "link", "joint")
         for link in root.iter("link"):
             _keep(link, "inertial")
+        _expect_finite(root, path)
         with redirect_stderr(StringIO()):  # unknown tags of simulators
             return URDF.from_xml_string(ElementTree.tostring(root))
+    except InputError:
+        raise
     except Exception as error:  # the parser raises whatever its elements do
-        raise InputError(f"{path} is no URDF ({error})") from error
+        raise InputError(f"{path} is no URDF ({' '.join(str(error).split())})") from error
 
 
 def _expect_parts(root: ElementTree.Element, path: Path) -> None:
@@ -122,6 +134,27 @@ def _expect_parts(root: ElementTree.Element, path: Path) -> None:
                     f"{path}: the {end.tag} of {joint.get('name')}, {end.get('link')!r}, is none "
                     "of its links; correct the name, or add the link"
                 )
+
+
+def _expect_finite(root: ElementTree.Element, path: Path) -> None:
+    """Raise InputError for a number of a link or a joint that is NaN or infinite."""
+    for part in root:
+        for element in part.iter():
+            numbers = element.items() if element.tag in NUMERIC_TAGS else ()
+            for key, text in numbers:
+                if any(map(_is_unbounded, text.split())):
+                    raise InputError(
+                        f"{path}: `{key}` in the <{element.tag}> of {part.get('name')} is "
+                        f"{quoted(text)}; give a number"
+                    )
+
+
+def _is_unbounded(word: str) -> bool:
+    """Return whether a word is NaN or an infinite number."""
+    try:
+        return not math.isfinite(float(word))
+    except ValueError:
+        return False
 
 
 def _keep(element: ElementTree.Element, *tags: str) -> None:
@@ -205,11 +238,16 @@ def _hanging_links(
     tree: Any, link: str, place: Array, ends: set[str]
 ) -> Iterator[tuple[str, Array]]:
     """Yield a link and what hangs on it, with poses (4, 4), up to the joints `ends`."""
-    yield link, place
-    for name, child in tree.child_map.get(link, []):
-        if name not in ends:
-            origin = _pose_matrix(tree.joint_map[name].origin)
-            yield from _hanging_links(tree, child, place @ origin, ends)
+    waiting, met = [(link, place)], set[str]()
+    while waiting:
+        link, place = waiting.pop()
+        if link in met:  # of a circle
+            continue
+        met.add(link)
+        yield link, place
+        for name, child in reversed(tree.child_map.get(link, [])):
+            if name not in ends:
+                waiting.append((child, place @ _pose_matrix(tree.joint_map[name].origin)))
 
 
 def _joint_frames(
@@ -254,23 +292,61 @@ def _exact_rotation(rotation: Array) -> Array:
     return np.where(np.abs(rotation - rounded) < RIGHT_ANGLE_TOLERANCE, rounded, rotation) + 0.0
 
 
-def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Array, Array]:
-    """Return mass, centre of mass (3,) and inertia tensor (3, 3) about it of links, in a frame."""
+def _as_one(
+    tree: Any, body: dict[str, Array], frame: Array, physical: bool = False
+) -> tuple[float, Array, Array]:
+    """Return mass, centre of mass (3,) and inertia tensor (3, 3) about it of links, in a frame.
+
+    physical: with the nearest inertias that bodies may have. Links without mass are left out.
+    """
     parts = []
     for link, place in body.items():
         inertial = tree.link_map[link].inertial
-        if inertial is not None and inertial.mass and inertial.inertia is not None:
+        if inertial is not None and _mass(inertial) > 0 and inertial.inertia is not None:
             pose = np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin)
-            R, about = pose[:3, :3], _tensor(inertial.inertia)
-            parts.append((float(inertial.mass), pose[:3, 3], R @ about @ R.T))
+            mass, R, about = _mass(inertial), pose[:3, :3], _tensor(inertial.inertia)
+            if physical and impossibility(mass, about):
+                about = nearest_possible(mass, about)
+            parts.append((mass, pose[:3, 3], R @ about @ R.T))
     return joined(parts) if parts else (PLACEHOLDER_MASS, np.zeros(3), PLACEHOLDER_INERTIA)
 
 
-def _model(links: list[tuple[float, Array, Array]], path: Path) -> dict[str, Any]:
+def _mass(inertial: Any) -> float:
+    """Return the mass [kg] of an `inertial`, 0 where it is left out."""
+    return float(inertial.mass or 0.0)
+
+
+def _impossible_links(tree: Any, bodies: list[dict[str, Array]]) -> dict[str, str]:
+    """Return the links that state a mass and an inertia that no body has, with the reasons."""
+    reasons = {}
+    for link in (link for body in bodies for link in body):
+        inertial = tree.link_map[link].inertial
+        if inertial is not None and inertial.mass is not None and inertial.inertia is not None:
+            reasons[link] = impossibility(_mass(inertial), _tensor(inertial.inertia))
+    return {link: reason for link, reason in reasons.items() if reason}
+
+
+def _bodies(tree: Any, impossible: dict[str, str], physical: bool) -> Iterator[str]:
+    """Yield which links are no bodies, and what is taken instead; physical: of PHYSICAL."""
+    for link, reason in impossible.items():
+        inertial = tree.link_map[link].inertial
+        mass, about = _mass(inertial), _tensor(inertial.inertia)
+        if mass <= 0:
+            remedy = "left out; correct it in the file"
+        elif physical:
+            remedy = f"{change(about, nearest_possible(mass, about))} in the model `{PHYSICAL}`"
+        else:
+            remedy = "correct the file, or add the nearest possible one by --physical"
+        yield f"{link} is no possible body: {reason}; {remedy}"
+
+
+def _model(
+    links: list[tuple[float, Array, Array]], path: Path, altered: str = ""
+) -> dict[str, Any]:
     """Return the link model of masses, centres of mass (3,) and inertia tensors (3, 3)."""
     tensors = [inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] for _, _, inertia in links]
     return {
-        "description": f"as in {path.name}",
+        "description": f"as in {path.name}{altered}",
         "centers_of_mass": [center.tolist() for _, center, _ in links],
         "inertias": [entries.tolist() for entries in tensors],
     }
@@ -320,7 +396,7 @@ def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -
     lacking, masses = [], []
     for joint, body in zip(joints, bodies, strict=True):
         inertials = [tree.link_map[link].inertial for link in body]
-        heavy = [one for one in inertials if one is not None and one.mass]
+        heavy = [one for one in inertials if one is not None and _mass(one) > 0]
         masses.append(sum(float(one.mass) for one in heavy))
         if not heavy or any(one.inertia is None or not _of_a_body(one.inertia) for one in heavy):
             lacking.append(joint.child)

@@ -138,6 +138,22 @@ def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
     return bodies if links.payload is None else mount(bodies, links.payload)
 
 
+def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
+    """Return π of τ = Y π, (11 n,) [kg, kg m, kg m²]: ten per link, then the n rotor inertias.
+
+    m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin and in the axes of
+    the URDF's link_k: origin o_(k-1), and axes that the tail of link k turns into frame k's.
+    """
+    links = []
+    for k, pose in enumerate(robot.link_poses()):
+        rotation, translation = link_tail(pose)
+        mass, center = bodies.mass[k], translation + rotation @ bodies.center_of_mass[k]
+        inertia = shift_inertia(rotation @ bodies.inertia[k] @ rotation.T, mass, center)
+        upper = inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+        links.append([mass, *(mass * center), *upper])
+    return np.append(np.ravel(links), bodies.rotor_inertia)
+
+
 def written_bodies(robot: Robot, model: str) -> RigidBodies:
     """Return the links of an arm as files for other programs have them, which may round."""
     return rigid_bodies(robot, model).rigid(WRITTEN_SHARE)

@@ -54,7 +54,8 @@ def compute_torques(
     doubts += too_short(known.segment, known.period, cutoff_hz)
     if untouched is not None:
         doubts += tare_doubts(untouched, known, robot, cutoff_hz, motion.motor_qd)
-    doubts += fast_between_samples(known.actual_q, known.segment, known.period)
+    moved = known.actual_q, known.segment, known.period
+    doubts += fast_between_samples(*moved, robot.velocity_limits())
     contradictions = contradicting(signals, robot, load, role, doubts, accepted or {})
     torques = joint_torques(robot, load, known, motion)
     return RecordingTorques(torques, Premises(load, contradictions))

@@ -113,6 +113,7 @@ def fitted_friction(
     return Friction(
         from_=[record.name for record in records],
         paths=int(record_paths(records).max()) + 1,
+        period=max(record.period for record in records),
         fit=fit,
         left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
         explained=explained_by_others(records, left_out, smooth),

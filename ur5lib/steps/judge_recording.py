@@ -29,6 +29,7 @@ from ur5lib.steps.judge_contacts import (
 from ur5lib.steps.judge_joints import checkup, dated
 from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
 from ur5lib.steps.measure_observability import by_axis, pushed
+from ur5lib.steps.predict_currents import slower_than_fit
 from ur5lib.thesis.published_constants import PublishedConstants
 from ur5lib.thesis.reference import Published, read_reference
 from ur5lib.tidy import files, forces, friction, models, motion, written
@@ -53,13 +54,14 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
     published = Published(read_reference(evidence.reference).printed, evidence.recording)
     contacts = detect_contacts(evidence, sensor)
     rows = {
-        **of_files(evidence, beside_sensor),
+        **of_files(evidence),
         **of_motion(evidence, published, beside_imu, account),
         **of_currents(evidence, published),
         **of_forces(evidence, published, beside_sensor, contacts),
     }
     condition = examine_joints(evidence)
-    judgement = Judgement(rows, condition, beside_imu, beside_sensor.offset)
+    found = findings_of(evidence, beside_sensor)
+    judgement = Judgement(rows, found, condition, beside_imu, beside_sensor.offset)
     return JudgedRecording(sensor, fused, accelerations, judgement)
 
 
@@ -111,19 +113,25 @@ def examine_joints(evidence: Evidence) -> Checkup:
     return checkup(record, smooth, evidence.friction.fit, day, evidence.quality)
 
 
-def of_files(evidence: Evidence, beside_sensor: Compared) -> dict[str, Rows]:
+def findings_of(evidence: Evidence, beside_sensor: Compared) -> list[Finding]:
+    """Return the findings about the recording's files, clocks and sensor."""
+    contradictions, cutoff = evidence.premises.contradictions, evidence.currents_lowpass.cutoff
+    slower = slower_than_fit(evidence.signals, evidence.friction, cutoff)
+    share = unusual_friction(evidence.motion, evidence.currents, evidence.residuals)
+    unusual = [Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})]
+    doubts = [*contradictions.findings, *slower, *(unusual if share is not None else [])]
+    contradictions = replace(contradictions, findings=doubts)
+    clocks = evidence.alignment.clocks
+    return files.findings(evidence.quality, contradictions, clocks, beside_sensor)
+
+
+def of_files(evidence: Evidence) -> dict[str, Rows]:
     """Return the rows about the recording's files."""
     quality, clocks = evidence.quality, evidence.alignment.clocks
-    contradictions, account = evidence.premises.contradictions, quality
-    share = unusual_friction(evidence.motion, evidence.currents, evidence.residuals)
-    if share is not None:
-        unusual = Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})
-        account = replace(quality, findings=[*quality.findings, unusual])
     return written(
         recordings=files.recordings(quality, evidence.signals),
         files=files.files(quality),
         account=files.account(quality),
-        quality=files.quality(account, contradictions, clocks, beside_sensor),
         clocks=files.clocks(clocks),
     )
 

@@ -9,6 +9,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells
@@ -64,6 +65,7 @@ def tables_of_recordings(
         for name, own in columns().items()
         if "recording" in own
     }
+    rows["quality"] = {name: map(worded, one.findings) for name, one in judgements.items()}
     rows["quality"] |= {name: [files.unreadable(why)] for name, why in unreadable.items()}
     imu = {recording: one.imu for recording, one in judgements.items()}
     rows["acceleration_bands"] = {

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks.channels import slow_samples
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.external_torque import external_torque, without_edges
 from ur5lib.identification.current_samples import Smoother, current_record
@@ -36,6 +37,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.steps.tare import tared
@@ -69,14 +71,17 @@ def predict_currents(
     """Return the current that motion without contact needs, and the torque left for a contact.
 
     payload, unloaded: loads of the recording and of the arm's `fit` recordings; untouched: [s], in
-    which nothing touches the resting arm. Both are empty without currents or a fit, and where the
-    recording contradicts the study.
+    which nothing touches the resting arm. Both are empty without currents or a fit, where the
+    recording contradicts the study or is slower than the fit.
     """
     summary = Prediction(recording in friction.from_)
     record = current_record(recording, signals, motion, torques, arm)
-    if record is None or not friction.fit.joints or premises.contradictions.stop_signs:
-        return PredictedCurrents(Currents(time=signals.time, segment=signals.segment), summary)
     fit, smooth = friction.fit_for(recording), Smoother(*lowpass)
+    stopped = premises.contradictions.stop_signs or slower_than_fit(
+        signals, friction, smooth.cutoff
+    )
+    if record is None or not fit.joints or stopped:
+        return PredictedCurrents(Currents(time=signals.time, segment=signals.segment), summary)
     load, load_torque = None, 0 * record.q
     if payload.is_known:
         may_be_taken = premises.load.source != "study" and role != "fit"
@@ -92,6 +97,17 @@ def predict_currents(
     rivals = baselines(record, arm, friction.least_squares, signals)
     scored = scores(record, currents, rivals, smooth)
     return PredictedCurrents(currents, replace(summary, load=load, scores=scored))
+
+
+def slower_than_fit(signals: Signals, friction: Friction, cutoff: float) -> list[Finding]:
+    """Return a warning of a recording in motion that is too slow for the fit's bands.
+
+    cutoff: of the low-pass of currents [Hz].
+    """
+    if friction.period is None:
+        return []
+    moved = signals.actual_q, signals.segment, signals.period
+    return slow_samples(*moved, cutoff, friction.period)
 
 
 def predicted_currents(

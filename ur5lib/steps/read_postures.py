@@ -60,9 +60,9 @@ def read_postures(
         recordings=files.recordings(quality, None),
         files=files.files(quality),
         account=files.account(quality),
-        quality=files.quality(quality, postures.contradictions),
     )
-    return ReadPostures(postures, Judgement(rows))
+    found = files.findings(quality, postures.contradictions)
+    return ReadPostures(postures, Judgement(rows, found))
 
 
 def checked_postures(

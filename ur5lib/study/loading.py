@@ -1,7 +1,9 @@
 """Snakemake reads a study as `ur5 check` does.
 
 Its own reader runs code that a file holds, where the file has the key `__use_yte__`, and no option
-of Snakemake's prevents that.
+of Snakemake's prevents that: https://github.com/snakemake/snakemake/pull/2269. It reads what
+`--configfile` names before it looks at the Snakefile, but after the profile. Therefore the profiles
+call `read_studies_as_data`, which puts another reader in the place of Snakemake's, here alone.
 """
 
 from collections.abc import Iterable
@@ -10,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from snakemake.common import configfile
 from snakemake.exceptions import WorkflowError
-from snakemake.settings import types
 
 from ur5lib.errors import InputError
 
@@ -25,11 +26,9 @@ def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
     read_before: studies that Snakemake has read itself, if no profile has called this.
     Raises WorkflowError where `read_plain` refuses one of them.
     """
-    if configfile.load_configfile is _data:
+    if configfile._load_configfile is _data:
         return
-    for place in (configfile, types):
-        assert place.load_configfile, "where Snakemake reads a study from"
-        place.load_configfile = _data
+    configfile._load_configfile = _data
     for path in read_before:
         _data(path)
 
@@ -37,9 +36,8 @@ def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
 def _data(path: str | Path) -> "PlainData":
     """Return a study as plain data. Raises WorkflowError."""
     try:
-        from ur5lib.study.reading import (
-            read_plain,
-        )  # loads extensions, in which there may be errors
+        # loads extensions, in which there may be errors
+        from ur5lib.study.reading import read_plain
 
         return read_plain(Path(path))
     except InputError as error:

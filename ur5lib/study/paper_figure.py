@@ -6,9 +6,11 @@ import sys
 from pathlib import Path
 
 from ur5lib.errors import InputError, perhaps, some, unknown
-from ur5lib.strict import read_yaml
-from ur5lib.workspace.places import SNAKEFILE
+from ur5lib.study.reading import read_plain
+from ur5lib.tables import intact
+from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
 
+PROFILE = WORKFLOW / "profiles" / "default"
 FORMATS = ("pdf", "svg", "png")
 WIDTHS, FONT_SIZES = (40, 400), (4, 20)  # mm, points
 
@@ -29,8 +31,9 @@ def paper_figure(
     sizes = f"{millimetres(width):g}mm_{_within(font_size, FONT_SIZES, '--font-size'):g}pt"
     file, place = f"paper/{figure}_{sizes}.{format}", results.resolve()
     study = str(place / "configuration.yaml")
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE)]
-    command += ["--configfile", study, "--cores", "1", "--quiet", "all"]
+    command = [sys.executable, "-P", "-m", "snakemake", "--snakefile", str(SNAKEFILE)]
+    command += ["--workflow-profile", str(PROFILE)]  # not one that lies beside the results
+    command += ["--configfile", study, "--cores", "1", "--quiet", "rules"]
     command += [
         "--allowed-rules",
         f"paper_{Path(figure).name}",
@@ -62,7 +65,8 @@ def expect_figure(results: Path, figure: str) -> None:
             f"{results} has no figure {figure!r}{near}; run snakemake, or `snakemake figures`, "
             f"which draws those of all recordings; see {results}/figures"
         )
-    name = read_yaml(configuration)["study"]
+    with intact(configuration):
+        name = read_plain(configuration)["study"]
     if results.resolve().parts[-2:] != ("results", name):
         raise InputError(f"{results} was results/{name} when it was made; move it back")
 

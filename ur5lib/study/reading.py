@@ -24,6 +24,7 @@ from ur5lib.robots.description import PROJECT_FOLDER, load_robot, robot_path
 from ur5lib.strict import FAST_DUMPER, expect_few_values, explain, quoted, read_yaml
 from ur5lib.study.accept import joined
 from ur5lib.study.model import Study
+from ur5lib.thesis.reference import read_reference
 
 PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
 WILDCARD = re.compile(r"[*?\[]")
@@ -31,6 +32,7 @@ DAY_IN_PATH = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 FORBIDDEN_CHARACTERS = re.compile(r"[^A-Za-z0-9_.-]+")
 ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # in the key of a mistake
 CODE_KEY = "__use_yte__"  # Snakemake runs what a file with this key holds
+TRUTH_SUFFIXES = (".parquet", ".json")
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 
 
@@ -77,6 +79,7 @@ def parse_study(raw: PlainData, source: str) -> Study:
         *_repeated_files(raw),
         *_devices_on_two_hosts(raw),
         *_missing_results(raw),
+        *_wrong_reference(raw),
     ]
     try:
         study = _with_arms(Study.model_validate(_with_files(raw)))
@@ -195,6 +198,8 @@ def _faults(stated: int, entry: PlainData, raw: PlainData) -> Iterator[str]:
             f"`{place}.folder` is {quoted(folder)}, which does not exist in {Path.cwd()}; run in "
             "the study's folder, correct the path, or fetch the data (`ur5 fetch`)"
         )
+    else:
+        yield from _wrong_truth(place, folder, entry.get("truth"))
     if entry.get("robot") is None and raw.get("robot") is None:
         yield (
             f"`{place}.robot` is missing; name the arm there, or as `robot` of the study for all "
@@ -212,6 +217,19 @@ def _faults(stated: int, entry: PlainData, raw: PlainData) -> Iterator[str]:
         yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"
 
 
+def _wrong_truth(place: str, folder: Any, truth: Any) -> Iterator[str]:
+    """Yield the error of a truth that does not lie in its recording's folder."""
+    if not isinstance(folder, str) or not isinstance(truth, str):
+        return
+    files = [os.path.join(folder, truth + suffix) for suffix in TRUTH_SUFFIXES]
+    leaves = os.path.isabs(truth) or ".." in Path(truth).parts
+    if leaves or not all(map(os.path.isfile, files)):
+        yield (
+            f"`{place}.truth` is {quoted(truth)}; give the path within the recording's folder of "
+            f"a file {' and a file '.join(TRUTH_SUFFIXES)}, without these suffixes"
+        )
+
+
 def _missing_results(raw: PlainData) -> Iterator[str]:
     for name in _listed(raw, "compare_with"):
         if name == raw.get("study"):
@@ -221,6 +239,16 @@ def _missing_results(raw: PlainData) -> Iterator[str]:
                 f"`compare_with` names {quoted(name)}, but results/{name} holds no results; run "
                 "snakemake on that study first"
             )
+
+
+def _wrong_reference(raw: PlainData) -> Iterator[str]:
+    """Yield the error of a file that holds no published values."""
+    reference = raw.get("reference")
+    if isinstance(reference, str) and os.path.isfile(reference):
+        try:
+            read_reference(reference)
+        except InputError as error:
+            yield f"`reference`: {error}"
 
 
 def _with_files(raw: PlainData) -> PlainData:

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError, field_validator
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Vector3
-from ur5lib.strict import Strict, read_yaml
+from ur5lib.strict import Strict, explain, read_yaml
 
 
 class LoopError(Strict):
@@ -41,6 +41,7 @@ class AccelerationError(Strict):
     model_delay_s: float
 
 
+NOT_PUBLISHED_VALUES = "does not hold published values"
 OLDER_MODEL = "[21]"  # a link model whose equations the thesis does not print
 
 
@@ -174,6 +175,14 @@ def read_reference(path: str | Path | None) -> PublishedValues:
     if path is None:
         return PublishedValues()
     try:
-        return PublishedValues.model_validate(read_yaml(Path(path)))
-    except (ValidationError, yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} does not hold valid published values: {error}") from error
+        content = read_yaml(Path(path))
+        if not isinstance(content, dict):
+            raise InputError(f"{path} {NOT_PUBLISHED_VALUES}: it is no mapping; name another file")
+        return PublishedValues.model_validate(content)
+    except ValidationError as error:
+        schema = PublishedValues.model_json_schema()
+        mistakes = "; ".join(explain(detail, schema) for detail in error.errors())
+        raise InputError(f"{path} {NOT_PUBLISHED_VALUES}: {mistakes}") from error
+    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path} {NOT_PUBLISHED_VALUES} ({reason}); name another file") from error

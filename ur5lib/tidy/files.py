@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -10,12 +10,20 @@ import pandas as pd
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
 from ur5lib.records.force_errors import Compared
-from ur5lib.records.quality import UNREADABLE, Contradictions, Quality
+from ur5lib.records.quality import (
+    UNREADABLE,
+    Contradictions,
+    Device,
+    Finding,
+    Quality,
+    add_finding,
+)
 from ur5lib.records.signals import Signals
-from ur5lib.report.page.findings import SAME_RUN, sentence, worded
+from ur5lib.records.wording import sentence
 from ur5lib.signals.clock import SettledClock
 from ur5lib.tidy import Row
 
+SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
@@ -65,50 +73,42 @@ def clocks(clocks: Mapping[str, SettledClock]) -> Iterator[Row]:
         }
 
 
-def quality(
+def findings(
     quality: Quality,
     contradictions: Contradictions | None = None,
     clocks: Mapping[str, SettledClock] | None = None,
     forces: Compared | None = None,
-) -> Iterator[Row]:
-    """Yield the findings about a recording's files, clocks without a measured drift, and a force
+) -> list[Finding]:
+    """Return the findings about a recording's files, clocks without a measured drift, and a force
     sensor that contradicts the motor currents or its tool's weight, or whose bias may be a push.
 
-    Each device's file has its checksum as detail; its count is 1 where it is used, else 0. The
-    robot's rows have their fingerprint.
+    Each device's file has its checksum; its count is 1 where it is used, else 0. The robot's rows
+    have their fingerprint. `name_copies` keeps those of several recordings.
     """
     contradictions = contradictions or Contradictions()
-    yield from map(worded, contradictions.stop_signs)
-    yield from map(worded, quality.findings)
-    yield from map(worded, contradictions.findings)
-    if unused := [row for row in quality.account if row.taken_for == NOTHING]:
-        detail = "; ".join(f"{row.subject}: {row.reason}" for row in unused)
-        about = {"device": "robot", "finding": "columns not used", "severity": "note"}
-        yield about | {"count": len(unused), "detail": detail}
-    for device, checksum in quality.files.items():  # `name_copies` keeps those of several
-        about = {"device": device, "finding": SAME, "severity": "note"}
-        yield about | {"count": int(device in quality.devices), "detail": checksum}
-    about = {"device": "robot", "finding": SAME_RUN, "severity": "note"}
-    yield about | {"count": 0, "detail": " ".join(map(str, quality.fingerprint))}
+    found = [*contradictions.stop_signs, *quality.findings, *contradictions.findings]
+    unused = [row for row in quality.account if row.taken_for == NOTHING]
+    named = {"columns": "; ".join(f"{row.subject}: {row.reason}" for row in unused)}
+    add_finding(found, "robot", "columns not used", "note", len(unused), "", **named)
+    for device, checksum in quality.files.items():
+        used = int(device in quality.devices)
+        found.append(Finding(device, SAME, "note", used, {"checksum": checksum}, "checksum"))
+    rows = {"rows": " ".join(map(str, quality.fingerprint))}
+    found.append(Finding("robot", SAME_RUN, "note", 0, rows, "fingerprint"))
     for sensor, clock in (clocks or {}).items():
-        if clock.warning:
-            yield _finding(sensor, "clock by stamps alone", asdict(clock))
-        elif clock.drift is None:
-            yield _finding(sensor, "unknown drift", asdict(clock))
+        doubt = "clock by stamps alone" if clock.warning else "unknown drift"
+        if clock.warning or clock.drift is None:
+            found.append(Finding(cast(Device, sensor), doubt, "warning", 1, asdict(clock)))
     for doubted in ("mounting", "offset"):
-        if doubt := getattr(forces, f"{doubted}_doubt", None):
-            yield _finding("force", doubted, {"doubt": asdict(doubt)})
+        if told := getattr(forces, f"{doubted}_doubt", None):
+            found.append(Finding("force", doubted, "warning", 1, {"doubt": asdict(told)}))
+    return found
 
 
 def unreadable(reason: str) -> Row:
     """Return the stop sign of a recording that cannot be read."""
     about: Row = {"device": "robot", "finding": UNREADABLE, "severity": "stop"}
     return about | {"count": 1, "detail": reason}
-
-
-def _finding(device: str, finding: str, values: Row, severity: str = "warning") -> Row:
-    about = {"device": device, "finding": finding, "detail": sentence(finding, values)}
-    return about | {"severity": severity, "count": 1}
 
 
 def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:

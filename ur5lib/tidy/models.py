@@ -11,7 +11,7 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.signals import Signals
-from ur5lib.report.page.findings import in_words
+from ur5lib.records.wording import in_words
 from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Column, Row, by_joint
 from ur5lib.timeseries.arrays import Array

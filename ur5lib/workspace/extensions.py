@@ -4,6 +4,7 @@ They are the user's own code: files of the folder `extensions` in the workspace,
 installed packages that name them as entry points. No study can name another.
 """
 
+import os
 import sys
 import traceback
 from collections.abc import Callable, Container, Iterator
@@ -21,6 +22,9 @@ from ur5lib.workspace.places import PACKAGE
 FOLDER = Path("extensions")  # in the workspace, which is the working folder
 ENTRY_POINT_GROUP = "ur5lib."  # its beginning: ur5lib.friction, ...
 PAGE = "docs/extensions.md shows how"
+USE_VARIABLE = "UR5_EXTENSIONS"  # in the environment of a command of `ur5`: NAMED, or LEFT_OUT
+NAMED = "named"  # each on stderr before it runs
+LEFT_OUT = "left out"
 
 
 class Kind(NamedTuple):
@@ -99,6 +103,8 @@ def source_files(modules: Container[Path]) -> list[Path]:
 
 def _loaders(kind: str) -> dict[str, Callable[[], Any]]:
     """Return a function that loads each extension of a kind, by its file or its entry point."""
+    if os.environ.get(USE_VARIABLE) == LEFT_OUT:
+        return {}
     file = FOLDER / f"{kind}.py"
     files = {str(file): partial(_module_in, file)} if file.is_file() else {}
     return files | {
@@ -119,6 +125,8 @@ def _module_in(file: Path) -> ModuleType:
 
 def _module(source: str, load: Callable[[], Any]) -> ModuleType:
     """Return the module of an extension. Raises InputError where there is none."""
+    if os.environ.get(USE_VARIABLE) == NAMED:
+        print(f"ur5: runs {source}; `ur5 --no-extensions` leaves it out", file=sys.stderr)
     try:
         module = load()
     except Exception as error:  # whatever a user's code does

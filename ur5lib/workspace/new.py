@@ -21,7 +21,7 @@ def new_workspace(folder: Path) -> str:
     if (folder / "Snakefile").exists():
         raise InputError(f"{folder} has a Snakefile: run snakemake there, or name another folder")
     made(made(folder) / "raw")
-    for name, text in _contents().items():
+    for name, text in _contents().items():  # the Snakefile last: with it, the folder is complete
         if not (folder / name).exists():
             write_text(text, folder / name)
     enter = "" if folder.resolve() == Path.cwd() else f"cd {quote(str(folder))} && "
@@ -48,13 +48,13 @@ def _contents() -> dict[str, str]:
     """Return the content of each file of a new workspace by its name."""
     schema, config = _with_whole_schema_path(WORKFLOW / "config.yaml").split("\n", 1)
     example = (TEMPLATES / "config.yaml").read_text(encoding="utf-8")
-    copied = {path.name: path for path in (TEMPLATES / "Snakefile", TEMPLATES / "README.md")}
-    copied |= {_relative(path): path for path in WORKFLOW.glob("profiles/*/config.yaml")}
+    copied = {_relative(path): path for path in WORKFLOW.glob("profiles/*/config.yaml")}
+    copied |= {path.name: path for path in (TEMPLATES / "README.md", TEMPLATES / "Snakefile")}
     studies = WORKFLOW.glob("workflow/studies/*.yaml")
     return (
-        {name: path.read_text(encoding="utf-8") for name, path in copied.items()}
+        {"config.yaml": f"{schema}\n{example}{config}"}
         | {_relative(path): _with_whole_schema_path(path) for path in studies}
-        | {"config.yaml": f"{schema}\n{example}{config}"}
+        | {name: path.read_text(encoding="utf-8") for name, path in copied.items()}
     )
 
 

@@ -35,7 +35,7 @@ rule read_postures:
     log:
         **traces("read_postures", "{recording}"),
     params:
-        code=code("read_postures", WORDS_OF_FINDINGS),
+        code=code("read_postures"),
         recording=of_recording(SELECTION.entry_to_read),
         gravity=of_recording(SELECTION.gravity),
         payload=of_recording(SELECTION.payload),
@@ -187,7 +187,7 @@ rule judge_recording:
     log:
         **traces("judge_recording", "{recording}"),
     params:
-        code=code("judge_recording", COLUMNS, WORDS_OF_FINDINGS),
+        code=code("judge_recording", COLUMNS),
         recording="{recording}",
         role=lambda wildcards: RECORDINGS[wildcards.recording].role,
         date=of_recording(SELECTION.date),

@@ -1,0 +1,180 @@
+"""How often right logs of real and simulated arms are stopped, and which faults in them are told.
+
+    python -m benchmarks.false_stops [--folder ../shared] [--quick] [seeds]
+
+Right logs are those of the real arms in a folder of reference data, by the studies of the workflow
+or by entries made here, and drawn ones of simulated arms: Universal Robots, arms of seven joints by
+currents and by torque sensors, and industrial ones with big gears whose links nobody knows. Each is
+checked as recorded, with positions, velocities and efforts alone, as most logs are, and with links
+that are described wrongly. Faults are put into the second, one at a time, where its joints move. A
+stop sign that names another cause, or other joints, counts as told otherwise.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.harness.options import options_of
+from benchmarks.harness.right_logs import RightLog, real_logs, simulated_logs, wrongly_described
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import Pair
+from ur5lib.checks.checked import MIN_BLOCKS, Checked
+from ur5lib.checks.currents import moving_joints
+from ur5lib.checks.readings import exchanged_order, in_order
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.unchecked import unchecked
+from ur5lib.leaderboard.tables import markdown
+from ur5lib.records.quality import Finding
+from ur5lib.tables import channel, named
+from ur5lib.timeseries.arrays import Array
+
+SEEDS = 8
+DELAYS, SCALE, UNIT = (0.05, 0.3), 0.6, 1000.0  # s; of one joint's efforts; of all
+MOVED = ("actual_q", "actual_qd", MEASURED_CURRENT)
+DOUBT = "links in doubt"
+
+
+class Fault(NamedTuple):
+    """A log with a fault; joints: from 1, which a stop sign should name, if any; words: of which
+    one should be in its code.
+    """
+
+    kind: str
+    checked: Checked
+    joints: set[int]
+    words: tuple[str, ...]
+
+
+def main() -> None:
+    """Print what happens to right logs and to faults."""
+    options = options_of(__doc__)
+    options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="logs of each kind")
+    options.add_argument("--folder", type=Path, default=Path("../shared"), help="reference data")
+    given = options.parse_args()
+    logs = [*simulated_logs(1 if given.quick else given.seeds)]
+    logs += [] if given.quick else [*real_logs(given.folder)]
+    print(f"{len(logs)} right logs")
+    right = pd.DataFrame([row for own in logs for row in of_right(own)])
+    print(table(right, ["arm", "as"]))
+    for _, row in right[right["stop sign"] != ""].iterrows():
+        print(f"- {row['log']}, {row['as']}: {row['stop sign']}")
+    faulty = pd.DataFrame([row for own in logs for row in of_faults(own)])
+    print(table(faulty, ["fault"]))
+    for (kind, outcome), rows in faulty[faulty["told"] == 0].groupby(["fault", "outcome"]):
+        print(f"- {kind}, {outcome}: {', '.join(rows['log'])}")
+
+
+def table(rows: pd.DataFrame, keys: list[str]) -> str:
+    """Return the sums of what rows count, by some of their columns."""
+    counts = rows.groupby(keys, sort=False).sum(numeric_only=True).reset_index()
+    return markdown([*counts], [[*map(str, row)] for row in counts.itertuples(index=False)])
+
+
+def of_right(log: RightLog) -> Iterator[dict[str, object]]:
+    """Yield how a right log is judged: as recorded, by its motion alone, and described wrongly."""
+    forms = [("recorded", log.checked), ("motion alone", bare(log.checked))]
+    forms += [("links described wrongly", own) for own in wrongly_described(bare(log.checked))]
+    for name, own in forms:
+        stops = stop_signs(own)
+        doubts = [] if stops else [one for one in unchecked(own) if one.finding == DOUBT]
+        counts = {"logs": 1, "stopped": int(bool(stops)), "doubted": int(bool(doubts))}
+        code = ", ".join(f"{one.code} {dict(one.values)}" for one in stops)
+        yield {"arm": log.arm, "log": log.name, "as": name, **counts, "stop sign": code}
+
+
+def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
+    """Yield what is told of each fault that is put into a log."""
+    for fault in faults(bare(log.checked)):
+        stops = stop_signs(fault.checked)
+        told = any(is_told(fault, sign) for sign in stops)
+        outcome = "told" if told else "told otherwise" if stops else "unnoticed"
+        counts = {name: int(name == outcome) for name in ("told", "told otherwise", "unnoticed")}
+        yield {"fault": fault.kind, "log": log.name, "outcome": outcome, "logs": 1, **counts}
+
+
+def is_told(fault: Fault, sign: Finding) -> bool:
+    """Return whether a stop sign names a fault and its joints."""
+    stated = dict(sign.values)
+    joints = {stated[key] for key in ("joint", "other") if key in stated}
+    named_ones = {*stated["joints"]} if "joints" in stated else joints  # type: ignore[misc]
+    right = not fault.joints or named_ones == fault.joints
+    return right and any(word in sign.code for word in fault.words)
+
+
+def bare(own: Checked) -> Checked:
+    """Return a log with its positions, velocities and efforts alone."""
+    kept = ("time", "segment", "interpolated", *MOVED)
+    names = [name for name in own.robot if name.startswith(kept)]
+    return Checked(own.robot[names], own.arm, own.configured, own.declared, own.fitted)
+
+
+def faults(own: Checked) -> Iterator[Fault]:
+    """Yield a log with each kind of fault; none where nothing moves or no effort was recorded."""
+    if f"{MEASURED_CURRENT}_0" not in own.robot or len(own.means.q) < MIN_BLOCKS:
+        return
+    moving = np.flatnonzero(moving_joints(own.means)).tolist()
+    random = np.random.default_rng(len(own.robot))
+    if len(moving) > 1:
+        pairs = [*combinations(moving, 2)]
+        chosen = random.choice(len(pairs), 2)
+        yield from exchanged(own, *(pairs[k] for k in chosen))
+    if moving:
+        yield from of_a_joint(own, int(random.choice(moving)))
+        yield from of_all_joints(own)
+        others = [one for one in own.others if one.joints != own.arm.joints]
+        if own.arm.has_ur_motors() and others:
+            other = replace(own, arm=others[random.integers(len(others))])
+            yield Fault("another arm declared", other, set(), ("other arm", "known cause"))
+
+
+def exchanged(own: Checked, pair: Pair, other: Pair) -> Iterator[Fault]:
+    """Yield a log with efforts of two joints exchanged, and with all channels of another two."""
+    order, order_of_all = ([*exchanged_order(in_order(own.arm), *two)] for two in (pair, other))
+    words = ("exchanged currents", "exchanged torques")
+    efforts = spoilt(own, channel(own.robot, MEASURED_CURRENT)[:, order])
+    yield Fault("efforts of two joints exchanged", efforts, {j + 1 for j in pair}, words)
+    table = own.robot.copy()
+    for name in MOVED:
+        if f"{name}_0" in table:
+            table = table.assign(**named(channel(own.robot, name)[:, order_of_all], name))
+    all_of_them = replace(own, robot=table)
+    yield Fault(
+        "all of two joints exchanged", all_of_them, {j + 1 for j in other}, ("exchanged joints",)
+    )
+
+
+def of_a_joint(own: Checked, joint: int) -> Iterator[Fault]:
+    """Yield a log with the effort of a joint turned, and scaled."""
+    effort, factor = channel(own.robot, MEASURED_CURRENT), np.ones(len(own.arm.joints))
+    for kind, size, words in (
+        ("sign of a joint", -1, ("turned", "opposite")),
+        (f"{SCALE} of a joint's effort", SCALE, ("foreign constant", "scaled")),
+    ):
+        factor[joint] = size
+        yield Fault(kind, spoilt(own, effort * factor), {joint + 1}, words)
+
+
+def of_all_joints(own: Checked) -> Iterator[Fault]:
+    """Yield a log with efforts turned, in another unit, and late."""
+    effort = channel(own.robot, MEASURED_CURRENT)
+    words = ("turned", "opposite", "mounting or sign")
+    yield Fault("sign of all joints", spoilt(own, -effort), set(), words)
+    words = ("mA", "no current", "foreign size", "foreign constant")
+    yield Fault("efforts 1000 times as large", spoilt(own, UNIT * effort), set(), words)
+    for delay in DELAYS:
+        late = pd.DataFrame(effort).shift(round(delay / own.step)).bfill().to_numpy()
+        yield Fault(f"efforts {delay} s late", spoilt(own, late), set(), ("late",))
+
+
+def spoilt(own: Checked, efforts: Array) -> Checked:
+    """Return a log with other efforts."""
+    return replace(own, robot=own.robot.assign(**named(efforts, MEASURED_CURRENT)))
+
+
+if __name__ == "__main__":
+    main()

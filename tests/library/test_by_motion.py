@@ -1,0 +1,173 @@
+"""What the whole motion tells of efforts: their order and signs, the arm, and what it lacks.
+
+Of a UR5e by currents, and of the same arm by its joints' torques, as whose links nobody knows. The
+logs are computed here, by the equations of motion with friction, gears' losses and noise.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.conftest import said
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.doubts import DOUBT
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.unchecked import unchecked
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.robots.exports import urdf
+from ur5lib.robots.from_urdf import robot_from_urdf
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.newton_euler import torque
+from ur5lib.tables import channel, named
+from ur5lib.timeseries.arrays import Array
+
+STEP, SECONDS, HOME = 0.02, 24.0, np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
+EFFORT = "actual_current"
+Spoil = Callable[[Array], Array]
+
+
+@pytest.fixture(scope="module")
+def ur5e() -> Robot:
+    return load_robot(robot_path("ur5e"))
+
+
+@pytest.fixture(scope="module")
+def sensed(ur5e: Robot, tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """The same arm with its joints' torques measured, from its URDF."""
+    file = tmp_path_factory.mktemp("arm") / "arm.urdf"
+    file.write_text(urdf(ur5e, rigid_bodies(ur5e, ur5e.chosen_model)))
+    return robot_from_urdf(Path(file))[0]
+
+
+def log(arm: Robot, seed: int = 0, spring: float = 0.0) -> Checked:
+    """A motion of all joints; spring: at joint 2 [Nm/rad]."""
+    random, time = np.random.default_rng(seed), np.arange(0, SECONDS, STEP)
+    pace, phase = random.uniform(0.5, 2.0, (2, 3, 6)) * [[[1.0]], [[np.pi]]]
+    angle = pace[:, None] * time[:, None] + phase[:, None]
+    size = 0.25
+    q, qd = HOME + size * np.sin(angle).sum(0), size * (pace[:, None] * np.cos(angle)).sum(0)
+    qdd = -size * (pace[:, None] ** 2 * np.sin(angle)).sum(0)
+    links = torque(arm, arm.fullest_model(), q, qd, qdd)
+    largest = np.array([150, 150, 150, 28, 28, 28])
+    effort = 1.05 * links if not arm.senses_torque() else links
+    effort = effort + largest * (0.04 * np.tanh(qd / 0.02) + 0.02 * qd)
+    effort[:, 1] += spring * (q[:, 1] - HOME[1])
+    effort += 0.005 * largest * random.normal(size=q.shape)
+    effort = effort / arm.maker_torque_constants()
+    table = pd.DataFrame({"time": time, "segment": 0, "interpolated": False})
+    for name, values in {"actual_q": q, "actual_qd": qd, EFFORT: effort}.items():
+        table = table.assign(**named(values, name))
+    return Checked(table, arm, None, None, fitted=True)
+
+
+def spoilt(own: Checked, order: list[int], *names: str, sign: Array | None = None) -> Checked:
+    """With the columns of some channels in another order, or times a sign."""
+    table = own.robot.copy()
+    for name in names:
+        values = channel(own.robot, name)[:, order] * (1.0 if sign is None else sign)
+        table = table.assign(**named(values, name))
+    return replace(own, robot=table)
+
+
+def signs(own: Checked) -> list[str]:
+    return [said(sign) for sign in stop_signs(own)]
+
+
+def unknown(arm: Robot) -> Robot:
+    return arm.model_copy(update={"links": "unknown"})
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_right_logs_are_not_stopped(ur5e: Robot, sensed: Robot, seed: int) -> None:
+    for arm in (ur5e, sensed):
+        own = log(arm, seed)
+        assert signs(own) == []
+        assert DOUBT not in {one.finding for one in unchecked(own)}
+    assert signs(replace(log(sensed, seed), arm=unknown(sensed))) == []
+
+
+def test_exchanged_efforts_and_joints_are_told_apart(ur5e: Robot, sensed: Robot) -> None:
+    order = [0, 3, 2, 1, 4, 5]
+    for own in (log(ur5e), log(sensed), replace(log(sensed), arm=unknown(sensed))):
+        (efforts,) = signs(spoilt(own, order, EFFORT))
+        assert "of joints 2 and 4 are exchanged: each follows" in efforts
+        (joints,) = signs(spoilt(own, order, "actual_q", "actual_qd", EFFORT))
+        assert "joints 2 and 4 are exchanged: their motion" in joints
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_turned_torque_is_told_by_links(sensed: Robot, known: bool) -> None:
+    """As sensors beyond gears feel no friction; the entry's remedy mends it."""
+    arm = sensed if known else unknown(sensed)
+    turned = np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
+    (sign,) = signs(spoilt(replace(log(sensed), arm=arm), [*range(6)], EFFORT, sign=turned))
+    assert "is reversed on these joints: 3;" in sign
+    assert "`units: {actual_torque: [1, 1, -1, 1, 1, 1]}`" in sign
+
+
+def test_a_turned_current_is_told(ur5e: Robot) -> None:
+    turned = np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
+    (sign,) = signs(spoilt(log(ur5e), [*range(6)], EFFORT, sign=turned))
+    assert "the sign of the current of joint 5 is reversed" in sign
+
+
+def test_a_current_too_small_for_what_it_holds_is_told(ur5e: Robot) -> None:
+    """Gears lose torque, so that no motor's current holds more than its constant allows."""
+    weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
+    (sign,) = signs(spoilt(log(ur5e), [*range(6)], EFFORT, sign=weak))
+    assert "gravity's torque on joint 2 is" in sign
+
+
+def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:
+    own = log(ur5e)
+    ur10e = load_robot(robot_path("ur10e"))
+    (sign,) = signs(replace(own, arm=ur10e))
+    assert "`robot: ur5e`" in sign
+    loaded = log(ur5e.carrying(Payload(mass=1.5, center_of_mass=(0.0, 0.0, 0.05))))
+    assert signs(replace(loaded, arm=ur5e)) == []
+
+
+def doubts(own: Checked) -> list[str]:
+    assert signs(own) == []
+    return [said(one) for one in unchecked(own) if one.finding == DOUBT]
+
+
+def test_what_a_description_lacks_is_named(ur5e: Robot, sensed: Robot) -> None:
+    """Rotors, a load, a spring, or other links, each where nothing before it heals the doubt."""
+    rotors = {"rotor_inertias": ur5e.models[ur5e.fullest_model()].rotor_inertias}
+    model = sensed.models["maker"].model_copy(update=rotors)
+    driven = sensed.model_copy(update={"models": {"maker": model}})
+    (lacks_rotors,) = doubts(replace(log(driven), arm=sensed))
+    assert "lacked the rotors" in lacks_rotors
+    load = Payload(mass=3.0, center_of_mass=(0.02, 0.0, 0.1))
+    lacks_load = doubts(replace(log(sensed.carrying(load)), arm=sensed))
+    assert any("declare it as `payload`" in one for one in lacks_load)
+    (lacks_spring,) = doubts(log(sensed, spring=40.0))
+    assert "joints 2 of" in lacks_spring
+    assert "`balanced_joints`" in lacks_spring
+
+
+def test_wrong_links_are_doubted_and_stop_nothing(sensed: Robot) -> None:
+    masses = tuple(
+        mass * factor for mass, factor in zip(sensed.masses, (1, 2, 0.3, 3, 0.3, 4), strict=True)
+    )
+    model = sensed.models["maker"].model_copy(update={"masses": None})
+    wrong = sensed.model_copy(update={"masses": masses, "models": {"maker": model}})
+    found = doubts(replace(log(sensed), arm=wrong))
+    assert any("say `links: unknown` there" in one for one in found)
+
+
+def test_joints_that_rest_tell_nothing(sensed: Robot) -> None:
+    """As notes, and no stop sign, whatever their columns hold."""
+    own = log(sensed)
+    still = own.robot.copy()
+    for name in ("actual_q", "actual_qd"):
+        still = still.assign(**named(0 * channel(own.robot, name), name))
+    resting = replace(own, robot=still)
+    assert signs(resting) == []
+    open_ones = {one.finding for one in unchecked(resting)}
+    assert {"order not checked", "sign not checked", "columns not checked"} <= open_ones

@@ -1,0 +1,270 @@
+"""Checks of order and sign of efforts, and of the arm, by the whole motion.
+
+What would explain the efforts better is a contradiction where one of two explanations says so, that
+of the declared links or, where nobody knows them, that of any links, and the other is not against.
+The limits are set on the right logs of `benchmarks/false_stops.py`. How far a right log is from a
+limit on its other side is what it can show.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import Cause, Pair, torque_constants
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.currents import moving_joints, rubbing_joints
+from ur5lib.checks.readings import exchanged_order, in_order
+from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
+from ur5lib.errors import remark
+from ur5lib.records.quality import Finding, contradiction
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+MIN_ERRORS = 2.5  # standard errors over stretches, below which a lead may be chance
+MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against a change
+# in right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by the
+# declared links, by 0.36 by any
+MIN_LEAD_OF_EFFORTS = 0.15
+MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
+# of a turned joint by the declared links, in right logs at most 0.31; by any, the mean over all
+# joints, at most 0.05
+MIN_LEAD_OF_SIGN, MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.5, 0.15
+MIN_ERRORS_OF_FRICTION = 3.0  # standard errors by which friction drives; in right logs, at most 0.6
+# with what the arm carries, in right logs at most 0.26, and with any load
+MIN_LEAD_OF_ARM, MIN_LEAD_OF_LOADED_ARM = 0.3, 0.1
+# by which any links lead the declared ones of a joint whose description is in doubt; in right logs
+# of arms that are described with all that they have, at most 0.6 beyond chance
+MAX_LEAD_OF_ANY_LINKS = 0.8
+# times the maker's constant, at the best and the lowest by its errors; in right logs, at most 1.05
+# and 1.00
+MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK = 1.18, 1.06
+MIN_MOVING_JOINTS = 3  # that tell arms apart
+
+
+class Limits(NamedTuple):
+    """Leads from which on an explanation is likelier: by the declared links, and by any."""
+
+    by_links: float
+    by_any_links: float
+
+
+OF_EFFORTS = Limits(MIN_LEAD_OF_EFFORTS, MIN_LEAD_OF_EFFORTS)
+OF_JOINTS = Limits(MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS)
+
+
+class MotionChecks:
+    """What the motion of an arm, with what it carries, tells of its efforts."""
+
+    def __init__(self, means: BlockMeans, arm: Robot, rubs: bool) -> None:
+        """Take the means of blocks; rubs: whether friction brakes what the efforts drive."""
+        self.means, self.arm, self.rubs = means, arm, rubs
+        self.motion = WholeMotion(means, arm)
+        self.moving = np.flatnonzero(moving_joints(means)).tolist()
+
+    @cached_property
+    def declared(self) -> Explained:
+        """Return how well the efforts are explained as they are."""
+        return self.motion.explained()
+
+    @cached_property
+    def exchanged_efforts(self) -> dict[Pair, Explained]:
+        """Return how well they are with those of two joints that move exchanged."""
+        torque, pairs = self.motion.torque, combinations(self.moving, 2)
+        return {pair: self.motion.explained(torque[:, self._order(pair)]) for pair in pairs}
+
+    @cached_property
+    def exchanged_joints(self) -> dict[Pair, Explained]:
+        """Return how well they are with all channels of two joints that move exchanged."""
+        return {
+            pair: WholeMotion(self.means.part(columns=self._order(pair)), self.arm).explained()
+            for pair in combinations(self.moving, 2)
+        }
+
+    @cached_property
+    def turned(self) -> dict[int, Explained]:
+        """Return how well they are with the opposite sign on a joint that moves."""
+        torque = self.motion.torque
+        return {j: self.motion.explained(torque * self._signs([j])) for j in self.moving}
+
+    @cached_property
+    def friction(self) -> dict[int, float]:
+        """Return the friction of joints that move, from 0, at their usual speed, in standard
+        errors: the larger of those beside the declared links and beside any.
+        """
+        if not self.rubs:
+            return {}
+        rubbing, errors = rubbing_joints(self.arm), self.motion.friction_in_errors()
+        return {joint: float(errors[joint]) for joint in self.moving if rubbing[joint]}
+
+    def gain(self, other: Explained) -> float:
+        """Return by how much another explanation of all joints leads that as declared."""
+        return lead(other.by_known, self.declared.by_known, self.motion.joints).size
+
+    def gain_of_arm(self, arm: Robot) -> float:
+        """Return by how much all efforts are better explained by another arm or mounting."""
+        return self.gain(WholeMotion(self.means, arm).explained())
+
+    def gain_of_opposite(self) -> float:
+        """Return by how much all efforts are better explained with the opposite sign."""
+        return self.gain(self.motion.explained(-self.motion.torque))
+
+    def exchanges_of_joints(self) -> Iterator[Cause]:
+        """Yield pairs of joints that explain the efforts better with all channels exchanged."""
+        for pair, other in self.exchanged_joints.items():
+            if is_likelier(other, self.declared, pair, OF_JOINTS):
+                means = self.means.part(columns=self._order(pair))
+                yield self._change("exchanged joints", other, means, pair)
+
+    def exchanges_of_efforts(self) -> Iterator[Cause]:
+        """Yield pairs of joints whose motion explains each other's efforts better."""
+        code = "exchanged torques" if self.arm.senses_torque() else "exchanged currents"
+        for pair, other in self.exchanged_efforts.items():
+            if is_likelier(other, self.declared, pair, OF_EFFORTS):
+                efforts = self.means.currents[MEASURED_CURRENT][:, self._order(pair)]
+                yield self._change(code, other, self._with_efforts(efforts), pair)
+
+    def turned_by_links(self) -> Iterator[Cause]:
+        """Yield the joints whose turned efforts the declared links explain better, or, where nobody
+        knows links, the joint whose turned effort lets any explain those of all joints best.
+        """
+        joints = [j for j, other in self.turned.items() if is_turned(other, self.declared, j)]
+        if not self.arm.tells_gravity():
+            joints = [j for j in joints if j == max(joints, key=self._gain_of_sign)]
+        if joints:
+            signs = self._signs(joints)
+            other = self.motion.explained(self.motion.torque * signs)
+            means = self._with_efforts(self.means.currents[MEASURED_CURRENT] * signs)
+            codes = "turned torques by links", "turned current by links"
+            yield Cause(self._as_turned(joints, *codes), self.gain(other), means, self.arm)
+
+    def turned_by_friction(self) -> Iterator[Finding]:
+        """Find efforts whose friction drives the motion instead of braking it."""
+        joints = [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
+        if joints:
+            yield self._as_turned(joints, "turned torques", "turned current")
+
+    def weak_currents(self) -> Iterator[Finding]:
+        """Find a current of a UR's motor that is too small for what it holds: gears win no torque.
+
+        Where any links explain the joint far better, the description is in doubt instead.
+        """
+        if not self.arm.has_ur_motors() or not self.arm.tells_gravity():
+            return
+        shown = torque_constants(self.means, self.arm)
+        weak = [
+            joint
+            for joint in shown.ratio.keys() & {*self.moving}
+            if shown.ratio[joint] > MIN_RATIO_OF_WEAK and shown.low[joint] > MIN_LOW_OF_WEAK
+        ]
+        declared = self.declared.by_links
+        for joint in sorted(weak, key=lambda own: -shown.ratio[own])[:1]:
+            ahead = declared and lead(self.declared.by_any_links, declared, [joint])
+            if ahead and ahead.size < MAX_LEAD_OF_ANY_LINKS:
+                known = shown.known[joint]
+                values = {"joint": joint + 1, "constant": shown.ratio[joint] * known}
+                arm = self.arm.name
+                yield contradiction("foreign constant", arm=arm, causes=[], known=known, **values)
+
+    def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
+        """Yield the arm that explains the efforts best, also if each carried any load, with those
+        that hardly do so worse; others: under the load that this one carries.
+        """
+        ahead = {arm.name: own for arm in others if (own := self._lead_of_arm(arm)) is not None}
+        if ahead and len(self.moving) >= MIN_MOVING_JOINTS:
+            first, *names = sorted(ahead, key=lambda name: -ahead[name])
+            alike = [name for name in names if ahead[first] - ahead[name] < MAX_LEAD_AGAINST]
+            causes = [remark("robot as cause", value=name) for name in (first, *alike)]
+            finding = contradiction("other arm's currents", arm=self.arm.name, causes=causes)
+            (best,) = (arm for arm in others if arm.name == first)
+            yield Cause(finding, ahead[first], self.means, best)
+
+    def _lead_of_arm(self, arm: Robot) -> float | None:
+        """Return by how much another arm explains the efforts better, None where it does not."""
+        other = WholeMotion(self.motion.means, arm)
+        its = other.in_units_of(self.arm, other.explained().by_known)
+        bare = lead(its, self.declared.by_known, self.moving)
+        if not _leads(bare, MIN_LEAD_OF_ARM):
+            return None
+        loaded = other.in_units_of(self.arm, other.with_any_load())
+        with_load = lead(loaded, self.with_any_load, self.moving)
+        return bare.size if _leads(with_load, MIN_LEAD_OF_LOADED_ARM) else None
+
+    @cached_property
+    def with_any_load(self) -> Misfit:
+        """Return what the declared links miss with any load."""
+        return self.motion.with_any_load()
+
+    def tells_order(self, pair: Pair) -> bool:
+        """Return whether an exchange of two joints would be noticed."""
+        own = self.exchanged_joints.get(pair)
+        return own is not None and is_likelier(self.declared, own, pair, OF_JOINTS)
+
+    def tells_efforts(self, pair: Pair) -> bool:
+        """Return whether an exchange of two joints' efforts would be noticed."""
+        own = self.exchanged_efforts.get(pair)
+        return own is not None and is_likelier(self.declared, own, pair, OF_EFFORTS)
+
+    def tells_sign(self, joint: int) -> bool:
+        """Return whether the opposite sign of a joint's effort would be noticed, also where all are
+        turned, which links that nobody knows do not tell.
+        """
+        brakes = [own > MIN_ERRORS_OF_FRICTION for own in self.friction.values()]
+        if self.friction.get(joint, 0.0) > MIN_ERRORS_OF_FRICTION:
+            return True
+        known = self.arm.tells_gravity() or any(brakes)
+        own = self.turned.get(joint)
+        return known and own is not None and is_turned(self.declared, own, joint)
+
+    def _as_turned(self, joints: list[int], of_torques: str, of_current: str) -> Finding:
+        if not self.arm.senses_torque():
+            return contradiction(of_current, joint=joints[0] + 1)
+        numbers, signs = [joint + 1 for joint in joints], self._signs(joints).astype(int).tolist()
+        return contradiction(of_torques, joints=numbers, signs=str(signs))
+
+    def _signs(self, joints: list[int]) -> Array:
+        """Return -1 for some joints, 1 for others (n,)."""
+        return np.where(np.isin(np.arange(len(self.arm.joints)), joints), -1.0, 1.0)
+
+    def _with_efforts(self, efforts: Array) -> BlockMeans:
+        return replace(self.means, currents={MEASURED_CURRENT: efforts})
+
+    def _gain_of_sign(self, joint: int) -> float:
+        return self.gain(self.turned[joint])
+
+    def _change(self, code: str, other: Explained, means: BlockMeans, pair: Pair) -> Cause:
+        finding = contradiction(code, joint=pair[0] + 1, other=pair[1] + 1)
+        return Cause(finding, self.gain(other), means, self.arm)
+
+    def _order(self, pair: Pair) -> list[int]:
+        """Return the columns of all joints, of which those of two are exchanged."""
+        return [*exchanged_order(in_order(self.arm), *pair)]
+
+
+def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least: Limits) -> bool:
+    """Return whether one explanation is likelier than a first, by some joints from 0: the declared
+    links say so and any links are not against, or, where nobody knows links, any say so.
+    """
+    if other.by_links is None or first.by_links is None:
+        return _leads(lead(other.by_any_links, first.by_any_links, joints), least.by_any_links)
+    if not _leads(lead(other.by_links, first.by_links, joints), least.by_links):
+        return False
+    return lead(other.by_any_links, first.by_any_links, joints).size > -MAX_LEAD_AGAINST
+
+
+def is_turned(other: Explained, first: Explained, joint: int) -> bool:
+    """Return whether the opposite sign of a joint, from 0, is likelier: by declared links that of
+    its own effort, by any links those of all joints, which hang on each other.
+    """
+    if other.by_links is not None:
+        return is_likelier(other, first, [joint], Limits(MIN_LEAD_OF_SIGN, np.inf))
+    joints = first.motion.joints
+    return is_likelier(other, first, joints, Limits(np.inf, MIN_LEAD_OF_SIGN_BY_ANY_LINKS))
+
+
+def _leads(found: Lead, least: float) -> bool:
+    return found.size > least and found.errors > MIN_ERRORS

@@ -1,0 +1,235 @@
+"""How well measured efforts are explained by the whole motion: of the declared links, and of any.
+
+The declared explanation is the torque of the described links (gravity, inertia and what their
+speeds need) with friction and an offset of each joint. The free one is that of any links on the
+described axes, one set of inertial parameters for all joints, with the same friction: its rival.
+Both are judged on stretches of time that their fits leave out, by the logarithm of the mean square
+of what they miss: of 0.1, a mean square differs by a tenth.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.checks.arm import MAX_CONSTANT_RATIO
+from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
+from ur5lib.robots.description import Robot
+from ur5lib.robots.drives import shaft_matrix
+from ur5lib.robots.inertia import inertial_parameters, rigid_bodies
+from ur5lib.robots.newton_euler import torque_regressor
+from ur5lib.timeseries.arrays import Array
+
+STRETCHES = 10  # of time, each of which is left out once
+MAX_BLOCKS = 600  # of a log that are looked at
+# of columns of unit size; the one that misses least is taken, so that few blocks are not overfitted
+RIDGES = (1e-4, 3e-3, 3e-2)
+WEIGHING_ROUNDS = 3  # in which each joint's noise is estimated
+TORQUE_NOISE = 0.02  # Nm; nothing is explained better
+
+
+class Misfit(NamedTuple):
+    """Logarithms of the mean squares that an explanation misses: of each joint (n,), and of each
+    stretch and joint (STRETCHES, n).
+    """
+
+    whole: Array
+    stretches: Array
+
+
+class Lead(NamedTuple):
+    """By how much an explanation misses less than another: a difference of logarithms of mean
+    squares over some joints, and its mean over stretches in standard errors.
+    """
+
+    size: float
+    errors: float
+
+
+def lead(other: Misfit, first: Misfit, joints: Sequence[int]) -> Lead:
+    """Return by how much one explanation leads the first; joints: from 0, of which the mean is."""
+    chosen = [*joints]
+    gains = (first.stretches - other.stretches)[:, chosen].mean(axis=1)
+    error = gains.std(ddof=1) / np.sqrt(len(gains)) + 1e-9
+    return Lead(float((first.whole - other.whole)[chosen].mean()), float(gains.mean() / error))
+
+
+class Regression:
+    """Columns (M, n, C) fitted to torques (M, n) of all joints at once, without each stretch."""
+
+    def __init__(self, columns: Array, ridges: Sequence[float] = RIDGES[:1]) -> None:
+        """Sum the products of columns by stretch and joint; ridges: of which the best is taken."""
+        size = np.sqrt((columns**2).mean(axis=(0, 1)))
+        self.ridges, self.size = ridges, np.where(size > 1e-9, size, np.inf)
+        self.columns = columns / self.size
+        self.parts = np.array_split(np.arange(len(columns)), STRETCHES)
+        by_joint = self.columns.swapaxes(0, 1)
+        products = [by_joint[:, own].mT @ by_joint[:, own] for own in self.parts]
+        self.products = np.stack(products)  # (STRETCHES, n, C, C)
+
+    def misfit(self, torque: Array) -> Misfit:
+        """Return what is missed of a torque (M, n) [Nm]."""
+        left = self._left(torque, self._best(torque))
+        squares = [(left[own] ** 2).mean(axis=0) for own in self.parts]
+        whole = (left**2).mean(axis=0)
+        return Misfit(*(np.log(np.array(own) + TORQUE_NOISE**2) for own in (whole, squares)))
+
+    def coefficients(self, torque: Array) -> Array:
+        """Return the coefficients (STRETCHES, C) of the fits without each stretch."""
+        return self._best(torque) / self.size
+
+    def _best(self, torque: Array) -> Array:
+        """Return the coefficients of unit columns that miss least, all joints alike."""
+
+        def missed(fit: Array) -> float:
+            square = (self._left(torque, fit) ** 2).mean(axis=0)
+            return float(np.log(square + TORQUE_NOISE**2).sum())
+
+        return min((self._coefficients(torque, ridge) for ridge in self.ridges), key=missed)
+
+    def _left(self, torque: Array, coefficients: Array) -> Array:
+        parts = zip(self.parts, coefficients, strict=True)
+        return np.concatenate([torque[own] - self.columns[own] @ fit for own, fit in parts])
+
+    def _coefficients(self, torque: Array, ridge: float) -> Array:
+        """Return the coefficients (STRETCHES, C) of unit columns; joints weigh by their noise."""
+        sides = np.stack(
+            [np.einsum("mjc,mj->jc", self.columns[own], torque[own]) for own in self.parts]
+        )
+        products, side = self.products.sum(axis=0), sides.sum(axis=0)
+        penalty = ridge * len(torque) * np.eye(self.columns.shape[2])
+
+        def solved(products: Array, sides: Array, weight: Array) -> Array:
+            summed = np.einsum("j,...jcd->...cd", weight, products) + weight.mean() * penalty
+            right = np.einsum("j,...jc->...c", weight, sides)
+            return np.linalg.solve(summed, right[..., None])[..., 0]
+
+        square = torque.var(axis=0)
+        for _ in range(WEIGHING_ROUNDS):
+            fit = solved(products, side, 1 / (square + TORQUE_NOISE**2))
+            square = ((torque - self.columns @ fit) ** 2).mean(axis=0)
+        weight = 1 / (square + TORQUE_NOISE**2)
+        return solved(products - self.products, side - sides, weight)
+
+
+class WholeMotion:
+    """A motion of an arm, with what it carries, and the efforts that should drive it."""
+
+    def __init__(self, means: BlockMeans, arm: Robot) -> None:
+        """Take the means of at most MAX_BLOCKS blocks."""
+        if len(means.q) > MAX_BLOCKS:
+            means = means.part(np.linspace(0, len(means.q) - 1, MAX_BLOCKS).astype(np.intp))
+        self.means, self.arm, self.joints = means, arm, range(means.q.shape[1])
+
+    @cached_property
+    def torque(self) -> Array:
+        """Return the efforts (M, n) [Nm], currents by the maker's torque constants."""
+        return self.means.currents[MEASURED_CURRENT] * self.arm.maker_torque_constants()
+
+    @cached_property
+    def regressor(self) -> Array:
+        """Return Y (M, n, 11 n) of the links' torque Y π."""
+        return torque_regressor(self.arm, self.means.q, self.means.qd, self.means.qdd)
+
+    @cached_property
+    def links(self) -> Array:
+        """Return the torque (M, n) [Nm] of the described links, rotors included where known."""
+        bodies = rigid_bodies(self.arm, self.arm.fullest_model())
+        return np.asarray(self.regressor @ inertial_parameters(self.arm, bodies))
+
+    @cached_property
+    def friction(self) -> Array:
+        """Return columns (M, n, 3 n): dry friction, viscous friction and offset, by motor."""
+        shafts = shaft_matrix(self.arm)
+        rate = self.means.qd @ shafts.T
+        terms = np.tanh(rate / FULL_FRICTION_SPEED), rate
+        own = [term[:, None, :] * shafts.T for term in terms]
+        offsets = np.broadcast_to(np.eye(len(self.joints)), own[0].shape)
+        return np.concatenate([*own, offsets], axis=2)
+
+    @cached_property
+    def rubbing(self) -> Regression:
+        """Return the fit of friction and offsets alone."""
+        return Regression(self.friction)
+
+    @cached_property
+    def any_links(self) -> Regression:
+        """Return the fit of any links, with friction."""
+        return Regression(np.concatenate([self.regressor, self.friction], axis=2), RIDGES)
+
+    def explained(self, torque: Array | None = None) -> "Explained":
+        """Return how well other torques (M, n) [Nm], or the measured ones, are explained."""
+        return Explained(self, self.torque if torque is None else torque)
+
+    def scale(self, torque: Array) -> Array:
+        """Return by how much a torque (M, n) is larger than that of the described links, (n,):
+        measured torques are not; currents may be, as far as motors' constants allow.
+        """
+        if self.arm.senses_torque():
+            return np.ones(len(self.joints))
+        return np.clip(self.slopes(torque), 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO)
+
+    def slopes(self, torque: Array) -> Array:
+        """Return torque per torque of the described links (n,), beside friction and an offset."""
+        slopes = np.ones(len(self.joints))
+        for joint in self.joints:
+            columns = np.column_stack([self.links[:, joint], self.friction[:, joint]])
+            slopes[joint] = np.linalg.lstsq(columns, torque[:, joint], rcond=None)[0][0]
+        return slopes
+
+    def friction_in_errors(self) -> Array:
+        """Return each joint's friction (n,) at its usual speed, in standard errors (jackknife over
+        stretches): the larger of those beside the declared links, where known, and beside any.
+        """
+        count, fits = len(self.joints), [(self.any_links, self.regressor.shape[2])]
+        if self.arm.tells_gravity():
+            own = self.links[:, :, None] * np.eye(count)
+            fits += [(Regression(np.concatenate([own, self.friction], axis=2)), count)]
+        speed = np.sqrt((self.means.qd**2).mean(axis=0))
+        errors = []
+        for regression, first in fits:
+            friction = regression.coefficients(self.torque)[:, first : first + 2 * count]
+            value = friction[:, :count] + speed * friction[:, count:]
+            spread = np.sqrt(STRETCHES - 1) * value.std(axis=0)
+            errors.append(value.mean(axis=0) / (spread + 1e-9))
+        return np.max(errors, axis=0)
+
+    def with_any_load(self) -> Misfit:
+        """Return what the declared links miss with any body on the flange."""
+        last, scale = 10 * (len(self.joints) - 1), self.scale(self.torque)
+        body = scale[:, None] * self.regressor[:, :, last : last + 10]
+        loaded = Regression(np.concatenate([body, self.friction], axis=2))
+        return loaded.misfit(self.torque - scale * self.links)
+
+    def in_units_of(self, arm: Robot, misfit: Misfit) -> Misfit:
+        """Return what is missed of currents as torques of another arm."""
+        ratio = np.divide(arm.maker_torque_constants(), self.arm.maker_torque_constants())
+        return Misfit(*(part + 2 * np.log(ratio) for part in misfit))
+
+
+class Explained:
+    """Torques (M, n) [Nm] of a motion, and what its explanations miss of them."""
+
+    def __init__(self, motion: WholeMotion, torque: Array) -> None:
+        """Take what is to be explained."""
+        self.motion, self.torque = motion, torque
+
+    @cached_property
+    def by_links(self) -> Misfit | None:
+        """Return what the declared links miss; None where nobody knows them."""
+        if not self.motion.arm.tells_gravity():
+            return None
+        links = self.motion.scale(self.torque) * self.motion.links
+        return self.motion.rubbing.misfit(self.torque - links)
+
+    @cached_property
+    def by_any_links(self) -> Misfit:
+        """Return what any links miss."""
+        return self.motion.any_links.misfit(self.torque)
+
+    @property
+    def by_known(self) -> Misfit:
+        """Return what the declared links miss, or any where nobody knows them."""
+        return self.by_links or self.by_any_links
