@@ -12,8 +12,11 @@ import scipy.io
 
 from tests.entries import read_and_check, read_recording
 from tests.library.test_import_cases import driven, motion
+from ur5lib.importing.account import Account
+from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.contents import NO_STATEMENT, UserStatement
 from ur5lib.importing.files import ImportedRecording, import_files
+from ur5lib.importing.motion import agreement
 from ur5lib.records.account import NOTHING, AccountRow
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
@@ -76,6 +79,121 @@ def test_columns_of_our_sensor_are_taken_beside_other_names(tmp_path: Path) -> N
     assert row_of(one, "ft_fx").taken_for == "ft_f"
 
 
+WRENCH = np.hstack([FORCE[:, :3], 0.02 * FORCE[:, 2::-1]])
+
+
+def saved_as(ending: str, folder: Path, arrays: dict[str, Array]) -> Path:
+    """A file of arrays: of NumPy, or a table of lists in cells, below a title or a comment."""
+    path = folder / f"run.{ending}"
+    if ending == "npz":
+        np.savez(path, allow_pickle=False, **arrays)
+        return path
+    listed = {name: [str(row) for row in rows.tolist()] for name, rows in arrays.items()}
+    above = "# of a robot\n" if ending == "tsv" else "Log of robot 7, cell 3\n\n"
+    path.write_text(above + pd.DataFrame(listed).to_csv(index=False, sep=";"))
+    return path
+
+
+@pytest.mark.parametrize("ending", ["npz", "csv", "tsv"])
+def test_a_wrench_of_one_array_is_a_contact(tmp_path: Path, ending: str) -> None:
+    arrays = {"time": TIME, "position": Q, "velocity": QD, "current": CURRENT, "wrench": WRENCH}
+    (one,) = import_files([saved_as(ending, tmp_path, arrays)], UserStatement("ur5e"))
+    assert one.entry["role"] == "contact"
+    told = [row.reason for row in one.account if "wrench" in row.subject]
+    assert len(told) == 1
+    assert "changes by up to 40 N" in told[0]  # no effort shows the push
+
+
+def test_velocities_of_numbered_actuators(tmp_path: Path) -> None:
+    kinds = {"position": Q, "velocity": QD, "current_motor": CURRENT}
+    table = {
+        f"actuator_{k + 1}_{kind}": part
+        for kind, rows in kinds.items()
+        for k, part in enumerate(rows.T)
+    }
+    pd.DataFrame({"time": TIME} | table).to_csv(tmp_path / "run.csv", index=False)
+    (one,) = import_files([tmp_path / "run.csv"], UserStatement("ur5e"))
+    assert row_of(one, "actuator_1_velocity").taken_for == "actual_qd"
+    assert row_of(one, "actuator_1_current_motor").taken_for == "actual_current"
+
+
+def test_joints_and_axes_of_one_name_are_two_quantities(tmp_path: Path) -> None:
+    axes = {f"{name}_{axis}": 0 * TIME + 1 for name in ("force", "torque") for axis in "xyz"}
+    table = {"time": TIME} | columns(q=Q, qd=QD, torque=TORQUE) | axes
+    pd.DataFrame(table).to_csv(tmp_path / "run.csv", index=False)
+    (one,) = import_files([tmp_path / "run.csv"], UserStatement("ur5e"))
+    read = channel(read_recording(one.entry).robot.table, "actual_current_as_torque")
+    np.testing.assert_allclose(read, TORQUE)
+    assert row_of(one, "torque_x").taken_for == NOTHING
+
+
+def test_a_second_block_of_a_name_is_left_out_beside_the_first(tmp_path: Path) -> None:
+    table = columns(**MOTION, filtered_qd=0.9 * QD, motor_q=100 * Q)
+    (one,) = imported({"time": TIME} | table, tmp_path, UserStatement("ur5e"))
+    assert row_of(one, "filtered_qd_0").reason == "named like actual_qd, as qd_0 … qd_5 before"
+    assert row_of(one, "motor_q_0").reason == "named like actual_q, as q_0 … q_5 before"
+
+
+def test_positions_that_no_row_holds_have_no_derivative() -> None:
+    assert agreement(np.full_like(Q, np.nan), QD, TIME).share == 0.0
+
+
+def test_a_clock_gives_way_to_the_rate_that_the_user_names(tmp_path: Path) -> None:
+    stated = UserStatement("ur5e", rate=125.0)
+    (one,) = imported({"time": 2 * TIME} | columns(**MOTION), tmp_path, stated)
+    assert row_of(one, "time").reason == "the rows are timed by --rate"
+    assert one.entry["rate"] == 125.0
+
+
+def test_a_title_above_an_index_without_a_name(tmp_path: Path) -> None:
+    table = pd.DataFrame({"time": TIME} | columns(**MOTION)).to_csv(sep=";")
+    (tmp_path / "run.csv").write_text("Log of robot 7, cell 3\n\n" + table)
+    (one,) = import_files([tmp_path / "run.csv"])
+    assert row_of(one, "q_0").taken_for == "actual_q"
+
+
+def test_a_clock_behind_columns_without_names(tmp_path: Path) -> None:
+    rows = np.column_stack([Q, QD, CURRENT, TIME])
+    np.savetxt(tmp_path / "run.csv", rows, delimiter=",")
+    (one,) = import_files([tmp_path / "run.csv"], UserStatement("ur5e"))
+    assert one.entry["columns"][-1] == "time"
+
+
+def test_nanoseconds_since_1970_in_whole_numbers(tmp_path: Path) -> None:
+    stamps = np.round(1e9 * (1.7e9 + TIME)).astype(np.int64) + 1  # no float64 holds them
+    lists = {"time": stamps, "q": [*Q], "qd": [*QD], "ticks": [*stamps[:, None]]}
+    pq.write_table(pa.table(lists), tmp_path / "run.parquet")
+    (one,) = import_files([tmp_path / "run.parquet"], UserStatement("ur5e"))
+    lasts = np.ptp(read_recording(one.entry).robot.table["time"])
+    assert lasts == pytest.approx(np.ptp(TIME), abs=1e-5)
+
+
+def test_states_of_other_joints_than_six(tmp_path: Path) -> None:
+    table = pa.table({"timestamp": TIME, "observation.state": [*Q[:, :5]]})
+    pq.write_table(table, tmp_path / "run.parquet")
+    (one,) = import_files([tmp_path / "run.parquet"])
+    assert row_of(one, "observation.state").taken_for == "actual_q"
+
+
+def test_units_behind_the_names_of_motors(tmp_path: Path) -> None:
+    parts = {"pos [deg]": np.degrees(Q), "vel [deg/s]": np.degrees(QD)}
+    table = {
+        f"{motor}.{part}": rows[:, k]
+        for part, rows in parts.items()
+        for k, motor in enumerate(MOTORS[:5])
+    }
+    pd.DataFrame({"timestamp": TIME} | table).to_csv(tmp_path / "run.csv", index=False)
+    (one,) = import_files([tmp_path / "run.csv"])
+    assert row_of(one, "shoulder_pan.vel").taken_for == "actual_qd [deg/s]"
+
+
+def test_a_quantity_that_is_left_out_has_no_other_reason() -> None:
+    account, block = Account(), ColumnBlock(("torque",), TORQUE, "time")
+    account.hold("proven", block, "numbers", "it has the opposite sign")
+    account.exclude(block, "nothing tells its unit")
+    assert [row.reason for row in account.rows({})] == ["nothing tells its unit"]
+
+
 def test_names_of_a_polling_script(tmp_path: Path) -> None:
     """Where tq stays near q, it is its target; where it does not, a torque."""
     flange = link_frames(ARM, Q)[1][:, -1]
@@ -120,6 +238,14 @@ def test_currents_without_sign_tell_nothing(tmp_path: Path) -> None:
     assert "actual_current" not in one.entry["columns"]
     assert "never negative" in row_of(one, "current_0").reason
     assert row_of(one, "robot").confidence == "check"
+    still = MOTION | {"current": np.abs(CURRENT)}
+    (one,) = imported({"time": TIME} | columns(q=Q, current=still["current"]), tmp_path)
+    assert "never negative" in row_of(one, "current_0").reason
+
+
+def test_efforts_that_never_change_are_not_measured(tmp_path: Path) -> None:
+    (one,) = imported({"time": TIME} | columns(q=Q, qd=QD, torque=0 * Q + 3), tmp_path)
+    assert row_of(one, "torque_0").reason == "no number of it changes, so it was not measured"
 
 
 @pytest.mark.parametrize("filled", [0.0, -5.4e-310])
@@ -198,6 +324,12 @@ def test_rows_of_topics_of_their_own_prove_velocities(tmp_path: Path) -> None:
     assert row_of(one, "/qd_0").confidence == "proven"
     findings = read_and_check(one.entry, ARM, 0.05).quality.findings
     assert "damaged lines" not in [one.finding for one in findings]  # the header is none
+    forces = pd.DataFrame({"time": TIME + 1.1e-3} | columns(force=FORCE))
+    warm = pd.DataFrame({"time": TIME + 1.2e-3} | columns(joint_temperatures=FORCE + 30))
+    sparse = pd.concat([joints, speeds, forces, warm]).sort_values("time")
+    (one,) = imported({name: sparse[name].to_numpy() for name in sparse}, tmp_path)
+    assert "far shorter" not in row_of(one, "time").reason  # no bunches of rows
+    assert not [row for row in one.account if row.subject == "recording"]
 
 
 def lerobot(folder: Path, named: bool) -> Path:

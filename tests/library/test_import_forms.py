@@ -73,7 +73,7 @@ def test_positions_of_another_arm_are_named(tmp_path: Path, made: Made) -> None:
     both = {f"{side}/{n}": channels[n] for side in ("left", "right") for n in MOVED[:2]}
     write_hdf5(tmp_path / "run.h5", time, both | {"left/actual_current": channels[MOVED[2]]})
     told = imported(tmp_path / "run.h5")[1]
-    assert "left out: run/right/actual_q: nothing: named like positions" in told
+    assert "left out: run/right/actual_q: nothing: named like actual_q" in told
 
 
 def test_targets_in_degrees_have_their_unit(tmp_path: Path, made: Made) -> None:

@@ -1,26 +1,15 @@
 """What import states about a file, gathered into one row for each of its columns."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol, get_args
+from typing import get_args
 
+from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.records.account import NOTHING, AccountRow, Confidence, Evidence
 
 Names = tuple[str, ...]  # of a block's columns
 REASONS = {"option": "as stated", "name": "named so", "position": "by its place", "numbers": ""}
 WEIGHT: tuple[Confidence, ...] = get_args(Confidence)  # of a block's statements, the first counts
-
-
-class Titled(Protocol):
-    """A block of columns: their names, and these in short."""
-
-    @property
-    def names(self) -> Names:
-        """Return the names of its columns."""
-
-    @property
-    def title(self) -> str:
-        """Return these in short."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +42,11 @@ class Account:
         if row not in told:
             told.append(row)
 
-    def hold(self, confidence: Confidence, block: Titled, by: Evidence, reason: str) -> None:
+    def hold(self, confidence: Confidence, block: ColumnBlock, by: Evidence, reason: str) -> None:
         """State what a block holds, or how sure it is."""
         self.state(confidence, block.names, block.title, by, reason)
 
-    def exclude(self, block: Titled, reason: str, by: Evidence = "numbers") -> None:
+    def exclude(self, block: ColumnBlock, reason: str, by: Evidence = "numbers") -> None:
         """Leave a block out of the entry."""
         self.excluded.append(block.names)
         self.hold("left out", block, by, reason)
@@ -73,13 +62,10 @@ class Account:
         return [*self.of_file, *_merged(joined)]
 
 
-def _joined(told: Iterable[AccountRow], meaning: str) -> AccountRow:
-    """Return the one row of a block's statements, the weightiest first.
-
-    meaning: empty where the block is left out, whatever else was found about it.
-    """
-    weight = [*WEIGHT] if meaning else [*reversed(WEIGHT)]
-    ordered = sorted(told, key=lambda row: weight.index(row.confidence))
+def _joined(told: Sequence[AccountRow], meaning: str) -> AccountRow:
+    """Return the one row of a block's statements; without a meaning, of why it is left out."""
+    kept = [row for row in told if meaning or row.confidence == "left out"] or [*told]
+    ordered = sorted(kept, key=lambda row: WEIGHT.index(row.confidence))
     return AccountRow(
         ordered[0].subject,
         meaning or NOTHING,

@@ -9,25 +9,26 @@ import numpy as np
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
-from ur5lib.importing.account import Account
 from ur5lib.importing.spellings import (
     GRIPPER_WORDS,
     WHOLE_NAMES,
-    kind_of_joints,
     kind_of_quantity,
+    names_positions,
     place_of,
     quantity,
+    without_unit,
     words,
 )
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.rosbag import JOINTS, joint_order
+from ur5lib.records.account import Evidence
 from ur5lib.timeseries.arrays import Array
 
 NAMELESS_PREFIX = "column "  # and its number: a column of a table without a header
 JOINTS_OF_UR = 6
 OTHER_JOINT_COUNTS = (4, 5, 7, 8, 9)  # a gripper's fingers among them
-GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 MIN_MOTORS = 4  # of an arm
+AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,8 @@ class ColumnBlock:
 
     names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
     time stamps; factors: by which the file's numbers were multiplied, none if they are as read;
-    joints: of the file's arm; stated: the channel that the user gives it.
+    joints: of the file's arm; stated: its meaning, where the user, the numbers or the whole of
+    which it is a part tell it, and not its own name.
     """
 
     names: tuple[str, ...]
@@ -57,9 +59,9 @@ class ColumnBlock:
         unit_names = {1.0: None, -1.0: OPPOSITE_SIGN, 1e-3: "mA"}
         return unit_names.get(whole[0], whole) if len({*whole}) == 1 else whole
 
-    def without(self, column: int) -> "ColumnBlock":
-        """Return the block without a column; those of an array have its name and a number."""
-        kept = [k for k in range(self.rows.shape[1]) if k != column]
+    def only(self, kept: Iterable[int]) -> "ColumnBlock":
+        """Return the block of some columns; those of an array have its name and a number."""
+        kept = [*kept]
         every = self.names if len(self.names) > 1 else [f"{self.names[0]}_{k}" for k in range(9)]
         return replace(self, names=tuple(every[k] for k in kept), rows=self.rows[:, kept])
 
@@ -67,6 +69,11 @@ class ColumnBlock:
     def title(self) -> str:
         """Return the name, or the first and the last one."""
         return self.names[0] if len(self.names) == 1 else f"{self.names[0]} … {self.names[-1]}"
+
+    @property
+    def evidence(self) -> Evidence:
+        """Return what tells a block whose numbers prove nothing: the user, its name, its place."""
+        return "option" if self.stated else "position" if self.is_nameless() else "name"
 
     def is_nameless(self) -> bool:
         """Return whether the block is from a table without a header."""
@@ -82,11 +89,12 @@ class ColumnBlock:
 
 
 def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
-    """Return the names of each quantity's columns, by their places."""
+    """Return the names of each quantity's columns by their places, of joints and axes apart."""
     stems = defaultdict[str, dict[int, str]](dict)
     for name in names:
         stem, place = place_of(name)
-        stems[stem][place] = name
+        stem += "_axes" if without_unit(name).endswith(AXES) else ""
+        stems[name if place in stems[stem] else stem][place] = name
     return stems
 
 
@@ -113,7 +121,7 @@ def _by_motor(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
     """Yield the columns of a quantity that are named by motor and quantity, as elbow_flex.pos."""
     tails = defaultdict[tuple[str, str], list[str]](list)
     for name in names:
-        path, _, leaf = name.rpartition("/")
+        path, _, leaf = without_unit(name).rpartition("/")
         motor, mark, tail = leaf.rpartition(".") if "." in leaf else leaf.rpartition("_")
         if mark and kind_of_quantity(tail) and not words(motor) & GRIPPER_WORDS:
             tails[path, mark + tail].append(name)
@@ -145,9 +153,7 @@ def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
 
     Raises InputError where they are more than an arm's.
     """
-    counts = {
-        block.rows.shape[1]: block.title for block in blocks if kind_of_joints(block.stem()) == "q"
-    }
+    counts = {block.rows.shape[1]: block.title for block in blocks if names_positions(block.stem())}
     others = max((count for count in counts if count in OTHER_JOINT_COUNTS), default=JOINTS_OF_UR)
     if JOINTS_OF_UR in counts:
         return JOINTS_OF_UR
@@ -157,28 +163,3 @@ def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
             f"{MOST_JOINTS}. Save the arm's joints without those of a gripper"
         )
     return others
-
-
-def without_gripper(
-    blocks: Sequence[ColumnBlock], joints: int, account: Account
-) -> list[ColumnBlock]:
-    """Return blocks without the column of a gripper, where positions have one more than the joints.
-
-    It is the only one whose positions are small numbers above zero, or else the last.
-    """
-    wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
-    positions = [b for b in wide if b.is_nameless() or kind_of_joints(b.stem()) == "q"]
-    whole = any(b.rows.shape[1] == joints and kind_of_joints(b.stem()) == "q" for b in blocks)
-    if whole or not positions:
-        return [*blocks]
-    low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
-    inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
-    column = int(inside[0]) if len(inside) == 1 else joints
-    kept = [b.without(column) if any(b is one for one in wide) else b for b in blocks]
-    for block in wide:
-        named = block.names[column] if len(block.names) > 1 else f"{block.title}_{column}"
-        of_gripper = (
-            f"one more than {joints} joints: taken for a gripper's; else --columns names it"
-        )
-        account.state("check", (named,), named, "numbers", of_gripper)
-    return kept

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.spellings import CLOCK_NAME, named_unit
 from ur5lib.recordings.arrays import seconds_of
 from ur5lib.recordings.bunched_stamps import close_rows, even_times
@@ -38,13 +39,16 @@ class FileClocks(NamedTuple):
 
 
 def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClocks:
-    """Return the clocks among arrays: those with the name of one, or else the first array.
+    """Return the clocks among arrays: those with the name of one, or else the first array; where
+    no column has a name, the first or the last one.
 
     stated: the unit that the user gives.
     """
-    named = [name for name in arrays if CLOCK_NAME.search(name)]
-    stamps = {name: seconds_of(arrays[name]) for name in named or [*arrays][:1]}
+    named, ends = [name for name in arrays if CLOCK_NAME.search(name)], [*arrays][:1]
+    ends += [*arrays][-1:] if "".join(ends).startswith(NAMELESS_PREFIX) else []
+    stamps = {name: seconds_of(arrays[name]) for name in named or ends}
     stamps = {name: values for name, values in stamps.items() if is_clock(values)}
+    stamps = stamps if named else dict([*stamps.items()][:1])
     if not named and any((np.diff(values) == 1).all() for values in stamps.values()):
         return FileClocks({}, {}, dict.fromkeys(stamps, "it counts the rows"))
     units = {name: unit for name, values in stamps.items() if (unit := _unit(name, values, stated))}
@@ -64,15 +68,15 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
 
 
 def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:
-    """Return whether rows close to the one before hold other data; a log that was polled faster
-    than the robot sends repeats them. close: by step (N - 1,).
+    """Return whether rows close (N - 1,) to the one before hold other data: a log that was polled
+    too fast repeats them, one of several topics leaves cells empty.
     """
     beside = (values for values in arrays if values.shape == (len(close) + 1,))
     columns = (
         array.T if len(array) > len(array.T) else array for array in arrays if array.ndim == 2
     )
     wide = (row for array in columns for row in array if len(row) == len(close) + 1)
-    changes = [float(np.mean(np.diff(values)[close] != 0)) for values in (*beside, *wide)]
+    changes = [float(np.mean(np.abs(np.diff(values)[close]) > 0)) for values in (*beside, *wide)]
     return max(changes, default=0.0) > MIN_SHARE_OF_NEW_ROWS
 
 
@@ -103,10 +107,7 @@ def typical_step(stamps: Array) -> float:
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:
-    """Yield name, unit and stamps (N,) [s] of the clocks that blocks on one of them may have.
-
-    They are as long, beside it in the file, and in each unit that their steps allow.
-    """
+    """Yield name, unit and stamps (N,) [s] of clocks beside one in the file, in possible units."""
     for name, stamps in clocks.stamps.items():
         beside = len(stamps) == len(clocks.stamps[current]) and "/" not in name + current
         if not (beside or name == current):
@@ -142,10 +143,7 @@ def irregularity(stamps: Array) -> float:
 
 
 def are_postures(q: Array) -> bool:
-    """Return whether rows (N, n) [rad] are postures, each for itself, and no samples of a motion.
-
-    Random or stepped postures leap from one to the next; a motion is smooth.
-    """
+    """Return whether rows (N, n) [rad] leap from posture to posture, and are no smooth motion."""
     steps = np.diff(q, axis=0)
     far = np.abs(steps) > MIN_POSTURE_DISTANCE
     path = np.abs(steps).sum()

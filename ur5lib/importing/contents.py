@@ -18,10 +18,9 @@ from ur5lib.importing.blocks import (
     grouped,
     joints_of,
     with_names,
-    without_gripper,
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
-from ur5lib.importing.spellings import NAME_COLUMN
+from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, names_positions
 from ur5lib.recordings.array_files import LOADERS, format_of
 from ur5lib.recordings.delimited import (
     expect_row_each_sample,
@@ -37,6 +36,7 @@ from ur5lib.timeseries.arrays import Array
 
 TABLE_FORMAT = "table-csv"
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
+GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 REPEATED_INFIX = " again "  # and its number: a column whose name is taken
 NIST_COLUMNS = [  # of NIST's UR5 degradation measurements, whose files have no header
     "time",
@@ -144,19 +144,13 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     else:
         arrays = LOADERS[format](path, None, findings)
     account.order.extend(header.columns or arrays)
-    clocks = FileClocks({}, {}) if stated.rate else clocks_of(arrays, stated.units.get("time"))
-    for name, reason in clocks.doubts.items():
-        account.state("left out", (name,), name, "numbers", reason)
-    for name, note in clocks.notes.items():
-        account.state("assumed", (name,), name, "numbers", note)
-    if not clocks.stamps:
-        clocks = equally_spaced(arrays, stated.rate, clocks.doubts)
+    clocks = _clocks(arrays, stated, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
     parts = [*_blocks({name: arrays[name] for name in rest}, clocks, width, account)]
     joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
-    parts = without_gripper(parts, joints, account) if stated.joints() else parts
+    parts = _without_gripper(parts, joints, account) if stated.joints() else parts
     all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
     silent = [block for block in all_blocks if is_silent(block.rows)]
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
@@ -164,11 +158,48 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     return FileContents(*described_by)
 
 
-def _width_of_nameless(columns: int, joints: int | None) -> int:
-    """Return of how many columns a group is in a table without names.
+def _clocks(
+    arrays: Mapping[str, np.ndarray], stated: UserStatement, account: Account
+) -> FileClocks:
+    """Return the clocks among arrays, or else the rows' numbers; state why others are none."""
+    timed = {n: values for n, values in arrays.items() if not stated.rate or CLOCK_NAME.search(n)}
+    clocks = clocks_of(timed, stated.units.get("time"))
+    if stated.rate:
+        clocks = FileClocks({}, {}, dict.fromkeys(clocks.stamps, "the rows are timed by --rate"))
+    for name, reason in clocks.doubts.items():
+        account.state("left out", (name,), name, "numbers", reason)
+    for name, note in clocks.notes.items():
+        account.state("assumed", (name,), name, "numbers", note)
+    return clocks if clocks.stamps else equally_spaced(arrays, stated.rate, clocks.doubts)
 
-    joints: of the arm that the user names, beside which each group may have a gripper's column.
+
+def _without_gripper(
+    blocks: Sequence[ColumnBlock], joints: int, account: Account
+) -> list[ColumnBlock]:
+    """Return blocks without the column of a gripper, where positions have one more than the joints:
+    the only one of small numbers above zero, or else the last.
     """
+    wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
+    positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
+    whole = any(b.rows.shape[1] == joints and names_positions(b.stem()) for b in blocks)
+    if whole or not positions:
+        return [*blocks]
+    low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
+    inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
+    column = int(inside[0]) if len(inside) == 1 else joints
+    kept = [k for k in range(joints + 1) if k != column]
+    parts = [b.only(kept) if any(b is one for one in wide) else b for b in blocks]
+    for block in wide:
+        named = block.names[column] if len(block.names) > 1 else f"{block.title}_{column}"
+        of_gripper = (
+            f"one more than {joints} joints: taken for a gripper's; else --columns names it"
+        )
+        account.state("check", (named,), named, "numbers", of_gripper)
+    return parts
+
+
+def _width_of_nameless(columns: int, joints: int | None) -> int:
+    """Return of how many columns, joints or a gripper, a group is in a table without names."""
     counts = (joints, joints + 1) if joints else (JOINTS_OF_UR, 7, 8)
     fitting = (count for count in counts if columns % count == 0)
     return next(fitting, joints or JOINTS_OF_UR)
@@ -198,9 +229,8 @@ def read_header(path: Path, stated: UserStatement = NO_STATEMENT) -> TableHeader
         name if first_place[name] == k else f"{name}{REPEATED_INFIX}{k + 1}"
         for k, name in enumerate(cells)
     ]
-    return TableHeader(
-        names, [name for name in names if name not in first_place and not is_unnamed(name)]
-    )
+    repeated = [name for name in names if name not in first_place and not is_unnamed(name)]
+    return TableHeader(names, repeated)
 
 
 def _stated_header(path: Path, stated: UserStatement, count: int) -> TableHeader:
@@ -223,14 +253,10 @@ def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
     names = described(stated.robot).joints if stated.joints() else ()
     if len({*names}) < len(names):  # sizes of joints, of which several are equal
         return [*cells]
-    numbers = {name: str(k) for k, name in enumerate(names)}
-    names_in_cell = {cell: [name for name in names if name in cell] for cell in cells}
-    return [
-        cell.replace(parts[-1], numbers[parts[-1]])
-        if (parts := sorted(names_in_cell[cell], key=len))
-        else cell
-        for cell in cells
-    ]
+    longest_first = sorted(enumerate(names), key=lambda numbered: -len(numbered[1]))
+    found = [next((pair for pair in longest_first if pair[1] in cell), None) for cell in cells]
+    pairs = zip(cells, found, strict=True)
+    return [cell.replace(pair[1], str(pair[0])) if pair else cell for cell, pair in pairs]
 
 
 def _table(
@@ -263,16 +289,13 @@ def is_unnamed(name: str) -> bool:
 def _blocks(
     arrays: dict[str, np.ndarray], clocks: FileClocks, width: int | None, account: Account
 ) -> Iterator[ColumnBlock]:
-    """Yield the arrays of several columns, and the groups of single columns.
-
-    width: of the groups of a table whose columns have no names.
-    """
+    """Yield the arrays of several columns, and groups of single ones; width: of nameless ones."""
     single = []
     for name, values in arrays.items():
         clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
         if clock is None:
-            no_clock = "no clock of the file has as many stamps as it has rows"
-            account.state("left out", (name,), name, "numbers", no_clock)
+            reason = "no clock of the file has as many stamps as it has rows"
+            account.state("left out", (name,), name, "numbers", reason)
         elif values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
             yield ColumnBlock((name,), _possible(tall), clock)
@@ -296,10 +319,7 @@ def _possible(values: np.ndarray) -> Array:
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
-    """Return the clock of an array: equally long, and nearest to it in the file's tree.
-
-    Of clocks with equal stamps, as in each structure of a MAT file, the first.
-    """
+    """Return an array's clock: as long, nearest in the file's tree, of equal ones the first."""
     same = [clock for clock, stamps in clocks.items() if len(stamps) == length]
     if not same:
         return None

@@ -9,7 +9,6 @@ import numpy as np
 from ur5lib.channels import CHANNELS
 from ur5lib.checks.arm import MAX_CONSTANT_RATIO, torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
-from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT
 from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
 from ur5lib.checks.readings import CLEAR_LEAD, Order, readings, unit_scores, usual_orders
@@ -19,6 +18,7 @@ from ur5lib.importing.contents import FileContents
 from ur5lib.importing.identity import ArmIdentity, tells_columns
 from ur5lib.importing.spellings import is_of_motors, named_unit
 from ur5lib.recordings.delimited import number_in
+from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -31,7 +31,8 @@ MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
 MAX_FACTOR_RATIO = 1.15  # of the largest to the smallest factor of joints that tell the same
 MAX_SHOWN_RATIO = 100.0  # times a known constant; beyond it, gravity shows none
 MIN_BEARING_JOINTS = 2  # that tell a unit together
-MIN_TURNING_JOINTS = 3  # that turn both ways, where efforts have both signs
+MIN_FOLDED_JOINTS = 3  # whose efforts would change their sign
+FOLDED_SHARE = 0.02  # of the largest effort, to which one that changes its sign falls
 UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and --unit name it"
 LESS_GRAVITY_REASON = (
     "in Nm, less gravity, which does not explain it as it explains every current and motor torque; "
@@ -53,10 +54,8 @@ EFFORT_MEANINGS = ("effort", *UNITS_BY_CHANNEL)
 
 
 def as_amperes(block: ColumnBlock) -> ColumnBlock:
-    """Return a block in amperes if its columns may be rounded currents times constants of a driver.
-
-    Such columns are whole multiples of steps, none of which is a power of ten; what the steps are
-    in units of the rounding must be torque constants that motors have.
+    """Return a block in amperes if its columns may be rounded currents times constants of a driver:
+    whole multiples of steps, no power of ten, which are torque constants that motors may have.
     """
     steps = np.array([_step(np.abs(column)) for column in block.rows.T])
     if len(steps) != JOINTS_OF_UR:
@@ -89,14 +88,10 @@ def _without_constants(
     if not before.contradicts("A"):
         return block, means
     constants = ", ".join(f"{abs(1 / factor):.4g}" for factor in factors)
-    account.hold(
-        "proven",
-        block,
-        "numbers",
-        f"a current rounded to {1e3 * ROUNDING_STEP:.0f} mA, times a driver's constants (joint by "
-        f"joint {constants} Nm/A): whole multiples of these alone; without them, gravity tells "
-        f"{after.constants_in_words()}, with them {before.constants_in_words()}",
-    )
+    steps = f"a current rounded to {1e3 * ROUNDING_STEP:.0f} mA, times a driver's constants (joint "
+    steps += f"by joint {constants} Nm/A): whole multiples of these alone; without them, gravity "
+    tells = f"tells {after.constants_in_words()}, with them {before.constants_in_words()}"
+    account.hold("proven", block, "numbers", steps + tells)
     return divided, trial
 
 
@@ -115,14 +110,15 @@ def is_torque_of_joints(block: ColumnBlock) -> bool:
     return block.meaning() in (TORQUE_CHANNEL, "actual_torque") and not is_of_motors(block.stem())
 
 
-def is_rectified(block: ColumnBlock, velocity: Array) -> bool:
-    """Return whether efforts lost their sign: none is negative, though joints turn both ways.
+def is_frozen(block: ColumnBlock) -> bool:
+    """Return whether no number of an effort changes."""
+    return not np.diff(block.rows, axis=0).any()
 
-    velocity: (N, n), columns as in the block.
-    """
-    low, high = np.nanmin(velocity, axis=0), np.nanmax(velocity, axis=0)
-    both_ways = (low < -MIN_MOVING_SPEED) & (high > MIN_MOVING_SPEED)
-    return int(both_ways.sum()) >= MIN_TURNING_JOINTS and bool(np.nanmin(block.rows) >= 0)
+
+def is_rectified(block: ColumnBlock) -> bool:
+    """Return whether efforts lost their sign: none is negative, though several fall to zero."""
+    low, high = np.nanmin(block.rows, axis=0), np.nanmax(block.rows, axis=0)
+    return bool((low >= 0).all()) and int((low < FOLDED_SHARE * high).sum()) >= MIN_FOLDED_JOINTS
 
 
 def _step(sizes: Array) -> float:
@@ -136,19 +132,16 @@ def _step(sizes: Array) -> float:
             return np.nan
         step = levels @ counts / (counts @ counts)
         if np.abs(levels - step * counts).max() < 0.01 * step:  # not its half or third as well
-            return (
-                float(step)
-                if LARGEST_MULTIPLE_RANGE[0] < counts.max() < LARGEST_MULTIPLE_RANGE[1]
-                else np.nan
-            )
+            least, most = LARGEST_MULTIPLE_RANGE
+            return float(step) if least < counts.max() < most else np.nan
     return np.nan
 
 
-def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
-    """Return whether an effort has the opposite sign: with it, friction would drive the joints.
+def lead_of_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> float:
+    """Return by how much of log-likelihood gravity explains an effort better with the opposite
+    sign, 0 unless as read friction would drive the joints.
 
-    Only where gravity agrees: it explains the turned effort far better. Joints that sense their
-    torque have no friction; turned, these must hold the arm's gravity.
+    Joints that sense their torque have no friction; turned, these must hold the arm's gravity.
     """
     effort, brakes = means.currents[name], []
     for column in range(effort.shape[1]):
@@ -159,10 +152,10 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
     fits = [torque_constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
     if sum(brakes) >= 0 and not any(fit.ratio and not fit.foreign() for fit in fits):
-        return False
+        return 0.0
     orders = usual_orders(effort.shape[1])
     as_read, turned = (readings(way, arms, orders)[0].score for way in ways)
-    return turned - as_read > CLEAR_LEAD
+    return turned - as_read if turned - as_read > CLEAR_LEAD else 0.0
 
 
 def name_efforts(
@@ -181,17 +174,13 @@ def name_efforts(
         if means and telling:
             known = means, telling, identity.order, file.account
             blocks[name], means = _without_constants(name, block, *known)
-    units = {
-        name: _unit(block, _shown_by_gravity(means, telling, name), file)
-        for name, block in blocks.items()
-    }
-    targets = _targets([blocks[name] for name, unit in units.items() if unit], file)
+    shown = {name: _shown_by_gravity(means, telling, name) for name in blocks}
+    units = {name: _unit(block, shown[name], file) for name, block in blocks.items()}
+    known_units = {name: unit for name, unit in units.items() if unit}
+    targets = _targets([blocks[name] for name in known_units], file)
     channels: dict[str, ColumnBlock] = {}
-    for name, block in blocks.items():
-        unit = units[name]
-        if unit is None:
-            continue
-        target = any(block is other for other in targets)
+    for name, unit in known_units.items():
+        block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
         if channel == TORQUE_CHANNEL and arm and (arm.senses_torque() or not arm.is_ur()):
             channel = "actual_torque"
@@ -250,10 +239,8 @@ class GravityShown(NamedTuple):
     def in_words(self) -> str:
         """Return the likeliest unit and its rival, and the constants beside the maker's."""
         best, rival, *_ = sorted(self.scores, key=lambda unit: -self.scores[unit])
-        tells = (
-            f"gravity tells {UNIT_WORDS[best]}, by {self.scores[best] - self.scores[rival]:.3g} of "
-            f"log-likelihood before {UNIT_WORDS[rival]}"
-        )
+        before = f"log-likelihood before {UNIT_WORDS[rival]}"
+        tells = f"gravity tells {UNIT_WORDS[best]}, by {self.likeliest()[1]:.3g} of {before}"
         return f"{tells}: {self.constants_in_words()}" if self.constants else tells
 
     def constants_in_words(self) -> str:
@@ -295,7 +282,11 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
         return given
     peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[CURRENT_CHANNEL].bound
     if named == "A" and peak > bound and not shown.is_of_a_factor("mA"):
-        account.hold("proven", block, "numbers", f"in mA: {peak:.3g} A are more than {bound:g} A")
+        sure: Confidence = "check" if shown.contradicts("mA") else "assumed"
+        sure = "proven" if shown.constants and sure != "check" else sure
+        told = f"; {shown.in_words()}" if shown.constants else ""
+        too_many = f"in mA: {peak:.3g} A are more than {bound:g} A{told}"
+        account.hold(sure, block, "numbers", too_many)
         return "mA"
     best, lead = shown.likeliest()
     without_name = not named and block.meaning() != "effort"
@@ -309,10 +300,7 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
 
 
 def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) -> str | None:
-    """Return the unit that gravity tells, which a name may contradict; None if it is no known one.
-
-    shown: clearly likelier in one unit than in others.
-    """
+    """Return the unit that gravity tells clearly, and a name may contradict; None if unknown."""
     named, spelled = _named_unit(block), named_unit(block.names[0]) in UNIT_WORDS
     best, sentence = shown.likeliest()[0], shown.in_words()
     if best == LESS_GRAVITY and not spelled and block.meaning() in ("effort", TORQUE_CHANNEL):
@@ -337,18 +325,15 @@ def _targets(efforts: Sequence[ColumnBlock], file: FileContents) -> list[ColumnB
     """Return the efforts that were computed: by their names, or nameless and without noise."""
     named = [effort for effort in efforts if (effort.meaning() or "").startswith("target")]
     nameless = [effort for effort in efforts if effort.is_nameless()]
-    rough = [float(np.nanmedian(roughness(effort.rows) / _spread(effort))) for effort in nameless]
-    smooth = [
-        effort
-        for effort, roughness_of_effort in zip(nameless, rough, strict=True)
-        if roughness_of_effort < MAX_ROUGHNESS_RATIO * max(rough)
+    spreads = [np.nanstd(effort.rows, axis=0) + SMALLEST_SIZE for effort in nameless]
+    rough = [
+        float(np.nanmedian(roughness(effort.rows) / spread))
+        for effort, spread in zip(nameless, spreads, strict=True)
     ]
     for effort, size in zip(nameless, rough, strict=True):
-        if any(effort is one for one in smooth):
-            noise = f"a target: its noise is {size / max(rough):.1%} of that of the roughest effort"
-            file.account.hold("proven", effort, "numbers", noise)
-    return [*named, *smooth]
-
-
-def _spread(block: ColumnBlock) -> Array:
-    return np.asarray(np.nanstd(block.rows, axis=0) + SMALLEST_SIZE)
+        if size < MAX_ROUGHNESS_RATIO * max(rough):
+            noise = f"computed: its noise is {size / max(rough):.1%} of that of the roughest effort"
+            either = "a target, or gravity alone, which is as smooth: --columns tells which"
+            file.account.hold("check", effort, "numbers", f"{noise}; {either}")
+            named.append(effort)
+    return named

@@ -35,32 +35,21 @@ CONTROLLER_COLUMNS = {c for name in CONTROLLER_CHANNELS for c in columns_of(name
 
 def entry_of(proposal: Proposal) -> StudyEntry:
     """Return the entry of a file's recording."""
-    path, format = proposal.contents.path, proposal.contents.format
-    head = {
-        "name": identifier(path.name),
-        "robot": proposal.arm,
-        "format": format,
-        "folder": str(path.parent),
-        "file": path.name,
-        "role": "contact" if proposal.pushed else "fit",
-    }
+    place, format = place_of_file(proposal.contents.path), proposal.contents.format
+    head = {"name": place["name"], "robot": proposal.arm, "format": format} | place
+    head["role"] = "contact" if proposal.pushed else "fit"
     return head | (_of_table(proposal) if format == TABLE_FORMAT else _of_arrays(proposal))
 
 
 def episodes(proposal: Proposal) -> list[StudyEntry]:
-    """Return the span of each episode as `from_s` and `to_s` with its name, none without episodes.
-
-    Episodes follow one another in one file, each with an index of its own.
-    """
+    """Return the span of each episode of a file as `from_s` and `to_s` with its name, if any."""
     file = proposal.contents
-    index = next(
-        (b for b in file.blocks + file.silent if last_part(b.stem()) == EPISODE_INDEX), None
-    )
-    if index is None or proposal.moving.still:
+    every = [b for b in file.blocks + file.silent if last_part(b.stem()) == EPISODE_INDEX]
+    if not every or proposal.moving.still:
         return []
     stamps = proposal.moving.time
     time = continued(stamps, epochs(stamps))
-    starts = np.flatnonzero(np.diff(index.rows[:, 0])) + 1
+    starts = np.flatnonzero(np.diff(every[0].rows[:, 0])) + 1
     middle = (time[starts] + time[starts - 1]) / 2 - time[0]
     bounds = [None, *(round(float(bound), 6) for bound in middle), None]
     return [
@@ -86,7 +75,7 @@ def _of_table(proposal: Proposal) -> StudyEntry:
     """Return `columns`, `units` and `time`, or the format alone if all columns have RTDE names."""
     header, joints = proposal.contents.header, len(proposal.order)
     named = {} if is_clockless(proposal) else {proposal.clock: "time"}
-    sensor = dict(zip(("ft_f", "ft_t"), ([block] for block in proposal.sensor), strict=False))
+    sensor = proposal.force_channels
     for channel, blocks in (proposal.channels | sensor).items():
         names = [name for block in blocks for name in block.names]
         order = proposal.order if channel in JOINT_CHANNELS else range(len(names))
@@ -103,12 +92,9 @@ def _of_table(proposal: Proposal) -> StudyEntry:
     plain = unchanged and whole and not (header.repeated or units or header.entry)
     if proposal.clock == "timestamp" and plain:
         return {"format": "rtde-csv"}
-    columns = [
-        named.get(column, column if column in CONTROLLER_COLUMNS else SKIPPED_COLUMN)
-        for column in header.columns
-    ]
-    if joints == JOINTS_OF_UR:
-        columns = _shortened(columns)
+    named = {column: column for column in CONTROLLER_COLUMNS} | named
+    columns = [named.get(column, SKIPPED_COLUMN) for column in header.columns]
+    columns = _shortened(columns) if joints == JOINTS_OF_UR else columns
     if sensor and proposal.opposite:
         units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE_SIGN)}
     for unit in units.get("units", {}).values():
@@ -137,8 +123,7 @@ def _of_arrays(proposal: Proposal) -> StudyEntry:
     joints = [proposal.order.index(column) + 1 for column in range(len(proposal.order))]
     sensor = {}
     if proposal.sensor:
-        named = (_named([block]) for block in proposal.sensor)
-        parts = dict(zip(("ft_f", "ft_t"), named, strict=False))
+        parts = {name: _named(blocks) for name, blocks in proposal.force_channels.items()}
         sign = {"units": dict.fromkeys(parts, OPPOSITE_SIGN)} if proposal.opposite else {}
         clock = {} if is_clockless(proposal) else {"time": proposal.sensor[0].clock}
         sensor = {"force_sensor": {"channels": clock | parts} | sign | _time(proposal)}
@@ -147,6 +132,7 @@ def _of_arrays(proposal: Proposal) -> StudyEntry:
 
 
 def _named(blocks: Sequence[ColumnBlock]) -> str | list[str]:
+    """Return the names of blocks' columns, or the only one."""
     names = [name for block in blocks for name in block.names]
     return names[0] if len(names) == 1 else names
 

@@ -1,8 +1,9 @@
 """Import of recordings: each file is analysed, read back through its entry, and checked."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import yaml
 from rich.table import Table
@@ -92,9 +93,7 @@ def _take_columns(
 
 
 def _checked(file: FileContents) -> list[ImportedRecording]:
-    """Return the entry of a file, or of each episode, with the stop signs of a recording that is
-    read through it (the first, of episodes).
-    """
+    """Return the entry of a file, or of each episode, with the stop signs of the first one read."""
     proposal = propose(file)
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
     first, *others = [entry | part for part in episodes(proposal)] or [entry]
@@ -102,15 +101,11 @@ def _checked(file: FileContents) -> list[ImportedRecording]:
         complaints, by_role = contradictions(first), entry["role"] == "fit"
         if complaints and by_role and not contradictions(first | {"role": "validate"}):
             first, *others = [one | {"role": "validate"} for one in (first, *others)]
-            account = [row for row in account if row.subject != "role"]
-            as_stated = AccountRow("role", "validate", "numbers", "assumed", complaints[0])
-            account.append(as_stated)
+            role = AccountRow("role", "validate", "numbers", "assumed", complaints[0])
+            account = [*(row for row in account if row.subject != "role"), role]
         else:
-            stops = [
-                AccountRow("recording", "to be corrected", "numbers", "check", one)
-                for one in complaints
-            ]
-            account = [*stops, *account]
+            stop = AccountRow("recording", "to be corrected", "numbers", "check")
+            account = [*(replace(stop, reason=one) for one in complaints), *account]
     return [ImportedRecording(one, account) for one in (first, *others)]
 
 
@@ -140,13 +135,8 @@ def _name_each_once(imported: Sequence[ImportedRecording]) -> None:
 
 def as_entries(imported: Sequence[ImportedRecording]) -> str:
     """Return entries as YAML with their accounts, to be pasted below `recordings:` of a study."""
-    texts = (
-        yaml.dump(
-            [item.as_plain()], Dumper=_Dumper, sort_keys=False, width=YAML_WIDTH, allow_unicode=True
-        )
-        for item in imported
-    )
-    return "\n".join(texts)
+    form: dict[str, Any] = {"sort_keys": False, "width": YAML_WIDTH, "allow_unicode": True}
+    return "\n".join(yaml.dump([item.as_plain()], Dumper=_Dumper, **form) for item in imported)
 
 
 class _Row(dict[str, str]):

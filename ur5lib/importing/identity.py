@@ -18,11 +18,10 @@ from ur5lib.checks.readings import (
     readings,
     usual_orders,
 )
-from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings.rosbag import JOINT_NAMES
-from ur5lib.records.account import Confidence, Evidence
+from ur5lib.records.account import Evidence
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
@@ -31,6 +30,7 @@ MAX_DISTANCE = 0.004  # m; a calibrated arm misses its nominal kinematics by les
 MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away are excluded
 COMPARED_POSTURES = 12  # postures that are compared
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
+ORDER = "the joints' order"
 UNNAMED_JOINTS_FINDING = "unnamed joints"  # of a bag whose messages do not name an arm's joints
 UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
@@ -63,14 +63,10 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     names = [stated] if stated else fitting_arms
     orders = usual_orders(file.joints)
     if not names:
-        file.account.tell(
-            "check",
-            "robot",
-            UNDESCRIBED_ARM,
-            "numbers",
-            f"no described arm has {file.joints} joints; describe yours, `ur5 describe arm.urdf`, "
-            "and name it with --robot; where one column is a gripper's, name the arm as well",
-        )
+        remedy = "describe yours, `ur5 describe arm.urdf`, and name it with --robot"
+        gripper = "where one column is a gripper's, name the arm as well"
+        none = f"no described arm has {file.joints} joints; {remedy}; {gripper}"
+        file.account.tell("check", "robot", UNDESCRIBED_ARM, "numbers", none)
         return ArmIdentity(UNDESCRIBED_ARM, None, orders[0])
     placed = _by_pose(moving, stated, orders)
     arms = [described(name) for name in fitting_arms]
@@ -116,11 +112,10 @@ def fitting(
     q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame.
     """
     rows = np.unique(np.linspace(0, len(q) - 1, COMPARED_POSTURES).astype(int))
+    at = position[rows]
     for tool in (False, True):
         placed = [
-            PosedReading(
-                arm.name, order, _flange_distance(arm, q[rows][:, order], position[rows], tool)
-            )
+            PosedReading(arm.name, order, _flange_distance(arm, q[rows][:, order], at, tool))
             for arm in arms
             for order in orders
         ]
@@ -161,24 +156,14 @@ def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> Po
     within = f"it puts {'the flange' if placed.bare else 'a tool'} of {best.arm} within "
     within += f"{1000 * best.miss:.1f} mm of {pose.title}"
     next_best = f", {beaten.arm} within {1000 * beaten.miss:.3g} mm" if beaten else ""
-    file.account.hold("assumed", pose, _name_or_option(pose), f"in m: {within}")
+    file.account.hold("assumed", pose, pose.evidence, f"in m: {within}")
     if stated and stated not in {reading.arm for reading in placed.good}:
         reason = f"the recorded pose is the flange of {best.arm}, or a tool on it: {within}"
         file.account.tell("check", "robot", stated, "numbers", reason + next_best)
     elif len({reading.order for reading in placed.good}) == 1 and beaten:
         in_order = f"{within}{next_best}, {in_words(beaten.order)}"
-        _tell_order(file, "proven", in_words(best.order), "numbers", in_order)
+        file.account.tell("proven", ORDER, in_words(best.order), "numbers", in_order)
     return placed
-
-
-def _name_or_option(block: ColumnBlock) -> Evidence:
-    return "option" if block.stated else "name"
-
-
-def _tell_order(
-    file: FileContents, confidence: Confidence, order: str, by: Evidence, reason: str
-) -> None:
-    file.account.tell(confidence, "the joints' order", order, by, reason)
 
 
 def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Order]) -> Order:
@@ -190,35 +175,26 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Or
     lead = scores[best] - scores[as_read] if scores else 0.0
     ahead = min((scores[as_read] - s for o, s in scores.items() if o != as_read), default=0.0)
     named, by_gravity = names_order(moving), lead > CLEAR_LEAD_OVER_NAMES
-    better = (
-        f"gravity explains the efforts so, by {lead:.3g} of log-likelihood before base to wrist"
-    )
+    so = f"gravity explains the efforts so, by {lead:.3g} of log-likelihood before base to wrist"
+    as_named, tell = f"as named in {title}", file.account.tell
     if named and posed and as_read not in posed:
-        _tell_order(file, "check", f"as named in {title}", "name", "the pose fits another")
+        tell("check", ORDER, as_named, "name", "the pose fits another")
     elif named and by_gravity and not posed:
-        either = f"or {in_words(best)}: {better}"
-        _tell_order(file, "check", f"as named in {title}", "name", either)
+        tell("check", ORDER, as_named, "name", f"or {in_words(best)}: {so}")
     elif named:
-        _tell_order(
-            file,
-            "assumed",
-            f"as named in {title}",
-            "name",
-            f"no number contradicts: {ahead:.3g} of log-likelihood before other orders"
-            if scores
-            else "nothing contradicts it",
-        )
+        least = f"no number contradicts: {ahead:.3g} of log-likelihood before other orders"
+        tell("assumed", ORDER, as_named, "name", least if scores else "nothing contradicts it")
     elif len(posed) == 1:
         return posed[0]
     elif by_gravity:
-        _tell_order(file, "check", in_words(best), "numbers", f"no name tells it, and {better}")
+        tell("check", ORDER, in_words(best), "numbers", f"no name tells it, and {so}")
         return best
     elif ahead > CLEAR_LEAD:
         before = f"gravity, by {ahead:.3g} of log-likelihood before any other usual order"
-        _tell_order(file, "proven", "base to wrist", "numbers", before)
+        tell("proven", ORDER, "base to wrist", "numbers", before)
     else:
         unproven = "what moves shows no other to be likelier, and no name tells it"
-        _tell_order(file, "check", "base to wrist", "position", unproven)
+        tell("check", ORDER, "base to wrist", "position", unproven)
     return as_read
 
 
@@ -242,14 +218,9 @@ def _assume(stated: str, likely: Sequence[Reading], file: FileContents) -> None:
     file.account.tell("assumed", "robot", stated, by, how)
     score = next((reading.score for reading in likely if reading.arm == stated), None)
     if score is not None and likely[0].score - score > CLEAR_LEAD:
-        file.account.tell(
-            "check",
-            "robot",
-            stated,
-            by,
-            f"{likely[0].arm} explains the efforts far better (log-likelihood greater by "
-            f"{likely[0].score - score:.3g}); check it, the tool and the mounting",
-        )
+        lead = f"(log-likelihood greater by {likely[0].score - score:.3g})"
+        far = f"{likely[0].arm} explains the efforts far better {lead}; check it, the tool and the "
+        file.account.tell("check", "robot", stated, by, f"{far}mounting")
 
 
 def _arm(
@@ -259,10 +230,7 @@ def _arm(
     placed: PosedReadings,
     names: Sequence[str],
 ) -> str:
-    """Return the arm that nothing names: by the pose, or the likeliest by gravity.
-
-    likely: readings in the file's order, the likeliest first; names: of arms with as many joints.
-    """
+    """Return the arm that nothing names: by the pose, or the likeliest (the first) by gravity."""
     possible = [*dict.fromkeys(reading.arm for reading in placed.good)] or [*names]
     name_it = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
     rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
@@ -273,33 +241,24 @@ def _arm(
         return possible[0]
     candidates = [reading for reading in likely if reading.arm in possible]
     if means is None or not means.currents or len(candidates) < 2:
-        why = (
-            "nothing in the file tells it"
-            if len(possible) > 1
-            else (
-                f"the only described arm of {file.joints} joints"
-                f"{', whose flange fits the pose' if placed.good else ''}"
-            )
-        )
+        why = f"the only described arm of {file.joints} joints"
+        why += ", whose flange fits the pose" if placed.good else ""
+        why = "nothing in the file tells it" if len(possible) > 1 else why
         file.account.tell("check", "robot", possible[0], "position", f"{why}; {name_it}")
         return possible[0]
     best, rival = candidates[:2]
     lead, (constants, are_known) = best.score - rival.score, _constants(means, best)
     grounds = f"the likeliest by the efforts{f', with {constants}' if constants else ''}"
-    beaten = f"the next, {rival.arm}, has a log-likelihood less by {lead:.3g}"
+    grounds += f"; the next, {rival.arm}, has a log-likelihood less by {lead:.3g}"
     if are_known and lead >= CLEAR_LEAD:
-        file.account.tell("proven", "robot", best.arm, "numbers", f"{grounds}; {beaten}")
+        file.account.tell("proven", "robot", best.arm, "numbers", grounds)
     else:
-        reason = f"{grounds}; {beaten}; {name_it}"
-        file.account.tell("check", "robot", best.arm, "numbers", reason)
+        file.account.tell("check", "robot", best.arm, "numbers", f"{grounds}; {name_it}")
     return best.arm
 
 
 def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
-    """Return the torque constants that gravity tells of the joints that bear, in words.
-
-    And whether these are the known ones.
-    """
+    """Return, in words, the torque constants that gravity tells; and whether they are as known."""
     arm, ordered = described(reading.arm), means.part(columns=reading.order)
     units = zip(means.currents, reading.units, strict=True)
     effort, unit = next((pair for pair in units if pair[1] != "neither"), ("", ""))

@@ -22,7 +22,7 @@ from ur5lib.importing.clocks import (
 from ur5lib.importing.contents import FileContents, block_widths
 from ur5lib.importing.spellings import TARGET_OR_TORQUE, last_part, named_unit, names_command
 from ur5lib.importing.unwrapped import with_continuous_angles
-from ur5lib.records.account import NOTHING, Evidence
+from ur5lib.records.account import NOTHING, Confidence
 from ur5lib.robots.drives import turns_matrix
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -41,11 +41,6 @@ WORST_MISFIT = 10.0  # of a clock under which no velocity is a derivative
 TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
 MAX_SHARE_BEHIND_TARGET = 0.05  # of the range of the positions, or of 1
 MAX_JOINT_ANGLE = 4 * np.pi  # rad; no joint turns further
-NO_POSITIONS_MESSAGE = (
-    "{}: no positions are found: none is named like them (`actual_q_0`, `joint_position`), and no "
-    "block of {} columns is the derivative of another; it holds {}; name them, as with --columns "
-    "{}"
-)
 
 
 class Agreement(NamedTuple):
@@ -117,10 +112,7 @@ def agreement(position: Array, velocity: Array, time: Array) -> Agreement:
 
 def _agreement(slope: Array, rate: Array) -> Agreement:
     """Return how well velocities (M, k) agree with slopes (M, k)."""
-    moving = [
-        ratio for pair in zip(slope.T, rate.T, strict=True) if (ratio := _ratio(*pair)) is not None
-    ]
-    good = [ratio for ratio in moving if np.isfinite(ratio)]
+    moving, good = _ratios(slope, rate)
     if not good:
         return Agreement(0.0, np.nan, len(moving), np.inf)
     ratio = float(np.median(good))
@@ -151,7 +143,7 @@ def slopes_and_rates(
     width = max(1, round(span / max(float(np.median(step)), 1e-4))) if len(step) else 1
     rise = np.diff(position, axis=0)
     whole = step < MAX_SLOPE_STEP
-    if not with_leaps:
+    if len(position) and not with_leaps:
         whole &= ~_leaps(rise, np.ptp(position, axis=0))
     rise = rise[whole]
     step = step[whole, None]
@@ -174,6 +166,13 @@ def _leaps(rise: Array, travel: Array) -> Mask:
     return np.asarray(far.any(axis=1))
 
 
+def _ratios(slopes: Array, rates: Array) -> tuple[list[float], list[float]]:
+    """Return the ratios of columns (N, k) that move, and those that are known."""
+    ratios = map(_ratio, slopes.T, rates.T)
+    moving = [ratio for ratio in ratios if ratio is not None]
+    return moving, [ratio for ratio in moving if np.isfinite(ratio)]
+
+
 def _ratio(slope: Array, rate: Array) -> float | None:
     """Return the ratio of a velocity to its slope; None if it rests, NaN if they disagree."""
     finite = np.isfinite(slope) & np.isfinite(rate)
@@ -187,10 +186,9 @@ def _ratio(slope: Array, rate: Array) -> float | None:
 
 
 def find_motion(file: FileContents) -> ImportedMotion:
-    """Return the positions, the velocities, and the targets of both.
+    """Return positions, velocities and targets, by their names, or else by the derivative.
 
-    By their names; without names, by the derivative. Raises InputError where no block can be the
-    positions.
+    Raises InputError where no block can be the positions.
     """
     file = with_continuous_angles(file)
     file = _without_copies(file)
@@ -221,13 +219,8 @@ def _without_copies(file: FileContents) -> FileContents:
 
 def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
     """Return the positions and the velocities that names tell."""
-    named = [block for block in file.blocks if block.meaning() == "actual_q"]
-    if not named:
-        return None
-    position, *others = named
-    for other in others:
-        file.account.exclude(other, f"named like positions, as {position.title} before", "name")
-    return position, file.meant("actual_qd", position.clock)
+    position = next((block for block in file.blocks if block.meaning() == "actual_q"), None)
+    return (position, file.meant("actual_qd", position.clock)) if position else None
 
 
 def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileContents:
@@ -240,12 +233,8 @@ def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileConten
             range_of_q = float(np.nanmax(np.ptp(np.nan_to_num(position.rows), axis=0)))
             if apart < MAX_SHARE_BEHIND_TARGET * max(range_of_q, 1.0):
                 blocks[place] = replace(block, stated="target_q")
-                file.account.hold(
-                    "proven",
-                    block,
-                    "numbers",
-                    f"no torque, but the target of {position.title}: within {apart:.2g} of it",
-                )
+                near = f"no torque, but the target of {position.title}: within {apart:.2g} of it"
+                file.account.hold("proven", block, "numbers", near)
     return replace(file, blocks=blocks)
 
 
@@ -256,17 +245,15 @@ def _nameless(file: FileContents) -> tuple[ColumnBlock, ColumnBlock]:
         columns = [f"channel{k + 1}" for k in range(len(file.blocks) - 1)]
         example = ",".join([*(["time"] if file.has_clock() else []), "actual_q", *columns])
         raise InputError(
-            NO_POSITIONS_MESSAGE.format(file.path, file.joints, block_widths(file), example)
+            f"{file.path}: no positions are found: none is named like them (`actual_q_0`, "
+            f"`joint_position`), and no block of {file.joints} columns is the derivative of "
+            f"another; it holds {block_widths(file)}; name them, as with --columns {example}"
         )
     (position, velocity, missed), *others = pairs
     if others and missed > CLEAR_MISFIT_RATIO * others[0][2]:
-        file.account.hold(
-            "check",
-            position,
-            "numbers",
-            f"as positions, {velocity.title} as velocities; {others[0][0].title} and "
-            f"{others[0][1].title} agree about as well: --columns names the right ones",
-        )
+        rivals = f"{others[0][0].title} and {others[0][1].title} agree about as well"
+        doubt = f"as positions, {velocity.title} as velocities; {rivals}: --columns names the right"
+        file.account.hold("check", position, "numbers", doubt)
     return position, velocity
 
 
@@ -276,8 +263,7 @@ def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float
     whole = [block for block in wide if not names_command(block.stem())]
     for position, velocity in _likely_pairs(whole, file.clocks.stamps):
         fit = agreement(position.rows, velocity.rows, file.clocks.stamps[position.clock])
-        right = VELOCITY_RATIO_RANGE[0] < fit.ratio < VELOCITY_RATIO_RANGE[1]
-        right |= not file.has_clock() and fit.ratio > 0
+        right = _is_near(fit.ratio) or (not file.has_clock() and fit.ratio > 0)
         if fit.moving and fit.share == 1.0 and right:
             yield position, velocity, fit.missed
 
@@ -285,10 +271,7 @@ def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float
 def _likely_pairs(
     blocks: Sequence[ColumnBlock], stamps: Mapping[str, Array]
 ) -> Iterator[tuple[ColumnBlock, ColumnBlock]]:
-    """Yield the blocks of one clock that correlate, column by column, with the slopes of another.
-
-    All pairs are compared by one product of matrices for each column.
-    """
+    """Yield the blocks of one clock that correlate, column by column, with slopes of another."""
     by_clock = groupby(sorted(blocks, key=lambda block: block.clock), lambda block: block.clock)
     for clock, same in ((clock, [*group]) for clock, group in by_clock):
         pairs = [
@@ -322,43 +305,25 @@ def _timed(
         return _on_best_clock(file, position, velocity), None, False
     if file.stated.rate:
         return file, file.stated.rate, False
-    if velocity is None and are_postures(
-        position.rows / (DEGREES_PER_RADIAN if _in_degrees(file, position) else 1)
-    ):
-        file.account.tell(
-            "check",
-            "rows",
-            "postures at rest",
-            "numbers",
-            "without a clock, and each row far from the next; a motion has a rate: --rate 125",
-        )
+    unit = DEGREES_PER_RADIAN if _in_degrees(file, position) else 1.0
+    if velocity is None and are_postures(position.rows / unit):
+        leaps = "without a clock, and each row far from the next; a motion has a rate: --rate 125"
+        file.account.tell("check", "rows", "postures at rest", "numbers", leaps)
         return file, None, True
     rows = file.clocks.stamps[ROW_CLOCK]
     if velocity and (rate := _rate(agreement(position.rows, velocity.rows, rows), rows)):
-        file.account.tell(
-            "proven",
-            "rate",
-            f"{rate:g} Hz",
-            "numbers",
-            f"{position.title} changes by {velocity.title} at {rate:g} rows a second",
-        )
+        follows = f"{position.title} changes by {velocity.title} at {rate:g} rows a second"
+        rival = f"at {2 * rate:g}, it would change twice as fast"
+        file.account.tell("proven", "rate", f"{rate:g} Hz", "numbers", f"{follows}; {rival}")
         stamps = np.arange(len(rows)) / rate
         return file.on_clock(ROW_CLOCK, ROW_CLOCK, stamps, "s"), rate, False
-    file.account.tell(
-        "check",
-        "rate",
-        f"{ASSUMED_RATE:g} Hz",
-        "position",
-        "no clock, and nothing tells the rate of the rows; name it, as with --rate 125",
-    )
+    unknown = "no clock, and nothing tells the rate of the rows; name it, as with --rate 125"
+    file.account.tell("check", "rate", f"{ASSUMED_RATE:g} Hz", "position", unknown)
     return file, ASSUMED_RATE, False
 
 
 def _rate(fit: Agreement, rows: Array) -> float | None:
-    """Return the rate [Hz] of rows of which velocities are derivatives, None where most are not.
-
-    rows: their stamps [s] at the rate that the agreement is of.
-    """
+    """Return the rate [Hz] of rows, agreeing at stamps (N,) [s], None where most do not agree."""
     if fit.share <= 0.5 or fit.ratio <= 0:
         return None
     return float(f"{fit.ratio / (rows[1] - rows[0]):.4g}")
@@ -411,9 +376,7 @@ def _in_degrees(file: FileContents, position: ColumnBlock) -> bool:
     reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
     if file.stated.robot:  # whose controller may count turns of the motors
         reached = reached / np.abs(np.diagonal(turns_matrix(described(file.stated.robot))))
-    return (
-        float(np.median(reached)) > MAX_JOINT_ANGLE or float(np.max(reached)) > 5 * MAX_JOINT_ANGLE
-    )
+    return bool(np.median(reached) > MAX_JOINT_ANGLE or np.max(reached) > 5 * MAX_JOINT_ANGLE)
 
 
 def _units(
@@ -423,12 +386,11 @@ def _units(
     degrees = _are_degrees(file, position)
     units = {"actual_q": "deg"} if degrees else {}
     if velocity is None:
-        file.account.tell(
-            "assumed", "velocities", "differences of the positions", "name", "no block is named so"
-        )
-        return units
-    in_degrees = _velocity_in_degrees(file, position, velocity, degrees)
-    return units | ({"actual_qd": "deg/s"} if in_degrees else {})
+        taken, why = "differences of the positions", "no block is named so"
+        file.account.tell("assumed", "velocities", taken, "name", why)
+    elif _velocity_in_degrees(file, position, velocity, degrees):
+        units["actual_qd"] = "deg/s"
+    return units
 
 
 def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
@@ -444,97 +406,70 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     elif shown:
         file.account.hold("proven", position, "numbers", f"in degrees: {turns}")
     else:
-        file.account.hold("assumed", position, _source(position), f"in rad: reaches {most:.3g}")
+        file.account.hold("assumed", position, position.evidence, f"in rad: reaches {most:.3g}")
     return (stated or named or ("deg" if shown else "rad")) == "deg"
 
 
 def _velocity_in_degrees(
     file: FileContents, position: ColumnBlock, velocity: ColumnBlock, degrees: bool
 ) -> bool:
-    """Return whether velocities are in degrees; those that are no derivative are left out.
-
-    degrees: whether the positions are.
-    """
+    """Return whether velocities are in degrees, as positions; no derivatives are left out."""
     account, stamps = file.account, file.clocks.stamps[position.clock]
     fit = agreement(position.rows, velocity.rows, stamps)
     if not fit.moving:
-        account.hold("assumed", velocity, _source(velocity), "nothing moves that could prove it")
+        account.hold("assumed", velocity, velocity.evidence, "nothing moves that could prove it")
         return degrees
     near = _nearest(fit.ratio) if np.isfinite(fit.ratio) else np.nan
-    if (
-        fit.share < MIN_SHARE_OF_VELOCITIES
-        or not VELOCITY_RATIO_RANGE[0] < fit.ratio / near < VELOCITY_RATIO_RANGE[1]
-    ):
-        many = f"{fit.share:.0%} of {fit.moving} moving columns"
+    if fit.share < MIN_SHARE_OF_VELOCITIES or not _is_near(fit.ratio / near):
+        no_derivative = f"not the derivative of {position.title}: "
+        many = f"{fit.share:.0%} of {fit.moving} moving columns follow it"
         ratio = f", {fit.ratio:.3g} times as fast" if np.isfinite(fit.ratio) else ""
-        account.exclude(
-            velocity, f"not the derivative of {position.title}: {many} follow it{ratio}"
-        )
-        account.tell(
-            "check",
-            velocity.title,
-            NOTHING,
-            "numbers",
-            f"not the derivative of {position.title}: joints in another order, of the motors, or "
-            "another quantity; differences of the positions take its place",
-        )
+        account.exclude(velocity, no_derivative + many + ratio)
+        causes = "joints in another order, of the motors, or another quantity; "
+        instead = no_derivative + causes + "differences of the positions take its place"
+        account.tell("check", velocity.title, NOTHING, "numbers", instead)
         return False
     if fit.share < 1.0:
         part = f"{1 - fit.share:.0%} of its moving columns are no derivatives of {position.title}"
         account.hold("check", velocity, "numbers", part)
     shifted = agreement(position.rows, np.roll(velocity.rows, 1, axis=1), stamps).missed
     rival = f"misses {shifted:.0%}" if np.isfinite(shifted) else "follows no column"
-    account.hold(
-        "proven" if shifted > 2 * fit.missed else "assumed",
-        velocity,
-        "numbers",
-        f"the derivative of {position.title} on {fit.moving} joints that move: misses "
-        f"{100 * fit.missed:.2g} % of its squares; one column further, it {rival}",
-    )
+    follows = f"the derivative of {position.title} on {fit.moving} joints that move: misses "
+    share = f"{100 * fit.missed:.2g} % of its squares; one column further, it {rival}"
+    sure: Confidence = "proven" if shifted > 2 * fit.missed else "assumed"
+    account.hold(sure, velocity, "numbers", follows + share)
     return {1.0: degrees, DEGREES_PER_RADIAN: True, 1 / DEGREES_PER_RADIAN: False}[near]
 
 
-def _source(block: ColumnBlock) -> Evidence:
-    """Return what tells a block whose numbers prove nothing: the user, its name, or its place."""
-    return "option" if block.stated else "position" if block.is_nameless() else "name"
+def _is_near(ratio: float) -> bool:
+    return VELOCITY_RATIO_RANGE[0] < ratio < VELOCITY_RATIO_RANGE[1]
 
 
 def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> ImportedMotion:
     """Return a motion with its targets in radians or degrees, without those of another size."""
-    followed_targets, units, motion = (
-        dict[str, ColumnBlock](),
-        dict(measured.units),
-        measured.in_si(),
-    )
+    blocks, units = dict(measured.blocks), dict(measured.units)
+    position, account, motion = measured.position, measured.file.account, measured.in_si()
     for name, block in targets.items():
-        if last_part(block.stem()) == "action" and np.array_equal(
-            block.rows, measured.position.rows
-        ):
-            measured.file.account.exclude(block, f"it repeats {measured.position.title}")
-            continue
-        followed = motion.get({"target_q": "actual_q", "target_qd": "actual_qd"}.get(name, ""))
+        followed = motion.get(name.replace("target", "actual"))
         ratio = _size(followed, block.rows) if followed is not None else None
         if ratio is None:
             ratio = DEGREES_PER_RADIAN if "actual_q" in units else 1.0
-        if not any(
-            VELOCITY_RATIO_RANGE[0] < ratio / unit < VELOCITY_RATIO_RANGE[1]
-            for unit in (1.0, DEGREES_PER_RADIAN)
-        ):
-            measured.file.account.exclude(block, "what moves does not follow it")
-            continue
-        followed_targets[name] = block
-        units |= {name: TARGET_UNITS[name]} if ratio > VELOCITY_RATIO_RANGE[1] else {}
-    return replace(measured, blocks=measured.blocks | followed_targets, units=units)
+        is_action = last_part(block.stem()) == "action"
+        if is_action and np.array_equal(block.rows, position.rows):
+            account.exclude(block, f"it repeats {position.title}")
+        elif not (_is_near(ratio) or _is_near(ratio / DEGREES_PER_RADIAN)):
+            account.exclude(block, "what moves does not follow it")
+        else:
+            blocks[name] = block
+            units |= {name: TARGET_UNITS[name]} if ratio > VELOCITY_RATIO_RANGE[1] else {}
+    return replace(measured, blocks=blocks, units=units)
 
 
 def _size(motion: Array, target: Array) -> float | None:
-    """Return the ratio of a target to what follows it (N, n), None where nothing moves.
-
-    NaN where most joints that move do not follow.
+    """Return the ratio of a target to what follows it (N, n), NaN where most joints that move do
+    not; None where nothing moves.
     """
-    pairs = zip((motion - np.nanmean(motion, axis=0)).T, target.T, strict=True)
-    moving = [ratio for pair in pairs if (ratio := _ratio(*pair)) is not None]
-    good = [ratio for ratio in moving if np.isfinite(ratio)]
+    moving, good = _ratios(motion - np.nanmean(motion, axis=0), target)
     if not moving:
         return None
     return float(np.median(good)) if 2 * len(good) > len(moving) else np.nan

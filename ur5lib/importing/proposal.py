@@ -18,18 +18,26 @@ from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
     in_stated_unit,
-    is_opposite,
+    is_frozen,
     is_rectified,
     is_torque_of_joints,
+    lead_of_opposite,
     name_efforts,
 )
 from ur5lib.importing.identity import arms_of, identified, tells_columns
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.spellings import CLOCK_NAME, is_of_motors, unused
-from ur5lib.importing.wrenches import CONTACT_FORCE, change, frame_of, wrench_blocks
+from ur5lib.importing.wrenches import (
+    CONTACT_FORCE,
+    change,
+    frame_of,
+    with_parted_wrench,
+    wrench_blocks,
+)
 from ur5lib.recordings.delimited import number_in
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.plausibility import SMALLEST_VALUE
 from ur5lib.records.account import Confidence, Evidence
 from ur5lib.timeseries.arrays import Array
 
@@ -40,16 +48,13 @@ MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
 MAX_GAP = 0.1  # s, that is filled before means are taken
 MAX_NAMELESS_EFFORTS = 8  # that gravity is asked about, of a table without names
 COMPARED_ROWS = 2000  # by which these are chosen
-RECTIFIED_REASON = (
-    "never negative on joints that turn both ways: without its sign, it tells no torque"
-)
+RECTIFIED_REASON = "never negative, though it falls to zero: without its sign, it tells no torque"
+FROZEN_REASON = "no number of it changes, so it was not measured"
 SILENT_REASON = "zero throughout, so not recorded"
+STRAY_REASON = f"stray bytes, nearer to zero than {SMALLEST_VALUE:g}: not recorded"
 OTHER_CLOCK = "another clock; the rows are timed by the one above"
 FURTHER_CHANNELS = (
-    "joint_control_output",
-    "actual_TCP_pose",
-    "actual_TCP_force",
-    "actual_TCP_speed",
+    *("joint_control_output", "actual_TCP_pose", "actual_TCP_force", "actual_TCP_speed"),
     "joint_temperatures",
 )
 
@@ -78,6 +83,11 @@ class Proposal:
         return self.moving.file
 
     @property
+    def force_channels(self) -> dict[str, list[ColumnBlock]]:
+        """Return the blocks of the force sensor by channel."""
+        return {n: [block] for n, block in zip(("ft_f", "ft_t"), self.sensor, strict=False)}
+
+    @property
     def clock(self) -> str:
         """Return the name of the robot's time stamps."""
         return self.moving.position.clock
@@ -85,11 +95,9 @@ class Proposal:
 
 def propose(file: FileContents) -> Proposal:
     """Return the proposal for a file. Raises InputError where it holds no positions."""
-    moving = find_motion(file)
+    moving = find_motion(with_parted_wrench(file))
     file, clock = moving.file, moving.position.clock
-    efforts = {
-        f"effort{k}": in_stated_unit(block, file) for k, block in enumerate(_efforts(moving))
-    }
+    efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
     if means:
@@ -107,10 +115,9 @@ def propose(file: FileContents) -> Proposal:
     units |= {n: unit for n, unit in words.items() if n in channels}
     pushed = _pushed(wrench, file)
     measured = [block.names for name, block in named.items() if name.startswith("actual")]
-    proving = [name for name, block in efforts.items() if block.names in measured][:1]
-    alone = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
-    proof = alone if pushed and proving else None
-    frame = frame_of(wrench, proof, loads, robot, file) if wrench else None
+    proving = [n for n, block in efforts.items() if block.names in measured][:1] if pushed else []
+    proof = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
+    frame = frame_of(wrench, proof if proving else None, loads, robot, file) if wrench else None
     opposite, sensor = bool(frame and robot and frame.is_opposite(robot)), list[ColumnBlock]()
     if frame and frame.axes == "flange":
         sensor = wrench
@@ -123,15 +130,14 @@ def propose(file: FileContents) -> Proposal:
 
 
 def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
-    """Return the efforts: by RTDE's names alone, where one is actual_current.
-
-    Beside recorded channels, a file may hold what was computed from them.
-    """
+    """Return the efforts that were recorded, without those that were computed from them."""
     efforts = sorted(moving.beside(EFFORT_MEANINGS), key=lambda block: is_of_motors(block.stem()))
-    account, speed = moving.file.account, moving.blocks.get("actual_qd", moving.position).rows
+    account = moving.file.account
     of_joints = [block for block in efforts if is_torque_of_joints(block)]
     for block in efforts:
-        if "actual_qd" in moving.blocks and is_rectified(block, speed):
+        if is_frozen(block):
+            account.exclude(block, FROZEN_REASON)
+        elif is_rectified(block):
             account.exclude(block, RECTIFIED_REASON)
         elif of_joints and is_of_motors(block.stem()):
             account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
@@ -141,12 +147,11 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
     names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
     if "actual_current" not in names:
         return efforts
-    computed = [b for b, n in zip(efforts, names, strict=True) if n not in UNITS_BY_CHANNEL]
-    for block in computed:
-        account.exclude(
-            block, "beside actual_current: computed from it, or of another kind", "name"
-        )
-    return [block for block in efforts if all(block is not other for other in computed)]
+    beside = "beside actual_current: computed from it, or of another kind"
+    for block, name in zip(efforts, names, strict=True):
+        if name not in UNITS_BY_CHANNEL:
+            account.exclude(block, beside, "name")
+    return [block for block in efforts if block.names not in account.excluded]
 
 
 def _following_the_motion(
@@ -165,11 +170,11 @@ def _following_the_motion(
     explained = ((basis.T @ centred) ** 2).sum(axis=0) / ((centred**2).sum(axis=0) + 1e-300)
     shares = np.median(explained.reshape(len(efforts), -1), axis=1)
     least = float(np.sort(shares)[-MAX_NAMELESS_EFFORTS])
+    better = f"the joints' motion explains less of it than of others, {least:.0%} and more"
     for block, share in zip(efforts, shares, strict=True):
         if share < least:
-            better = f"the joints' motion explains less of it than of others, {least:.0%} and more"
             moving.file.account.exclude(block, better)
-    return [block for block, share in zip(efforts, shares, strict=True) if share >= least]
+    return [block for block in efforts if block.names not in moving.file.account.excluded]
 
 
 def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
@@ -178,10 +183,11 @@ def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
     arms = [described(name) for name in ([stated] if stated else arms_of(file))]
     arms = [*filter(tells_columns, arms)]
     for name, block in efforts.items():
-        if arms and is_opposite(means, name, arms):
+        if arms and (lead := lead_of_opposite(means, name, arms)):
             efforts[name] = block.scaled(-1.0)
             means.currents[name] *= -1
-            turned = "it has the opposite sign: else friction would drive, and gravity agrees"
+            so = f"gravity explains it so by {lead:.3g} of log-likelihood before the sign as read"
+            turned = f"it has the opposite sign: else friction would drive, and {so}"
             file.account.hold("proven", block, "numbers", turned)
 
 
@@ -196,62 +202,48 @@ def _means(
     if wrench:  # a force without moments as if it acted at the flange
         rows = np.hstack([block.rows for block in wrench])
         values["wrench"] = np.pad(rows, ((0, 0), (0, 6 - rows.shape[1])))
-    columns = {
-        f"{name}_{k}": rows[:, k] for name, rows in values.items() for k in range(rows.shape[1])
-    }
-    nothing = np.empty((0, 6))
+    columns = {f"{n}_{k}": part for n, rows in values.items() for k, part in enumerate(rows.T)}
     if moving.still:
-        return None, nothing
+        return None, np.empty((0, 6))
     fresh = np.diff(moving.time, prepend=-np.inf) > 0
     table = pd.DataFrame({"time": moving.time - np.nanmin(moving.time), **columns})[fresh]
-    # in rad since `find_motion`
     anywhere = dict.fromkeys((f"actual_q_{k}" for k in range(moving.file.joints)), math.inf)
-    table = table.reset_index(drop=True)
+    source, lasts = str(moving.file.path), np.ptp(moving.time)
     try:
-        robot, timing, _ = repair_frames(table, None, MAX_GAP, str(moving.file.path), anywhere)
-        means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
+        whole = table.reset_index(drop=True)
+        robot, timing, _ = repair_frames(whole, None, MAX_GAP, source, anywhere)
+        means = block_means(robot, timing.period, [n for n in values if n not in moving.blocks])
+        if len(means.q) < MIN_BLOCKS:
+            step = np.median(np.diff(moving.time[fresh]))
+            raise InputError(f"it lasts {lasts:.3g} s in steps of {step:.3g} s")
     except InputError as error:
-        _doubt_numbers(moving, str(error))
-        return None, nothing
-    if len(means.q) < MIN_BLOCKS:
-        lasts, step = np.ptp(moving.time), np.median(np.diff(moving.time[fresh]))
-        _doubt_numbers(moving, f"it lasts {lasts:.3g} s in steps of {step:.3g} s")
-        return None, nothing
-    turned = np.ptp(means.q, axis=0) > MIN_TURN
-    loads = means.currents.pop("wrench", nothing)
-    # postures of one kind, seen often
+        short = f"too short, or with too many gaps for numbers to tell more ({error})"
+        moving.file.account.tell("check", "columns", "as named", "name", short)
+        return None, np.empty((0, 6))
+    loads = means.currents.pop("wrench", np.empty((0, 6)))
+    turned = np.ptp(means.q, axis=0) > MIN_TURN  # else postures of one kind, seen often
     return replace(means, offset=bool(turned.sum() < MIN_TURNING_JOINTS)), loads
-
-
-def _doubt_numbers(moving: ImportedMotion, why: str) -> None:
-    reason = f"too short, or with too many gaps for numbers to tell more ({why})"
-    moving.file.account.tell("check", "columns", "as named", "name", reason)
 
 
 def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
     """Return whether a wrench shows a contact."""
     most = change(wrench) if wrench else 0.0
+    changes = f"the force changes by {most:.3g} N; without contact by {CONTACT_FORCE:.0f} at most"
     if most > CONTACT_FORCE:
-        reason = (
-            f"the force changes by {most:.0f} N; without contact by {CONTACT_FORCE:.0f} at most"
-        )
-        file.account.tell("proven", "role", "contact", "numbers", reason)
+        file.account.tell("proven", "role", "contact", "numbers", changes)
         return True
-    reason = "nothing touches the arm; otherwise write contact"
-    file.account.tell("assumed", "role", "fit", "position", reason)
+    shown = changes if wrench else "nothing touches the arm; otherwise write contact"
+    file.account.tell("assumed", "role", "fit", "numbers" if wrench else "position", shown)
     return False
 
 
 def _account_for_the_rest(proposal: Proposal) -> None:
-    """State of each block that nothing was stated about what its name tells, or why it is left out.
-
-    And the assumed layout of a table.
-    """
+    """State what the names of the other blocks tell, or why these are left out."""
     file, account = proposal.contents, proposal.contents.account
     if file.header.layout:
         account.tell("assumed", "columns", f"those of {file.header.layout}", "position", "as many")
     for block in file.silent:
-        account.exclude(block, SILENT_REASON if np.isfinite(block.rows).any() else "no numbers")
+        account.exclude(block, _why_silent(block.rows))
     taken = {b.names for blocks in (*proposal.channels.values(), proposal.sensor) for b in blocks}
     for name in file.clocks.stamps:
         by: Evidence = "name" if CLOCK_NAME.search(name) else "position"
@@ -260,9 +252,18 @@ def _account_for_the_rest(proposal: Proposal) -> None:
             account.state(told, (name,), name, by, "" if name == proposal.clock else OTHER_CLOCK)
     for block in file.blocks:
         if block.names in taken and block.names not in account.of_columns:
-            account.hold("assumed", block, "option" if block.stated else "name", "")
+            account.hold("assumed", block, block.evidence, "")
         elif block.names not in taken and block.names not in account.excluded:
-            account.exclude(block, unused(block.stem()), "name")
+            meaning = block.meaning() or ""
+            first = next(iter(proposal.channels.get(meaning, [])), None)
+            alike = f"named like {meaning}, as {first.title} before" if first else ""
+            account.exclude(block, alike or unused(block.stem()), "name")
+
+
+def _why_silent(rows: Array) -> str:
+    if not np.isfinite(rows).any():
+        return "no numbers"
+    return STRAY_REASON if np.nan_to_num(rows).any() else SILENT_REASON
 
 
 def is_clockless(proposal: Proposal) -> bool:
@@ -272,11 +273,9 @@ def is_clockless(proposal: Proposal) -> bool:
 
 def meanings(proposal: Proposal) -> dict[tuple[str, ...], str]:
     """Return channel and unit of the blocks that an entry has, by the names of their columns."""
-    sensor = dict(zip(("ft_f", "ft_t"), ([block] for block in proposal.sensor), strict=False))
     told = {
-        block.names: channel
-        + (f" [{proposal.units[channel]}]" if channel in proposal.units else "")
-        for channel, blocks in (proposal.channels | sensor).items()
+        block.names: f"{channel} [{unit}]" if (unit := proposal.units.get(channel)) else channel
+        for channel, blocks in (proposal.channels | proposal.force_channels).items()
         for block in blocks
     }
     unit = proposal.contents.clocks.units.get(proposal.clock, "s")

@@ -60,7 +60,7 @@ CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORE
 NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
 APPENDED_UNIT = re.compile(r"_(mA|A|Nm|deg|rad|degs|rads|deg_s|rad_s|ms|us|ns|s)$")
-NUMBERED_JOINT = r"(.*?)(?:[jJ]oint|[aA]xis|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
+NUMBERED_JOINT = r"(.*?)(?:[jJ]oint|[aA]xis|[aA]ctuator|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
 UNIT_SPELLINGS = {  # of bracketed and appended units, as a study writes them
     **{"mA": "mA", "A": "A", "Nm": "Nm", "N m": "Nm", "N·m": "Nm", "N.m": "Nm", "N*m": "Nm"},
     **dict.fromkeys(("°", "deg", "degree", "degrees", "°/s", "deg/s", "deg_s", "degs"), "deg"),
@@ -90,9 +90,14 @@ def without_joint(name: str) -> str:
     return re.sub(r"[ _.]?\d$", "", name) if re.search(r"[A-Za-z]_[A-Za-z]+_\d$", name) else name
 
 
+def without_unit(name: str) -> str:
+    """Return a column's name without a unit at its end."""
+    return APPENDED_UNIT.sub("", BRACKETED_UNIT.sub("", name))
+
+
 def place_of(name: str) -> tuple[str, int]:
     """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
-    name = APPENDED_UNIT.sub("", BRACKETED_UNIT.sub("", name))
+    name = without_unit(name)
     for place, joint in enumerate(JOINT_NAMES):
         if joint.search(name):
             return joint.sub("", name), place
@@ -104,7 +109,7 @@ def place_of(name: str) -> tuple[str, int]:
         return numbered[1] + numbered[3], int(numbered[2])
     if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
         return f"{part[1] or ''}_{part[2]}", "xyz".index(part[3])
-    if axis := re.fullmatch(r"(.*?)_?([xyz])", name):
+    if axis := re.fullmatch(r"(.*?)_?(?<!velocit)([xyz])", name):
         return axis[1], "xyz".index(axis[2])
     return name, -1
 
@@ -141,11 +146,14 @@ def quantity(stem: str, width: int, joints: int) -> str | None:
     return spatial
 
 
-def kind_of_joints(stem: str) -> str | None:
-    """Return the kind of a quantity of joints by its name: q, qd, …, None for another."""
-    its = words(last_part(stem))
+def names_positions(stem: str) -> bool:
+    """Return whether a quantity is named as positions of joints, measured or commanded."""
+    last = last_part(stem)
+    its = words(last)
     other = its & (TOOL_WORDS | TEMPERATURE_WORDS | GRIPPER_WORDS)
-    return None if other else _first_meaning(its, JOINT_QUANTITY_WORDS)
+    whole = WHOLE_NAMES.get(last.lower())
+    named = not other and _first_meaning(its, JOINT_QUANTITY_WORDS) == "q"
+    return named or whole == "actual_q"
 
 
 def kind_of_quantity(word: str) -> str | None:

@@ -1,6 +1,7 @@
 """The frame and the sign of a wrench: those in which it explains the efforts."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import permutations
 from typing import NamedTuple
 
@@ -35,12 +36,25 @@ class WrenchFrame(NamedTuple):
         return self.by_arm == (self.axes == "flange" or arm.wrist_sensor)
 
 
+def with_parted_wrench(file: FileContents) -> FileContents:
+    """Return a file with force and torque as two blocks, where one of six columns holds both."""
+    parts = [
+        part
+        for block in file.blocks
+        for part in (_parted(block) if block.meaning() == "wrench" else [block])
+    ]
+    return replace(file, blocks=parts)
+
+
+def _parted(wrench: ColumnBlock) -> list[ColumnBlock]:
+    return [
+        replace(wrench.only(range(k, k + 3)), stated=meaning)
+        for k, meaning in ((0, "force"), (3, "torque"))
+    ]
+
+
 def wrench_blocks(file: FileContents, clock: str) -> list[ColumnBlock]:
     """Return the blocks of force and torque, that of a force alone, or none."""
-    whole = file.meant("wrench", clock)
-    if whole is not None and len(whole.names) == 6:
-        parts = [(whole.names[k : k + 3], whole.rows[:, k : k + 3]) for k in (0, 3)]
-        return [ColumnBlock(names, rows, whole.clock) for names, rows in parts]
     force, torque = (file.meant(meaning, clock) for meaning in ("force", "torque"))
     return [block for block in (force, torque) if block is not None] if force else []
 
@@ -69,20 +83,15 @@ def frame_of(
             file.account.hold("assumed", block, "name", "a force sensor in the flange's axes")
         return WrenchFrame("flange", by_arm=False)
     if means is None or arm is None or frame is None:
-        unproven = (
-            f"in the base's frame or the flange's, by the arm or on it: the best two "
-            f"log-likelihoods are {lead:.1f} apart"
-            if means
-            else "no effort beside it tells its frame"
-        )
+        either = "in the base's frame or the flange's, by the arm or on it: the best two "
+        unproven = f"{either}log-likelihoods are {lead:.1f} apart"
+        unproven = unproven if means else "no effort beside it tells its frame"
         _leave_out(wrench, f"{unproven}; it changes by up to {change(wrench):.0f} N", file)
         return None
     if len(wrench) == 1 and frame.axes == "base":
-        of_base = (
-            "in the base's frame, in which a force is read only together with its moments: record "
-            "these, too, or the force in the flange's axes"
-        )
-        file.account.exclude(wrench[0], of_base)
+        moments = "in the base's frame, in which a force is read only together with its moments"
+        remedy = "record these, too, or the force in the flange's axes"
+        file.account.exclude(wrench[0], f"{moments}: {remedy}")
         return None
     for block in wrench:
         explains = f"in the {frame.axes}'s frame: it explains the efforts better than in others"
@@ -100,11 +109,9 @@ def _leave_out(wrench: Sequence[ColumnBlock], reason: str, file: FileContents) -
     """Leave a wrench out, with the line of the entry that would add it as a sensor."""
     named = dict(zip(("ft_f", "ft_t"), (block.names for block in wrench), strict=False))
     channels = ", ".join(f"{name}: [{', '.join(names)}]" for name, names in named.items())
-    line = (
-        "`ft_fx … ft_tz` for its columns in `columns`"
-        if file.format == TABLE_FORMAT
-        else f"`force_sensor: {{channels: {{time: {wrench[0].clock}, {channels}}}}}`"
-    )
+    line = f"`force_sensor: {{channels: {{time: {wrench[0].clock}, {channels}}}}}`"
+    is_table = file.format == TABLE_FORMAT
+    line = "`ft_fx … ft_tz` for its columns in `columns`" if is_table else line
     for block in wrench:
         reads = f"{reason}; record a push in several postures, or, in the flange's axes, {line}"
         file.account.exclude(block, reads)
@@ -121,9 +128,8 @@ def _doubt_sign(block: ColumnBlock, frame: WrenchFrame, along: float, file: File
     if 1 - ONE_SIDED_SHARE <= along <= ONE_SIDED_SHARE:
         file.account.hold("proven", block, "numbers", acts)
     else:
-        file.account.hold(
-            "check", block, "numbers", f"{acts}, as where a hand leads: check its sign"
-        )
+        led = f"{acts}, as where a hand leads: check its sign"
+        file.account.hold("check", block, "numbers", led)
 
 
 def likeliest_frame(
@@ -164,13 +170,9 @@ def _gain(means: BlockMeans, torque: Array, arm: Robot) -> float:
         solution = np.linalg.lstsq(columns, measured, rcond=None)[0]
         without = np.linalg.lstsq(columns[:, 1:], measured, rcond=None)[0]
         if solution[0] > 0:
-            residual, residual_without = (
-                measured - columns @ solution,
-                measured - columns[:, 1:] @ without,
-            )
-            total += float(
-                means.log_likelihood(np.array((size(residual) / size(residual_without)) ** 2))
-            )
+            error = size(measured - columns @ solution)
+            error_without = size(measured - columns[:, 1:] @ without)
+            total += float(means.log_likelihood(np.array((error / error_without) ** 2)))
     return total
 
 

@@ -142,10 +142,10 @@ def _column(column: pa.ChunkedArray) -> np.ndarray:
     if pa.types.is_timestamp(column.type):
         return column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy() * 1e-9
     if not _is_list(column.type):
-        return np.asarray(column.cast(pa.float64()).to_numpy())
+        return np.asarray(column.to_numpy(), dtype=float)
     lengths = pc.list_value_length(column)
     widths = pc.if_else(pc.is_valid(column), lengths, 0).to_numpy()
-    values = pc.list_flatten(column).cast(pa.float64()).to_numpy()
+    values = np.asarray(pc.list_flatten(column).to_numpy(), dtype=float)
     return rows_of(values, widths, int(widths[0]) if len(widths) else 0)
 
 

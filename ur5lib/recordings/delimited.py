@@ -174,7 +174,8 @@ def _length_of_title(lines: list[bytes]) -> int:
     if count < MIN_LEAD_COUNT or width < MIN_LEAD_COUNT:
         return 0
     first = next(k for k, line in enumerate(lines) if line.count(mark) + 1 == width)
-    named = not any(map(_is_cell, lines[first].split(mark)))
+    cells = [cell for cell in lines[first].split(mark) if cell.strip()]  # an index has no name
+    named = len(cells) >= width - 1 and not any(map(_is_cell, cells))
     short = all(2 * line.count(mark) + 2 < width for line in lines[:first])
     return sum(len(line) + 1 for line in lines[:first]) if named and short else 0
 

@@ -8,25 +8,34 @@ LIST = re.compile(  # a tuple has two numbers at least
 )
 BETWEEN_NUMBERS = re.compile(rb"[\s,;]+")
 NUMBER_WORDS = re.compile(rb"nan|inf|array|none|null|e", re.IGNORECASE)
+CELL_STARTS = b"\n", b",", b";", b"\t"
 LETTER, PLACE = re.compile(rb"[A-Za-z]"), b"\0"
 
 
 def with_lists_apart(block: bytes) -> bytes:
     """Return lines of a table with the numbers of each list in columns of their own.
 
-    In a header, a list's name stands for `<name>_0` and so on. Lists of other lengths make rows of
-    other widths, which the reader reports.
+    In the header, the line above the first list, a list's name stands for `<name>_0` and so on.
+    Lists of other lengths make rows of other widths, which the reader reports.
     """
-    head, _, below = block.partition(b"\n")
-    named = LETTER.search(NUMBER_WORDS.sub(b"", head)) is not None
-    named &= all(_count(found) < 2 for found in LIST.finditer(head))  # as in `q[0]`
-    rows = below if named else block
-    first = LIST.sub(lambda found: PLACE * _count(found), rows[:HEAD_BYTES]).partition(b"\n")[0]
-    if PLACE not in first:
+    lists = LIST.finditer(block[:HEAD_BYTES])
+    start = next((found.start() for found in lists if _is_cell(found, block)), None)
+    if start is None:
         return block
+    begin = block.rfind(b"\n", 0, start) + 1
+    above, head = block[:begin].rstrip(b"\n").rpartition(b"\n")[::2]
+    named, rows = LETTER.search(NUMBER_WORDS.sub(b"", head)) is not None, block[begin:]
+    if begin and not named:
+        return block
+    first = LIST.sub(lambda found: PLACE * _count(found), rows[:HEAD_BYTES]).partition(b"\n")[0]
     mark = next((mark for mark in (b";", b"\t", b",") if mark in first), b",")
     apart = LIST.sub(lambda found: _apart(found, mark), rows)
-    return b"\n".join([_names(head, first, mark), apart]) if named else apart
+    return b"\n".join([above, _names(head, first, mark), apart]).lstrip(b"\n") if named else apart
+
+
+def _is_cell(found: re.Match[bytes], block: bytes) -> bool:
+    """Return whether a list is a cell, and no number of a name, as in `q[0]`."""
+    return _count(found) > 1 or block[found.start() - 1 : found.start()] in (b"", *CELL_STARTS)
 
 
 def _numbers(found: re.Match[bytes]) -> list[bytes]:

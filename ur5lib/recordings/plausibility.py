@@ -59,8 +59,14 @@ def drop_implausible(
     name = "impossible frames" if device == "robot" else "impossible samples"
     row = int(np.argmax(wrong)) + 1 if len(wrong) else 0
     add_finding(findings, device, name, "warning", wrong.sum(), "impossible", row=row)
-    check_pace(time[~wrong], source)
+    check_pace(time[_with_positions(frames) & ~wrong], source)
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
+
+
+def _with_positions(frames: pd.DataFrame) -> Mask:
+    """Return which rows have a position: others are of topics beside them, in one table."""
+    q = frames.get("actual_q_0")
+    return np.isfinite(q.to_numpy(float)) if q is not None else np.ones(len(frames), bool)
 
 
 def _beyond(frames: pd.DataFrame, bounds: Mapping[str, float], source: str) -> Mask:
