@@ -28,7 +28,7 @@ from ur5lib.identification.current_samples import Smoother
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.fit_residuals import usual_residuals
-from ur5lib.steps.predict_currents import tared
+from ur5lib.steps.tare import tared
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -111,7 +111,7 @@ def estimate(own: Taken, untouched: tuple[float, float] | None) -> WrenchEstimat
     friction = fitted_map([], [own])
     known = currents(friction, own)
     if untouched:
-        known = tared(known, own.motion, untouched, own.record.name)
+        known = tared(known, own.motion, untouched)
     problem = fmap_problem(own.motion, known, usual_residuals(friction.fit, CURRENTS.cutoff))
     assert problem is not None
     return problem.solve(own.kinematics.jacobian[problem.rows], ContactPrior())

@@ -11,6 +11,7 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import check_force_sensor, check_imu
 from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.unchecked import MAX_NAMED, unchecked
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import FullScale, load_robot, robot_path
 
@@ -303,3 +304,16 @@ def test_motion_that_samples_do_not_tell_is_a_stop_sign() -> None:
         checked = Checked(table, load_robot(robot_path("ur5")), None, None, True)
         codes = [sign.code for sign in stop_signs(checked)]
         assert ("untold motion" in codes) == stops
+
+
+def test_few_other_arms_are_named_that_fit_as_well_and_never_its_own() -> None:
+    """Before, thirteen, and the described arm beside its individual of another name."""
+    described = load_robot(robot_path("ur5"))
+    own = described.model_copy(update={"name": "mine"})
+    log = poor_log(described, 10.0, seed=1).drop(columns=CURRENTS)
+    checked = Checked(log.assign(segment=0, interpolated=False), own, None, None, False)
+    told = said(found(unchecked(checked), "arm not checked")).partition("told from ")[2]
+    *named, more = told.partition(":")[0].split(" or ")
+    assert len(named) == MAX_NAMED
+    assert more == f"{len(checked.others) - 1 - MAX_NAMED} more"
+    assert not {"ur5", "mine"} & {*named}

@@ -8,11 +8,15 @@ import pandas as pd
 import pytest
 
 from tests.commands import Command
+from tests.library.test_verdicts import study as results_of
 from tests.synthetic import poor_log
 from ur5lib.channels import columns
 from ur5lib.recordings.copies import MAX_ROWS_KEPT, MIN_ROWS_COMPARED, fingerprint
+from ur5lib.records.judgement import Judgement
+from ur5lib.records.quality import Finding
 from ur5lib.report.page.findings import by_finding
 from ur5lib.robots.description import Robot
+from ur5lib.steps.make_tables import tables_of_recordings
 from ur5lib.tidy.files import name_copies
 
 STUDY = """
@@ -67,27 +71,65 @@ def check(log: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ru
 
 @pytest.mark.parametrize("copy", COPIES)
 def test_a_copy_is_said_of_both(log: pd.DataFrame, check: Callable, copy: str) -> None:
+    """The one that is fitted stays, whatever their order."""
     status, printed = check(COPIES[copy](log))
-    assert status == 1
-    assert printed.count("run, other are one run") == 1
+    assert status == 0
+    assert printed.count("run, other are one run: their rows are equal, and other would count") == 1
 
 
 def test_a_copy_is_said_of_a_recording_that_is_named(log: pd.DataFrame, check: Callable) -> None:
     status, printed = check(log, "run")
+    assert status == 0
+    assert "run, other are one run" in printed
+
+
+@pytest.mark.parametrize("roles", [("fit", "fit"), ("validate", "contact"), ("contact", "fit")])
+def test_copies_of_which_neither_is_to_spare_are_a_stop_sign(
+    log: pd.DataFrame, check: Callable, roles: tuple[str, str]
+) -> None:
+    text = Path("study.yaml").read_text()
+    for before, role in zip(("fit", "validate"), roles, strict=True):
+        text = text.replace(f"role: {before},", f"role: {role} ,")
+    Path("study.yaml").write_text(text)
+    status, printed = check(log)
     assert status == 1
     assert "run, other are one run" in printed
 
 
-def test_each_run_that_recordings_repeat_is_said_once() -> None:
-    """Whatever the numbers in their names are."""
-    runs = {f"log_{k}{copy}": [k] * MIN_ROWS_COMPARED for k in (10, 20) for copy in "ab"}
+def findings(**runs: int) -> pd.DataFrame:
+    """The rows of recordings of which those of one number are one run."""
     rows = [
         {"recording": name, "device": "robot", "finding": "same run", "severity": "note"}
-        | {"count": 0, "detail": " ".join(str(100 * k + row) for row, k in enumerate(held))}
+        | {"count": 0, "detail": " ".join(str(100 * run + k) for k in range(MIN_ROWS_COMPARED))}
         | {"place": ""}
-        for name, held in runs.items()
+        for name, run in runs.items()
     ]
-    stated = by_finding(name_copies(pd.DataFrame(rows)))
+    return pd.DataFrame(rows)
+
+
+def test_a_spare_copy_is_left_out_and_costs_nothing_else(ur5: Robot) -> None:
+    """Before, a doubled validate recording made the force of a study not to be used."""
+    quality = findings(fit=1, seen=2, again=2, third=2, pushed=3, seen_fit=1)
+    roles = {"fit": "fit", "pushed": "contact"}
+    roles |= dict.fromkeys(("seen", "again", "third", "seen_fit"), "validate")
+    judgements = {
+        row.recording: Judgement(
+            {"sensed": [{"contacts": 1}]},
+            [Finding("robot", "same run", "note", 0, {"rows": row.detail}, "fingerprint")],
+        )
+        for row in quality.itertuples()
+    }
+    tables = tables_of_recordings(judgements, {}, roles)
+    assert [*tables["sensed"]["recording"]] == ["fit", "seen", "pushed"]
+    found = tables["quality"].set_index("recording")["severity"]
+    assert found.to_dict() == dict.fromkeys(roles.keys() - {"pushed"}, "warning")
+    assert not results_of(quality=tables["quality"].to_dict("records")).stopped()
+
+
+def test_each_run_that_recordings_repeat_is_said_once() -> None:
+    """Whatever the numbers in their names are."""
+    runs = {f"log_{k}{copy}": k for k in (10, 20) for copy in "ab"}
+    stated = by_finding(name_copies(findings(**runs)))
     assert [*stated["recordings"]] == [["log_10a", "log_10b"], ["log_20a", "log_20b"]]
 
 

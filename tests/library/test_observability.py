@@ -1,5 +1,6 @@
 """The smallest push by speed, and the speeds at which friction is predicted."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.library.made_up_torques import MODEL
-from tests.made_tables import gathered
+from tests.made_tables import gathered, table
 from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
@@ -26,7 +27,8 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.records.arm_state import Observed
 from ur5lib.report.figures.arm_state_figures import observability_figure
-from ur5lib.steps.measure_observability import Judged, observability
+from ur5lib.steps.measure_observability import Judged, by_axis, observability
+from ur5lib.tidy import forces
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
@@ -77,6 +79,21 @@ def test_dry_friction_and_gears_bear_their_part_of_a_push(state: int) -> None:
         assert bears[:, 3].mean() == pytest.approx(most[3] / 2, rel=0.03)
         twice = felt_push(torque, time // 2, *known)  # two samples of each push
         np.testing.assert_array_equal(twice[::2], twice[1::2])
+
+
+@pytest.mark.parametrize("limits", [150.0, 95.0])
+def test_a_push_beyond_the_trials_is_the_largest_one_and_said_to_be_beyond(limits: float) -> None:
+    """Before, the files had 10,355 N, or nothing where none was found; the report, above 100 N."""
+    trials = detected_above(np.full(COUNT, limits))
+    pushes = [row for row in observability([trials], []) if row.quantity == "smallest_push_95"]
+    assert len(pushes) > 1
+    for row in pushes:
+        assert (row.bound, row.value) == (">", MAX_TRIAL_FORCE)
+        assert np.isnan(row.std_error)
+    found = {"threshold": 0.0, "smallest_force_95": [asdict(one) for one in by_axis(trials)]}
+    detected = table(forces.detection, {"free": {"Fmap": found | {"raised": []}}}).iloc[0]
+    assert detected["smallest_force_95_x"] == MAX_TRIAL_FORCE
+    assert {"x", "rest_x"} & {*detected["smallest_force_beyond"].split()}
 
 
 def test_without_a_place_nothing_is_tried() -> None:

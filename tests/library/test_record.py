@@ -1,6 +1,7 @@
 """`ur5 record`: what it asks, refuses, and leaves behind."""
 
 import io
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -100,6 +101,20 @@ def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
     clocks = read_json(folder / "truth.json")["clocks"]
     starts = {name: start.seconds for name, (_, start) in place_sensors(raw, []).items()}
     assert starts == pytest.approx({n: one["offset_s"] for n, one in clocks.items()}, abs=0.002)
+
+
+@pytest.mark.parametrize("emulate", [True, False])
+def test_a_missing_package_for_the_imu_is_asked_for_before_anything_moves(
+    study: Path, monkeypatch: pytest.MonkeyPatch, emulate: bool
+) -> None:
+    """Before, after the arm had moved to its start for a minute."""
+    monkeypatch.setitem(sys.modules, "serial", None)
+    text = study.read_text()
+    study.write_text(text if emulate else text + "  imu: {port: /dev/ttyUSB0}\n")
+    options = RecordOptions("swing", "fit", move=Path("swing.csv"), yes=True, emulate=emulate)
+    with pytest.raises(InputError, match=r"`--without imu` .* extra `record`"):
+        record(study, options, console())
+    assert not Path("raw").exists()
 
 
 @on_the_double_of_an_arm

@@ -428,6 +428,8 @@ def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: str) 
     assert judge_force(study(force_mae=rows, detection=searched)).state == expected
     stopped = study(force_mae=rows, quality=[finding("stop", "contradiction")])
     assert judge_force(stopped).state == "do not use"
+    broken = study(force_mae=rows, quality=[finding("stop", "unreadable")])
+    assert judge_force(broken) == judge_force(study(force_mae=rows))
 
 
 def test_a_force_beside_a_doubted_sensor_is_not_good() -> None:

@@ -11,8 +11,9 @@ from tests.made_tables import record
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
 from ur5lib.records.friction import Friction
-from ur5lib.records.judgement import Judgement, Rows
+from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.steps.make_tables import joined, make_tables
 from ur5lib.tables import read_csv, write_csv
@@ -32,9 +33,10 @@ def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str,
 
 
 def judged(*findings: str) -> Judgement:
-    about = {"device": "robot", "severity": "note", "count": 1}
-    rows: Rows = [about | {"finding": finding, "detail": DETAIL} for finding in findings]
-    return Judgement({"quality": rows})
+    about = {"error": DETAIL}
+    return Judgement(
+        findings=[Finding("robot", name, "note", 1, about, "unusable") for name in findings]
+    )
 
 
 def test_rows_of_recordings_and_of_arms_make_one_table_each(ur5: Robot) -> None:

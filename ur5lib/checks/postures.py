@@ -1,7 +1,7 @@
 """Checks of postures at rest: gravity is all that tells arm, order, units and signs."""
 
-from collections.abc import Iterator, Sequence
-from itertools import combinations, islice
+from collections.abc import Container, Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,7 @@ from ur5lib.checks.currents import foreign_currents
 from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.errors import Remark, remark
+from ur5lib.records.accepted import up_to_first_standing
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
@@ -43,15 +44,19 @@ def posture_means(postures: pd.DataFrame) -> BlockMeans:
 
 
 def posture_stop_signs(
-    means: BlockMeans, arm: Robot, configured: Payload | None, declared: Payload | None
+    means: BlockMeans,
+    arm: Robot,
+    configured: Payload | None,
+    declared: Payload | None,
+    accepted: Container[str] = (),
 ) -> list[Finding]:
-    """Return the stop sign of a recording of postures, if there is one.
+    """Return the stop sign of a recording of postures, if there is one, behind accepted ones.
 
     arm: under the recording's gravity; configured: the payload that the controller was given;
-    declared: the one that the study gives.
+    declared: the one that the study gives; accepted: kinds of stop signs.
     """
     contradictions = _contradictions(means, arm, configured, declared)
-    return [*islice(contradictions, 1)]  # others follow from the first
+    return [*up_to_first_standing(contradictions, accepted)]
 
 
 def _contradictions(

@@ -1,7 +1,6 @@
 """Stop signs: what in a recording contradicts the study so much that no forces may be stated."""
 
-from collections.abc import Iterator
-from itertools import islice
+from collections.abc import Container, Iterator
 
 from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, SENSED_TORQUE, columns
 from ur5lib.checks.arm import (
@@ -33,6 +32,7 @@ from ur5lib.checks.sensed_torques import constant_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
+from ur5lib.records.accepted import KINDS, up_to_first_standing
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel
 
@@ -44,17 +44,23 @@ CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far 
 )
 
 
-def stop_signs(checked: Checked) -> list[Finding]:
-    """Return the stop signs of a recording, of which the columns CHECKED_COLUMNS are enough."""
-    if copied := [*names_equal_to_targets(checked.robot, checked.step)]:
-        return [contradiction("simulated", names=copied)]  # nothing else follows from it
+def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]:
+    """Return the stop signs of a recording, of which the columns CHECKED_COLUMNS are enough.
+
+    accepted: kinds of stop signs that the study accepts, behind which others are looked for.
+    """
+    copied = [*names_equal_to_targets(checked.robot, checked.step)]
+    simulated = [contradiction("simulated", names=copied)] if copied else []
+    if simulated and KINDS["simulated"] not in accepted:
+        return simulated  # nothing else follows from it
     smooth = [*exchanged_current(checked.robot)]  # or smoothed by whoever wrote the log
     channels = [
         *exchanged_motion(checked.robot),
         *(smooth if smooth and follows_its_model(checked.means, checked.loaded) else []),
     ]
     of_channels = [contradiction("exchanged channels", name=name) for name in channels]
-    return [*of_channels, *islice(_contradictions(checked), 1)]  # others follow from the first
+    of_arm = up_to_first_standing(_contradictions(checked), accepted)
+    return [*simulated, *of_channels, *of_arm]
 
 
 def _contradictions(checked: Checked) -> Iterator[Finding]:

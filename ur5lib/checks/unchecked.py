@@ -21,6 +21,7 @@ from ur5lib.checks.torques import is_foreign
 from ur5lib.records.quality import Finding, Severity
 
 POSE, TORQUE = "actual_TCP_pose", "target_moment"
+MAX_NAMED = 3  # other arms
 
 
 def unchecked(checked: Checked) -> list[Finding]:
@@ -42,7 +43,8 @@ def _links(checked: Checked) -> Iterator[Finding]:
 
 def _arm(checked: Checked) -> Iterator[Finding]:
     """Yield which other arms fit as well, where no torque of the controller tells all apart."""
-    others = [one for one in checked.others if one.name != checked.arm.name]
+    own = checked.arm.name, checked.arm.link_poses()  # under whatever name
+    others = [o for o in checked.others if o.name != own[0] and o.link_poses() != own[1]]
     if checked.means.torque is not None or not checked.arm.tells_gravity():
         return
     if f"{POSE}_0" in checked.robot:
@@ -54,7 +56,8 @@ def _arm(checked: Checked) -> Iterator[Finding]:
         absent = [
             name for name in (TORQUE, POSE, MEASURED_CURRENT) if f"{name}_0" not in checked.robot
         ]
-        names = [one.name for one in others]
+        names, more = [one.name for one in others[:MAX_NAMED]], len(others[MAX_NAMED:])
+        names += [f"{more} more"] * bool(more)
         yield _note("arm not checked", arm=checked.arm.name, others=names, absent=absent)
 
 

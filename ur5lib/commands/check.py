@@ -23,8 +23,9 @@ from ur5lib.commands.console import announced, text_console
 from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import carried, disagreements
-from ur5lib.records.quality import Finding, Quality
+from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import worded
 from ur5lib.report.page.findings import by_finding, group_findings
@@ -33,6 +34,7 @@ from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
+from ur5lib.steps.tare import tare_doubts, touched_by_own_clock
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tidy import files, table
@@ -92,7 +94,8 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
     clocks = settled(
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
     )
-    severe_ones = print_tables(console, qualities, clocks, named)
+    roles = {recording.name: recording.role for recording in there}
+    severe_ones = print_tables(console, qualities, clocks, named, roles)
     months = {recording.name: f"{recording.date:%Y-%m}" for recording in there if recording.date}
     if not named and len({*months.values()}) > 1:
         console.print(by_month(months, qualities))
@@ -104,14 +107,15 @@ def print_tables(
     qualities: Mapping[str, Quality],
     clocks: Mapping[str, Mapping[str, SettledClock]],
     named: Sequence[str] = (),
+    roles: Mapping[str, str] | None = None,
 ) -> int:
     """Print the quality and the clocks of recordings; returns how many stop signs and errors.
 
     named: recordings all of whose findings and clocks are printed, as of a single one; none: each
-    finding once, and the least certain clock of each device.
+    finding once, and the least certain clock of each device; roles: of all.
     """
     findings = {name: map(worded, files.findings(own)) for name, own in qualities.items()}
-    quality = files.name_copies(table("quality", findings))
+    quality = files.name_copies(table("quality", findings), roles)
     offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
     names = [name for name in qualities if name in named] if named else [*qualities]
     quality, offsets = (own[own["recording"].isin(names)] for own in (quality, offsets))
@@ -153,7 +157,8 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
     checked = Checked(intake.robot, arm, load.configured, load.payload, fitted)
-    stops = stop_signs(checked)
+    accepted = recording.accepted()
+    stops = stop_signs(checked, accepted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
     moved = signals.actual_q, signals.segment, intake.quality.period_s
@@ -162,6 +167,11 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     doubts += fast_between_samples(*moved, arm.velocity_limits())
     if not fitted:
         doubts += slow_samples(*moved, cutoff)
+    if recording.untouched is not None:
+        doubts += tare_doubts(recording.untouched, signals, arm, cutoff)
+        if "force" in intake.sensors:
+            own = intake.sensors["force"], intake.quality.starts["force"]
+            doubts += touched_by_own_clock(recording.untouched, *own)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
         doubts += sensed_contacts(sensor, load.mass)
@@ -172,7 +182,8 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
             *contacts_felt(checked, sensor is not None),
             *unchecked(checked),
         ]
-    findings = [*stops, *intake.quality.findings, *doubts]
+    found = accepting(Contradictions(stops, doubts), accepted)
+    findings = [*found.stop_signs, *intake.quality.findings, *found.findings]
     return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
 
 
@@ -194,7 +205,7 @@ def look_through_postures(recording: Recording, arm: Robot) -> Quality:
     tool = recording.known_tool()
     load, tcp = recording.known_payload(), tool.tcp if tool else None
     try:
-        postures, quality = checked_postures(recording, arm, load, tcp)
+        postures, quality = checked_postures(recording, arm, load, tcp, recording.accepted())
     except InputError as error:
         return unusable(error)
     contradictions = postures.contradictions

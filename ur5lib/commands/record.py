@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.live import Live
 
 from ur5lib.commands.recorded_study import StudyFile, checked_name, entry_of
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, of_recorder
 from ur5lib.lab.doubles.lab_double import TRUTH_STEM, lab_double
 from ur5lib.lab.recorder import display
 from ur5lib.lab.recorder.arm_motion import MotionError, Mover, move_to_start
@@ -68,6 +68,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     folder = Path("raw", study.name(), checked_name(options.name))
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
+    _expect_extra(study, options)
     laboratory: AbstractContextManager[LabSettings] = (
         lab_double(robot, options.role == "contact", folder)
         if options.emulate
@@ -95,6 +96,13 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     entry |= entry_of(lab, session.statuses())
     entry |= {"truth": TRUTH_STEM} if options.emulate else {}
     return study.enter(entry, options.add, console)
+
+
+def _expect_extra(study: StudyFile, options: RecordOptions) -> None:
+    """Raise InputError where the package that reads an IMU is missing, before anything moves."""
+    devices = ("imu",) if options.emulate else study.lab().devices()
+    if "imu" in devices and "imu" not in options.without:
+        of_recorder("serial", "reading the IMU, unless `--without imu` leaves it out,")
 
 
 def _prepare(

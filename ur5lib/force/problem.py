@@ -8,6 +8,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import JointState, finite_rows, is_still, past_states
 from ur5lib.force.force_input import ForceInput, force_input
 from ur5lib.force.residual_model import ResidualModel, Residuals
+from ur5lib.force.shown_friction import MIN_SHARE, shown_friction
 from ur5lib.force.wrench_estimate import (
     WrenchEstimate,
     estimate_wrench,
@@ -61,13 +62,31 @@ def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
 def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Problem | None:
     """Return the problem of F̂ᵐᵃᵖ.
 
-    None where its torque is not known, as throughout a recording of half a second.
+    None where its torque is not known, as throughout a recording of half a second, or not told from
+    friction.
     """
+    problem = _problem(motion, currents, residuals)
+    if problem is None or unusual_friction(motion, currents, residuals) is not None:
+        return None
+    return problem if currents.tared is None else problem.held(currents.tared)
+
+
+def unusual_friction(motion: Motion, currents: Currents, residuals: Residuals) -> float | None:
+    """Return the share of usual friction that a motion shows, where that is too little to tell a
+    contact by it: nothing was fitted, and a hand leads the arm; None elsewhere.
+    """
+    problem = _problem(motion, currents, residuals)
+    if problem is None or not problem.model.usual:
+        return None
+    share = shown_friction(problem.input, problem.model.breakaway)
+    return share if share < MIN_SHARE else None
+
+
+def _problem(motion: Motion, currents: Currents, residuals: Residuals) -> Problem | None:
     torque, model = currents.external_torque, residuals.tau_ext
     if torque is None or model is None or not finite_rows(torque).any():
         return None
-    problem = Problem(force_input(motion, torque, currents), model)
-    return problem if currents.tared is None else problem.held(currents.tared)
+    return Problem(force_input(motion, torque, currents), model)
 
 
 def causal_odds(

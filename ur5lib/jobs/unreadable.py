@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from ur5lib.errors import InputError, UnreadableError
+from ur5lib.errors import UnreadableError
 
 Files = Mapping[str, str | list[str]]  # of a job, by name
 MARK = '{"unreadable": '
@@ -40,8 +40,8 @@ def readable(files: Files) -> tuple[Files, dict[str, str]]:
     """Return the files of a job without those of recordings that cannot be read, and of these the
     reasons by name.
 
-    Raises UnreadableError where the recording that the job is of cannot be read, InputError where
-    none of several can.
+    Raises UnreadableError where the recording that the job is of cannot be read. Where none of
+    several can, they are like recordings that a study lacks.
     """
     kept, absent = dict[str, str | list[str]](), dict[str, str]()
     for name, paths in files.items():
@@ -53,9 +53,6 @@ def readable(files: Files) -> tuple[Files, dict[str, str]]:
         reasons = {path: why for path in paths if (why := reason(path))}
         absent |= {Path(path).parent.name: why for path, why in reasons.items()}
         kept[name] = [path for path in paths if path not in reasons]
-        if reasons and not kept[name]:
-            first = next(iter(reasons.values()))
-            raise InputError(f"none of {len(paths)} recordings can be read; {first}")
     return kept, absent
 
 

@@ -56,6 +56,18 @@ def same_runs(fingerprints: Mapping[str, Sequence[int]]) -> Iterator[tuple[str, 
             yield one, other
 
 
+def spare_copy(pair: tuple[str, str], roles: Mapping[str, str]) -> str:
+    """Return which of two recordings of one run a study loses nothing without; empty for none.
+
+    roles: by recording. What is fitted stays; two that are fitted, or roles of which one must be
+    wrong, are for the user to correct.
+    """
+    held = [roles.get(name, "") for name in pair]
+    if sorted(held) == ["fit", "validate"]:
+        return pair[held.index("validate")]
+    return pair[1] if held in (["validate"] * 2, ["contact"] * 2) else ""
+
+
 def _are_alike(one: Sequence[int], other: Sequence[int]) -> bool:
     """Return whether the shorter of two recordings has mostly rows of the other."""
     last = min(

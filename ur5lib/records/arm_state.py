@@ -76,7 +76,7 @@ class Observed:
     quantity: smallest_push_95 [N], by speed of the flange, or smallest_push_95_x, _y, _z, along an
     axis; friction_in_band, the share of a joint's samples within the band of its friction, by its
     speed; least_velocity [rad/s], the lower end of the speeds at which this share suffices, NaN
-    where there is none.
+    where there is none; bound: ">" of a push beyond `value`, the largest that was tried.
     """
 
     quantity: str
@@ -84,6 +84,7 @@ class Observed:
     speed_low: float
     speed_high: float | None
     speed_unit: str
+    bound: str = ""
     value: float
     std_error: float | None = None
     unit: str

@@ -70,7 +70,8 @@ class SmallestPush:
     """The force [N] that is detected in 95 of 100 trials, with its standard error, in a range of
     the flange's speed [m/s], along an axis or along any.
 
-    tried, found: numbers of trials.
+    tried, found: numbers of trials; beyond: whether it is larger than all of them, of which `force`
+    is the largest, and has no standard error.
     """
 
     speed_low: float
@@ -80,6 +81,7 @@ class SmallestPush:
     force: float
     std: float
     axis: str = ""
+    beyond: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -39,7 +39,7 @@ class Friction:
     variance that these explain, None of a single path; least_squares: (6, 4), the baseline's
     coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on
     another; model: link model of the torques; stopped: how the recordings contradict the arm;
-    refused: why else there is no fit.
+    refused: why else there is no fit; remarks: what the fit contradicts, but the study accepts.
     """
 
     __pydantic_config__ = BY_KEY
@@ -58,6 +58,7 @@ class Friction:
     model: str = ""
     stopped: Remark | None = None
     refused: Remark | None = None
+    remarks: list[Remark] = field(default_factory=list)
 
     def senses_torque(self) -> bool:
         """Return whether sensed torques take the currents' place, with a constant of 1 Nm/A."""

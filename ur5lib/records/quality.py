@@ -15,6 +15,8 @@ GIVEN_LOAD = "given load"  # the finding that the controller counts with a load 
 # share of target_moment that the right arm may leave; it leaves 0.063 at most
 MAX_SHARE_UNMODELLED = 0.15
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
+UNREADABLE = "unreadable"  # the finding that a recording cannot be read
+UNUSUAL_FRICTION = "unusual friction"  # the finding that friction hides a contact's force
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 

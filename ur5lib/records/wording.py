@@ -9,6 +9,7 @@ from string import Formatter
 from typing import Any
 
 from ur5lib.errors import Remark, printable
+from ur5lib.records.accepted import KINDS
 from ur5lib.records.quality import Finding
 from ur5lib.strict import read_yaml
 
@@ -58,7 +59,14 @@ def _filled(template: str, values: Mapping[str, Any]) -> str:
 
 def in_words(remark: Remark) -> str:
     """Return the sentence of a remark."""
-    return sentence(**asdict(remark))
+    return _with_remedy(remark.code, sentence(**asdict(remark)))
+
+
+def _with_remedy(code: str, stated: str) -> str:
+    """Return the sentence of a stop sign with how a study overrules it; others as they are."""
+    if code not in KINDS:
+        return stated
+    return sentence("overruled by", {"sign": stated, "kind": KINDS[code]})
 
 
 def worded(finding: Finding) -> dict[str, str | int]:
@@ -72,5 +80,5 @@ def worded(finding: Finding) -> dict[str, str | int]:
     located = meaning and place.startswith("{file}")
     return row | {
         "place": _filled(place, values) if located else "",
-        "detail": sentence(code, values),
+        "detail": _with_remedy(code, sentence(code, values)),
     }

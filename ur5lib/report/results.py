@@ -17,6 +17,7 @@ import yaml
 
 from ur5lib.errors import InputError
 from ur5lib.records.arm_state import Repeated
+from ur5lib.records.quality import UNREADABLE
 from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
@@ -172,9 +173,11 @@ class Results:
         }
 
     def stopped(self) -> bool:
-        """Return whether a recording or an arm has a stop sign."""
-        signs = self.rows("quality", severity="stop"), self.rows("remarks", step="stop sign")
-        return any(map(len, signs))
+        """Return whether a recording or an arm contradicts the study; one that cannot be read does
+        not.
+        """
+        found = self.rows("quality", severity="stop")["finding"]
+        return bool((found != UNREADABLE).any()) or len(self.rows("remarks", step="stop sign")) > 0
 
     def file_of(self, recording: str) -> str:
         """Return the robot's file of a recording, or the recording's name if it is a folder."""

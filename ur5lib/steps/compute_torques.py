@@ -1,5 +1,6 @@
 """Joint torques of every link model: at the targets and at the measured motion; stop signs."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import CHECKED_COLUMNS, stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import Carried, carried, disagreements
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
@@ -17,6 +19,7 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, Six
+from ur5lib.steps.tare import Span, tare_doubts
 from ur5lib.tables import read_footer, read_table
 
 
@@ -36,25 +39,35 @@ def compute_torques(
     gravity: list[float] | None = None,
     payload: Payload | None = None,
     tcp: Six | None = None,
+    accepted: dict[str, str] | None = None,
+    untouched: Span | None = None,
 ) -> RecordingTorques:
     """Return the torques of every link model, and what in the recording contradicts the study.
 
     signals: file of `Signals`; gravity, payload, tcp: as the study declares them; role: of the
-    recording; cutoff_hz: of the currents' low-pass.
+    recording; cutoff_hz: of the currents' low-pass; accepted: why the study overrules stop signs,
+    by kind; untouched: span [s] that the study declares as a tare.
     """
     known, robot = Signals.read(signals), arm.mounted(gravity)
     load = carried(payload, known)
     doubts = disagreements(payload, tcp, known)
     doubts += too_short(known.segment, known.period, cutoff_hz)
+    if untouched is not None:
+        doubts += tare_doubts(untouched, known, robot, cutoff_hz, motion.motor_qd)
     moved = known.actual_q, known.segment, known.period
     doubts += fast_between_samples(*moved, robot.velocity_limits())
-    contradictions = contradicting(signals, robot, load, role, doubts)
+    contradictions = contradicting(signals, robot, load, role, doubts, accepted or {})
     torques = joint_torques(robot, load, known, motion)
     return RecordingTorques(torques, Premises(load, contradictions))
 
 
 def contradicting(
-    signals: Path, robot: Robot, load: Carried, role: str, doubts: list[Finding]
+    signals: Path,
+    robot: Robot,
+    load: Carried,
+    role: str,
+    doubts: list[Finding],
+    accepted: Mapping[str, str],
 ) -> Contradictions:
     """Return the stop signs of a recording, and further doubts.
 
@@ -65,10 +78,10 @@ def contradicting(
         read_table(signals, [*names]), robot, load.configured, load.payload, role == "fit"
     )
     doubts = [*doubts, *checked.odd_targets.values()]
-    stops = stop_signs(checked)
+    stops = stop_signs(checked, accepted)
     if not stops:  # from which others would follow
         doubts += given_load(checked)
-    return Contradictions(stops, doubts)
+    return accepting(Contradictions(stops, doubts), accepted)
 
 
 def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion) -> Torques:

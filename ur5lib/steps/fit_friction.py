@@ -1,11 +1,11 @@
 """The map from motion to motor current: torque constants and friction, from `fit` recordings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 
-from ur5lib.errors import RefusalError, reason, remark
+from ur5lib.errors import RefusalError, Remark, reason, remark
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import (
     fit_currents,
@@ -28,6 +28,7 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
 )
 from ur5lib.recordings.copies import same_runs
+from ur5lib.records.accepted import ACCEPTED, KINDS
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion
@@ -52,11 +53,12 @@ def fit_friction(
     postures: Mapping[str, Postures],
     dates: dict[str, str],
     lowpass: Butterworth,
+    accepted: dict[str, str] | None = None,
 ) -> Friction:
     """Return torque constants and friction of an arm; refused where they cannot be fitted.
 
     signals to quality: of the arm's `fit` recordings, postures: of those at rest; dates: of the
-    former, ISO 8601 or empty.
+    former, ISO 8601 or empty; accepted: why the study overrules stop signs of the arm, by kind.
     """
     if arm.links == "unknown":
         return Friction(refused=remark("unknown links", arm=arm.name))
@@ -77,7 +79,8 @@ def fit_friction(
         require_no_stop_sign(contradictions)
         require_single_runs(quality)
         prior = replace(prior_of(arm, ratios), at_rest=AtRest.of(held))
-        return replace(fitted_friction(records, prior, smooth, model), at_rest=[*at_rest])
+        fitted = fitted_friction(records, prior, smooth, model, accepted)
+        return replace(fitted, at_rest=[*at_rest])
     except ContradictionError as sign:
         return Friction(stopped=sign.remark)
     except ValueError as error:
@@ -89,19 +92,23 @@ class ContradictionError(RefusalError):
 
 
 def fitted_friction(
-    records: Sequence[CurrentSamples], prior: Prior, smooth: Smooth, model: str = ""
+    records: Sequence[CurrentSamples],
+    prior: Prior,
+    smooth: Smooth,
+    model: str = "",
+    accepted: Mapping[str, str] | None = None,
 ) -> Friction:
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
-    model: of the records' torques. Without records,
+    model: of the records' torques; accepted: as of `fit_friction`. Without records,
     the fit is what is typical, with torque constants by postures at rest if the prior
     has any. Raises ContradictionError when the torque constants are not those of the arm,
     RefusalError when there are neither records, nor postures, nor typical friction.
     """
     if not records:
-        return _expected_friction(prior, model)
+        return _expected_friction(prior, model, accepted or {})
     fit = fit_currents(records, smooth, prior)
-    require_known_constants(fit, prior)
+    doubts = accepted_doubts(fit, prior, accepted or {})
     left_out = fit_without_each_path(records, smooth, prior)
     return Friction(
         from_=[record.name for record in records],
@@ -115,19 +122,23 @@ def fitted_friction(
         least_squares=least_squares_coefficients(records),
         cross_validation=fitted_on_tested_on(records, smooth, prior),
         model=model,
+        remarks=doubts,
     )
 
 
-def _expected_friction(prior: Prior, model: str) -> Friction:
+def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) -> Friction:
     """Return what is known without motion: without typical friction, torque constants alone."""
     if not prior.typical and prior.at_rest is None:
         raise RefusalError("no fit recording")
     fit = fit_postures(prior)
-    require_known_constants(fit, prior)
+    doubts = accepted_doubts(fit, prior, accepted)
     found, known = parameters(fit), known_constants(prior)
     if prior.typical:
-        return Friction(fit=fit, parameters=found, known_constants=known, model=model)
+        return Friction(
+            fit=fit, parameters=found, known_constants=known, model=model, remarks=doubts
+        )
     return Friction(
+        remarks=doubts,
         parameters=[row for row in found if row.name == "torque_constant"],
         known_constants=known,
         model=model,
@@ -177,6 +188,20 @@ def require_single_runs(qualities: Mapping[str, Quality]) -> None:
     """
     for pair in same_runs({name: one.fingerprint for name, one in qualities.items()}):
         raise ContradictionError("copied recordings", names=[*pair])
+
+
+def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) -> list[Remark]:
+    """Return that torque constants are not those of the arm, which the study accepts.
+
+    Raises ContradictionError where it does not.
+    """
+    try:
+        require_known_constants(fit, prior)
+    except ContradictionError as sign:
+        if (kind := KINDS[sign.remark.code]) not in accepted:
+            raise
+        return [remark(ACCEPTED, reason=accepted[kind], found=asdict(sign.remark))]
+    return []
 
 
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
-from ur5lib.force.problem import fmap_problem
+from ur5lib.force.problem import fmap_problem, unusual_friction
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.records.accelerations import Accelerations, ImuComparison
 from ur5lib.records.arm_state import Checkup
@@ -15,7 +15,7 @@ from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.gains import GainSummary
 from ur5lib.records.judgement import Judgement, Rows
 from ur5lib.records.motion import FusedMotion, MotionAccount
-from ur5lib.records.quality import Finding
+from ur5lib.records.quality import UNUSUAL_FRICTION, Finding
 from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
 from ur5lib.steps.judge_audit import audit
@@ -117,7 +117,10 @@ def findings_of(evidence: Evidence, beside_sensor: Compared) -> list[Finding]:
     """Return the findings about the recording's files, clocks and sensor."""
     contradictions, cutoff = evidence.premises.contradictions, evidence.currents_lowpass.cutoff
     slower = slower_than_fit(evidence.signals, evidence.friction, cutoff)
-    contradictions = replace(contradictions, findings=[*contradictions.findings, *slower])
+    share = unusual_friction(evidence.motion, evidence.currents, evidence.residuals)
+    unusual = [Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})]
+    doubts = [*contradictions.findings, *slower, *(unusual if share is not None else [])]
+    contradictions = replace(contradictions, findings=doubts)
     clocks = evidence.alignment.clocks
     return files.findings(evidence.quality, contradictions, clocks, beside_sensor)
 

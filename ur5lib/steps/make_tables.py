@@ -26,14 +26,16 @@ def make_tables(
     residuals: Mapping[str, Residuals],
     parts: list[Path],
     unreadable: dict[str, str],
+    roles: dict[str, str] | None = None,
 ) -> dict[str, pd.DataFrame]:
     """Return each table by its name.
 
     judgements: of all recordings; the others are of all arms; parts: CSV files that steps write for
     each arm, in the folder of its name: together they are the table of their name; unreadable: the
-    recordings without a judgement, each with the reason.
+    recordings without a judgement, each with the reason; roles: of all, by which a copy of another
+    recording is left out.
     """
-    tables = tables_of_recordings(dict(judgements), unreadable)
+    tables = tables_of_recordings(dict(judgements), unreadable, roles or {})
 
     def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
         tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
@@ -53,9 +55,11 @@ def make_tables(
 
 
 def tables_of_recordings(
-    judgements: Mapping[str, Judgement], unreadable: Mapping[str, str]
+    judgements: Mapping[str, Judgement], unreadable: Mapping[str, str], roles: Mapping[str, str]
 ) -> dict[str, pd.DataFrame]:
-    """Return the tables whose rows are those of the recordings; of others, a stop sign."""
+    """Return the tables whose rows are those of the recordings; of others, a stop sign; of copies,
+    the findings alone.
+    """
     rows: dict[str, dict[str, Iterable[Row]]] = {
         name: {recording: one.rows.get(name, ()) for recording, one in judgements.items()}
         for name, own in columns().items()
@@ -68,7 +72,10 @@ def tables_of_recordings(
         recording: motion.acceleration_bands(one, imu) for recording, one in imu.items()
     }
     tables = {name: table(name, own) for name, own in rows.items()}
-    return tables | {"quality": files.name_copies(tables["quality"])}
+    quality = tables.pop("quality")
+    copies = files.spare_copies(quality, roles)
+    kept = {name: own[~own["recording"].isin(copies)] for name, own in tables.items()}
+    return kept | {"quality": files.name_copies(quality, roles)}
 
 
 def joined(parts: Iterable[Path]) -> dict[str, pd.DataFrame]:

@@ -16,7 +16,12 @@ from ur5lib.force.estimators import LEADING
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.trial_contacts import Trials, felt_push, try_each_place
+from ur5lib.force.trial_contacts import (
+    MAX_TRIAL_FORCE,
+    Trials,
+    felt_push,
+    try_each_place,
+)
 from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.identification.validation import ShareBySpeed, share_by_speed
@@ -137,6 +142,7 @@ def _push(push: SmallestPush) -> Observed:
         speed_low=push.speed_low,
         speed_high=push.speed_high,
         speed_unit="m/s",
+        bound=">" if push.beyond else "",
         value=push.force,
         std_error=push.std,
         unit="N",
@@ -179,9 +185,13 @@ def by_axis(trials: Trials) -> Iterator[SmallestPush]:
 
 
 def limit(trials: Trials, low: float, high: float, axis: str = "") -> Iterator[SmallestPush]:
-    """Yield the smallest push that is detected between two speeds, if trials suffice."""
+    """Yield the smallest push that is detected between two speeds, if trials suffice.
+
+    Beyond the largest trial, a logistic curve tells nothing: it is that one, and `beyond`.
+    """
     tried, found = len(trials.found), int(trials.found.sum())
     if tried >= FEWEST_TRIALS:
-        yield SmallestPush(
-            low, high, tried, found, *smallest_force(trials.force, trials.found), axis
-        )
+        force, std = smallest_force(trials.force, trials.found)
+        if beyond := force > MAX_TRIAL_FORCE:
+            force, std = MAX_TRIAL_FORCE, np.nan
+        yield SmallestPush(low, high, tried, found, force, std, axis, beyond)

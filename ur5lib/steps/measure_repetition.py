@@ -18,12 +18,14 @@ from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.samples import path_of
+from ur5lib.recordings.copies import same_runs
 from ur5lib.records.arm_state import Repeated
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.tidy.models import slowly
@@ -67,6 +69,7 @@ def measure_repetition(
     currents: Mapping[str, Currents],
     kinematics: Mapping[str, Kinematics],
     predictions: Mapping[str, Prediction],
+    quality: Mapping[str, Quality],
     friction: Friction,
     residuals: Residuals,
     arm: Robot,
@@ -74,11 +77,13 @@ def measure_repetition(
 ) -> list[Repeated]:
     """Return what repetition alone leaves of an arm's errors; empty where no path was repeated.
 
-    signals … predictions: of contact-free recordings; contact_force_n: [N], of a typical contact.
+    signals … quality: of contact-free recordings, of which copies do not count;
+    contact_force_n: [N], of a typical contact.
     """
     prior, runs = ContactPrior(force=contact_force_n), []
+    copies = {other for _, other in same_runs({n: one.fingerprint for n, one in quality.items()})}
     for name, moved in motion.items():
-        if not predictions[name].is_loaded:
+        if not predictions[name].is_loaded and name not in copies:
             errors = {
                 "torque": torque_error(signals[name], torques[name], arm.fullest_model()),
                 "current": current_error(currents[name], friction.fit_for(name)),

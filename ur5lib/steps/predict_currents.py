@@ -8,14 +8,7 @@ import numpy as np
 
 from ur5lib.checks.channels import slow_samples
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.errors import InputError
-from ur5lib.force.external_torque import (
-    external_torque,
-    finite_rows,
-    is_still,
-    joint_states,
-    without_edges,
-)
+from ur5lib.force.external_torque import external_torque, without_edges
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import (
     CurrentFit,
@@ -47,12 +40,10 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.steps.tare import tared
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass
 from ur5lib.timeseries.segments import by_segment, extrapolated_samples
-
-NEAR = 0.02  # rad, by which a joint may leave the tared posture
-LEAST_REST = 0.5  # s, of known torque at rest
 
 
 class PredictedCurrents(NamedTuple):
@@ -81,7 +72,7 @@ def predict_currents(
 
     payload, unloaded: loads of the recording and of the arm's `fit` recordings; untouched: [s], in
     which nothing touches the resting arm. Both are empty without currents or a fit, where the
-    recording contradicts the study or is slower than the fit. Raises InputError as `tared`.
+    recording contradicts the study or is slower than the fit.
     """
     summary = Prediction(recording in friction.from_)
     record = current_record(recording, signals, motion, torques, arm)
@@ -102,7 +93,7 @@ def predict_currents(
     record, load_torque = with_load(record, load_torque, fit, smooth)
     currents = predicted_currents(record, fit, load_torque, torques, smooth)
     if untouched is not None:
-        currents = tared(currents, motion, untouched, recording)
+        currents = tared(currents, motion, untouched)
     rivals = baselines(record, arm, friction.least_squares, signals)
     scored = scores(record, currents, rivals, smooth)
     return PredictedCurrents(currents, replace(summary, load=load, scores=scored))
@@ -212,47 +203,3 @@ def scores(
 def inner(torque: Array, record: CurrentSamples, cutoff: float) -> Array:
     """Return a torque (N, 6), NaN at the ends of segments, where a low-pass [Hz] extrapolates."""
     return without_edges(torque, record.segment, extrapolated_samples(cutoff, record.period))
-
-
-def tared(
-    currents: Currents, motion: Motion, untouched: tuple[float, float], recording: str
-) -> Currents:
-    """Return the currents with external torques counted from an untouched span [s].
-
-    They count from there until a joint is elsewhere: constants and a load then err differently, and
-    friction at rest is another. Raises InputError where the span does not hold LEAST_REST at rest.
-    """
-    torque = currents.external_torque
-    if torque is None:
-        return currents
-    time = motion.time - motion.time[0]
-    states = joint_states(motion.motor_qd, motion.segment, motion.period)
-    inside = (time >= untouched[0]) & (time <= untouched[1])
-    known = inside & is_still(states) & finite_rows(torque)
-    if known.sum() * motion.period < LEAST_REST:
-        raise InputError(
-            f"`untouched` of {recording} is {[*untouched]}, in which the arm rests with a known "
-            f"torque for less than {LEAST_REST:g} s (the recording lasts {time[-1]:.4g} s, and its "
-            "first and last quarter second are unknown); give a span at rest, or remove the key"
-        )
-    kept = from_span(motion, known)
-    external, causal = (
-        own - kept[:, None] * own[known].mean(axis=0)
-        for own in (torque, _required(currents.causal_torque))
-    )
-    return replace(currents, external_torque=external, causal_torque=causal, tared=kept)
-
-
-def from_span(motion: Motion, known: Mask) -> Mask:
-    """Return the samples (N,) from the first known one on, until a joint is elsewhere."""
-    first = np.argmax(known)
-    away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > NEAR
-    ends = away | (motion.segment != motion.segment[first])
-    ends[:first] = False
-    kept = np.arange(len(ends)) >= first
-    return kept & ~np.maximum.accumulate(ends)
-
-
-def _required(torque: Array | None) -> Array:
-    assert torque is not None, "both external torques are known, or none"
-    return torque

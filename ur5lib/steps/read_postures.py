@@ -1,5 +1,6 @@
 """A recording of postures at rest: what it tells of gravity, and what contradicts the study."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -17,6 +18,7 @@ from ur5lib.checks.postures import (
 from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings import postures as posture_files
 from ur5lib.recordings.entries import Entry, Files
+from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.postures import Postures
@@ -41,12 +43,16 @@ def read_postures(
     gravity: list[float] | None = None,
     payload: Payload | None = None,
     tcp: Six | None = None,
+    accepted: dict[str, str] | None = None,
 ) -> ReadPostures:
-    """Return postures at rest of a recording without time; arguments as of `read_recording`, and
-    gravity [m/s²], payload and tool centre point as the study declares them; raises as that.
+    """Return postures at rest of a recording without time; arguments as of `read_recording`,
+    gravity [m/s²], payload and tool centre point as the study declares them, and its reasons to
+    overrule stop signs, by kind; raises as that.
     """
     try:
-        postures, quality = checked_postures(recording, arm.mounted(gravity), payload, tcp)
+        postures, quality = checked_postures(
+            recording, arm.mounted(gravity), payload, tcp, accepted
+        )
     except InputError as error:
         raise UnreadableError(str(error)) from None
     quality = replace(quality, read={str(path): checksum(path) for path in raw})
@@ -60,29 +66,34 @@ def read_postures(
 
 
 def checked_postures(
-    recording: Files, arm: Robot, declared: Payload | None, tcp: Six | None
+    recording: Files,
+    arm: Robot,
+    declared: Payload | None,
+    tcp: Six | None,
+    accepted: Mapping[str, str] | None = None,
 ) -> tuple[Postures, Quality]:
     """Read and check a recording of postures.
 
-    arm: under the recording's gravity; declared, tcp: of the study, None where it declares none.
+    arm: under the recording's gravity; declared, tcp: of the study, None where it declares none;
+    accepted: its reasons to overrule stop signs, by kind.
     Raises InputError when it cannot be used.
     """
     table, quality = posture_files.read_postures(recording, arm)
     counted = table.assign(time=np.arange(len(table)), segment=0, interpolated=False)
     signals, means = Signals.from_table(counted), posture_means(table)
     load = carried(declared, signals)
+    reasons = accepted or {}
+    stops = posture_stop_signs(means, arm, load.configured, load.payload, reasons)
+    doubts = disagreements(declared, tcp, signals)
     postures = Postures(
         q=means.q,
         current=means.currents[MEASURED_CURRENT],
         gravity=[*arm.gravity],
         payload=load.payload,
-        contradictions=Contradictions(
-            posture_stop_signs(means, arm, load.configured, load.payload),
-            disagreements(declared, tcp, signals),
-        ),
+        contradictions=accepting(Contradictions(stops, doubts), reasons),
     )
     shown = check_robot(table, 1.0, arm.position_limits(), arm.velocity_limits(), arm.is_counted())
     shown += what_gravity_shows(means, arm, load.payload)
-    if not postures.contradictions.stop_signs:
+    if not stops:
         shown += large_constants(means, arm.carrying(load.payload))
     return postures, replace(quality, findings=[*quality.findings, *shown])

@@ -26,6 +26,7 @@ from ur5lib.recordings.entries import (
 from ur5lib.records.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.strict import PathText, Strict, existing_file
+from ur5lib.study.accept import Accept
 from ur5lib.study.arms import ArmSettings, MountingSetting, Name, NamedArm, Tool
 
 ORDER_TEXT = "order of the Butterworth filter, which runs forwards and backwards"
@@ -99,11 +100,21 @@ class Part(Strict):
         "touches it, as in [0, 1.5]: a tare for the forces of role `contact`",
     )
 
+    accept: Accept | None = Field(
+        None,
+        description="reasons for which stop signs of this recording are overruled, by their kind, "
+        "beside those of the study",
+    )
+
     @cached_property
     def arm(self) -> ArmSettings:
         """Return the arm, also where the entry has its name alone."""
         assert self.robot is not None, "`parse_study` gives each recording its arm"
         return ArmSettings(arm=self.robot) if isinstance(self.robot, str) else self.robot
+
+    def accepted(self) -> dict[str, str]:
+        """Return the reasons for which stop signs are overruled, by kind."""
+        return self.accept.model_dump(exclude_none=True) if self.accept else {}
 
     def known_gravity(self) -> Vector3 | None:
         """Return gravity in the base frame [m/s²]; None: as described for the arm."""
@@ -331,6 +342,11 @@ class Study(Strict):
     )
     devices: LabSettings | None = Field(
         None, description="devices that `ur5 record` records; the analysis does not use them"
+    )
+    accept: Accept | None = Field(
+        None,
+        description="reasons for which stop signs are overruled in all recordings, by their kind, "
+        "as in {order: the drives are numbered from the flange}",
     )
     hosts: dict[str, list[Literal["force_sensor", "imu"]]] = Field(
         {},

@@ -22,6 +22,7 @@ from ur5lib.errors import InputError, some
 from ur5lib.lab.stand import layout
 from ur5lib.robots.description import PROJECT_FOLDER, load_robot, robot_path
 from ur5lib.strict import FAST_DUMPER, expect_few_values, explain, quoted, read_yaml
+from ur5lib.study.accept import joined
 from ur5lib.study.model import Study
 from ur5lib.thesis.reference import read_reference
 
@@ -264,9 +265,16 @@ def _with_files(raw: PlainData) -> PlainData:
 
 
 def _with_arms(study: Study) -> Study:
-    """Return the study with its arm in each recording that names none."""
+    """Return the study with its arm in each recording that names none, and with its reasons to
+    overrule stop signs in each recording.
+    """
     recordings = [
-        recording if recording.robot else recording.model_copy(update={"robot": study.robot})
+        recording.model_copy(
+            update={
+                "robot": recording.robot or study.robot,
+                "accept": joined(study.accept, recording.accept),
+            }
+        )
         for recording in study.recordings
     ]
     return study.model_copy(update={"recordings": recordings})

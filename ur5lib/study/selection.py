@@ -16,7 +16,12 @@ MAX_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried,
 MAX_ILLUSTRATED = 4  # recordings with figures in a section of the report
 LOOPS = "closed_loop_q", "closed_loop_qd"
 OF_THE_STUDY = ["name", "role", "robot", "date", "gravity", "mounting", "tool", "payload"]
-OF_THE_STUDY += ["untouched", "simulate", "truth"]  # keys of an entry that its reader ignores
+OF_THE_STUDY += [
+    "untouched",
+    "accept",
+    "simulate",
+    "truth",
+]  # keys that its reader ignores
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,6 +186,16 @@ class Selection:
         """Return the tool centre point that the study declares for a recording."""
         tool = self.entries[name].known_tool()
         return [*tool.tcp] if tool and tool.tcp else None
+
+    def accepted(self, name: str) -> dict[str, str]:
+        """Return the reasons for which the study overrules a recording's stop signs, by kind."""
+        reasons: dict[str, str] = self.entries[name].accepted()
+        return reasons
+
+    def accepted_of_arm(self, robot: str) -> dict[str, str]:
+        """Return the reasons of all recordings that are fitted to an arm, by kind."""
+        names = self.of_arm(robot, "fit") + self.of_arm(robot, "fit", at_rest=True)
+        return {kind: why for name in names for kind, why in self.accepted(name).items()}
 
     def sensor_mounting(self, name: str) -> list[list[float] | None]:
         """Return position [m] and turn [°] of a recording's force sensor; None: as described."""

@@ -7,10 +7,17 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.copies import same_runs
+from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
 from ur5lib.records.force_errors import Compared
-from ur5lib.records.quality import Contradictions, Device, Finding, Quality, add_finding
+from ur5lib.records.quality import (
+    UNREADABLE,
+    Contradictions,
+    Device,
+    Finding,
+    Quality,
+    add_finding,
+)
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import sentence
 from ur5lib.signals.clock import SettledClock
@@ -100,38 +107,59 @@ def findings(
 
 def unreadable(reason: str) -> Row:
     """Return the stop sign of a recording that cannot be read."""
-    about: Row = {"device": "robot", "finding": "unreadable", "severity": "stop"}
+    about: Row = {"device": "robot", "finding": UNREADABLE, "severity": "stop"}
     return about | {"count": 1, "detail": reason}
 
 
-def name_copies(quality: pd.DataFrame) -> pd.DataFrame:
+def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
+    """Return the recordings that repeat the run of another one, whose results stand for both.
+
+    quality: with all robots' rows; roles: of all recordings, by name.
+    """
+    pairs = _same_runs(quality[quality["finding"] == SAME_RUN])
+    return [name for pair in pairs if (name := spare_copy(pair, roles))]
+
+
+def name_copies(quality: pd.DataFrame, roles: Mapping[str, str] | None = None) -> pd.DataFrame:
     """Return the findings of all recordings, of files and runs alone those that several have.
 
     quality: with all device files and robots' rows; a finding of each copy names the other
-    recordings.
+    recordings; roles: of these, by which a copy is left out or a stop sign.
     """
     files, runs = (quality[quality["finding"] == kind] for kind in (SAME, SAME_RUN))
     alike = files.groupby(["device", "detail"], sort=False)
     copies = {at: _copy(files.loc[at], own) for _, own in alike if len(own) > 1 for at in own.index}
-    copies |= _repeated(runs)
+    copies |= _repeated(runs, roles or {})
     others = quality.drop([*files.index, *runs.index])
     named = pd.DataFrame([*copies.values()], [*copies], quality.columns)
     return pd.concat([others, named]).sort_index() if copies else others
 
 
-def _repeated(runs: pd.DataFrame) -> dict[Any, Row]:
-    """Return the findings of the runs that several recordings hold, by their places."""
+def _same_runs(runs: pd.DataFrame) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of recordings of one run, by the findings of their robots' rows."""
     by_name = zip(runs["recording"], runs["detail"].fillna("").astype(str), strict=True)
+    yield from same_runs({name: [*map(int, rows.split())] for name, rows in by_name})
+
+
+def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, Row]:
+    """Return the findings of the runs that several recordings hold, by their places."""
     holders: dict[str, set[str]] = {name: {name} for name in runs["recording"]}
-    for one, other in same_runs({name: [*map(int, rows.split())] for name, rows in by_name}):
-        holders[one].add(other)
-        holders[other].add(one)
+    spare, standing = list[str](), set[str]()
+    for pair in _same_runs(runs):
+        for name in pair:
+            holders[name].update(pair)
+        copy = spare_copy(pair, roles)
+        spare += [copy] * bool(copy)
+        standing.update(() if copy else pair)
     repeated = {}
     for at, row in runs.iterrows():
-        names = [name for name in holders if name in holders[row["recording"]]]
+        own = row["recording"]
+        names = [name for name in holders if name in holders[own]]
         if len(names) > 1:
-            detail = sentence(SAME_RUN, {"names": names})
-            repeated[at] = {**row, "severity": "stop", "count": len(names) - 1, "detail": detail}
+            values = {"names": names, "spare": [name for name in names if name in spare]}
+            code, severity = (SAME_RUN, "stop") if own in standing else ("spare copy", "warning")
+            told = {"severity": severity, "detail": sentence(code, values)}
+            repeated[at] = {**row, **told, "count": len(names) - 1}
     return repeated
 
 

@@ -118,6 +118,7 @@ rule fit_friction:
     params:
         code=code("fit_friction"),
         dates=lambda wildcards: {name: SELECTION.date(name) for name in fitted_on(wildcards.robot)},
+        accepted=lambda wildcards: SELECTION.accepted_of_arm(wildcards.robot),
         lowpass=design(SETTINGS.lowpass.currents),
     run:
         run_step(rule, input, output, params, log)
@@ -219,6 +220,7 @@ rule measure_repetition:
         currents=results_of(SELECTION.drawn, "currents.parquet"),
         kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
         predictions=results_of(SELECTION.drawn, "currents.json"),
+        quality=results_of(SELECTION.drawn, "quality.json"),
         friction=parameter("friction.json"),
         residuals=parameter("residuals.json"),
         arm=parameter("arm.yaml"),

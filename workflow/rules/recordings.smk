@@ -40,6 +40,7 @@ rule read_postures:
         gravity=of_recording(SELECTION.gravity),
         payload=of_recording(SELECTION.payload),
         tcp=of_recording(SELECTION.tcp),
+        accepted=of_recording(SELECTION.accepted),
     run:
         run_step(rule, input, output, params, log)
 
@@ -79,6 +80,8 @@ rule compute_torques:
         gravity=of_recording(SELECTION.gravity),
         payload=of_recording(SELECTION.payload),
         tcp=of_recording(SELECTION.tcp),
+        accepted=of_recording(SELECTION.accepted),
+        untouched=lambda wildcards: RECORDINGS[wildcards.recording].untouched,
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)

@@ -125,6 +125,7 @@ rule make_tables:
         **traces("make_tables"),
     params:
         code=code("make_tables", COLUMNS, WORDS_OF_FINDINGS),
+        roles=lambda wildcards: {name: one.role for name, one in RECORDINGS.items()},
     run:
         run_step(rule, input, output, params, log)
 

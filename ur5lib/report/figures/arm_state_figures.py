@@ -131,7 +131,7 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
     """Draw the push that is detected in each range of speeds; an arrow where it is beyond."""
     for place, row in enumerate(rows.itertuples()):
-        if row.value > most:
+        if row.value >= most:
             axis.annotate(
                 "", (place, 1.1 * most), (place, 0.95 * most), arrowprops={"arrowstyle": "->"}
             )

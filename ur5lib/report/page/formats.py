@@ -84,12 +84,20 @@ def to(low: float, high: float, digits: int, unit: str = "") -> str:
     return _with_unit(f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}", unit)
 
 
-def each(values: Iterable[float], digits: int = 2, unit: str = "", bounds: bool = True) -> str:
+def each(
+    values: Iterable[float],
+    digits: int = 2,
+    unit: str = "",
+    bounds: bool = True,
+    most: float = math.inf,
+) -> str:
     """Format values one after the other, and their unit after the last.
 
-    bounds: whether values that would round to zero are given as a bound (< 0.01).
+    bounds: whether values that would round to zero are given as a bound (< 0.01); most: from which
+    on a value is given as a bound, too (> 100).
     """
-    parts = [(rounded if bounds else fixed)(value, digits) for value in values]
+    form = rounded if bounds else fixed
+    parts = [f"> {fixed(most, digits)}" if v >= most else form(v, digits) for v in values]
     return _with_unit(", ".join(parts), unit)
 
 

@@ -15,7 +15,9 @@ from ur5lib.force.contact_wrench import (
 )
 from ur5lib.force.detection import Span, match
 from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN
+from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
 from ur5lib.records.account import NOTHING
+from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
@@ -61,7 +63,7 @@ def felt_while_fitted(results: Results) -> list[str]:
     them, than the rate of alarms on the arm's other ones, and on usual ones, lets expect.
     """
     found = results.rows("contacts", estimate=LEADING, kind="contact")["recording"].value_counts()
-    lengths = results.tables["recordings"].set_index("recording")["duration_s"]
+    lengths = results.tables["recordings"].set_index("recording")["duration_s"].astype(float)
     fitted = results.with_role("fit")
     rows = pd.DataFrame({"arm": results.arms(), "alarms": found, "seconds": lengths}).loc[fitted]
     rows = rows.fillna({"alarms": 0})
@@ -214,7 +216,7 @@ def noticed(results: Results) -> pd.DataFrame:
     roles = rows["recording"].map(results.roles()).to_numpy()
     found = pd.DataFrame(parts).assign(role=roles)
     false = found["alarms_per_min"].where(roles != "contact", found["false_alarms_per_min"])
-    return found.assign(false_alarms_per_min=false)
+    return found.assign(false_alarms_per_min=false, tried=MAX_TRIAL_FORCE)
 
 
 def _noticed_on(results: Results, recording: str) -> dict[str, object]:
@@ -334,12 +336,17 @@ def unused_wrenches(results: Results) -> list[str]:
     return sorted({*unused.loc[named, "recording"]})
 
 
+def withheld(results: Results) -> Iterator[str]:
+    """Say on which recordings no force is stated, since friction hides it."""
+    for row in results.rows("quality", finding=UNUSUAL_FRICTION)[:MOST_SHOWN].itertuples():
+        yield say("force.withheld", row=row)
+
+
 def _unjudged(results: Results) -> Verdict:
     """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
-        return Verdict(
-            FORCE_TOPIC, "not determined", say("force.none"), " ".join(readings(results))
-        )
+        evidence = " ".join([*withheld(results), *readings(results)])
+        return Verdict(FORCE_TOPIC, "not determined", say("force.none"), evidence)
     if len(results.tables["force_mae"]):
         return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]

@@ -1,6 +1,7 @@
 """The first screen: verdicts, one figure, the next steps for the user, and the findings."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain, islice
 
 import pandas as pd
@@ -46,8 +47,13 @@ REMARKABLE_CHANCE = (
 
 
 def verdicts(results: Results) -> list[Verdict]:
-    """Return the verdicts, in the order of the pipeline."""
-    return [verdict for judge in VERDICTS if (verdict := judge(results))]
+    """Return the verdicts, in the order of the pipeline, with what the study accepts under each."""
+    accepted = [*recordings.accepted(results)]
+    return [
+        replace(verdict, evidence=" ".join(filter(None, [verdict.evidence, *accepted])))
+        for judge in VERDICTS
+        if (verdict := judge(results))
+    ]
 
 
 def drawn(results: Results, wanted: str) -> list[str]:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 import yaml
 
+from ur5lib.records.accepted import ACCEPTED
 from ur5lib.report.page.document import MOST_ROWS, Number, State, Verdict
 from ur5lib.report.page.findings import (
     MAX_NAMED_PLACES,
@@ -97,6 +98,17 @@ def _named(recordings: pd.Series) -> str:
     return ", ".join(names[:MAX_NAMED_RECORDINGS]) + rest
 
 
+def accepted(results: Results) -> Iterator[str]:
+    """Report the stop signs that the study overrules, each with its reason: numbers rest on it."""
+    rows = results.rows("quality", finding=ACCEPTED).groupby("detail", sort=False)["recording"]
+    arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
+    told = [(detail, _named(of)) for group in (rows, arms) for detail, of in group]
+    for detail, of in told[:MAX_NAMED_RECORDINGS]:
+        yield say("quality.accepted", of=of, detail=detail)
+    if more := told[MAX_NAMED_RECORDINGS:]:
+        yield say("quality.accepted more", count=len(more))
+
+
 def commit(results: Results) -> Iterator[str]:
     """Return the commit that made the results."""
     yield say("provenance.commit", commit=results.commit)
@@ -180,7 +192,7 @@ def judge_files(results: Results) -> Verdict:
             "quality.evidence",
             counts=count_findings(findings),
             bad=serious["recording"].nunique(),
-            recordings=len(lost),
+            recordings=len(results.roles()),
         ),
         drawing=bars({str(name): float(share) for name, share in drawn.items()}),
         caption=say("quality.caption", many=results.many),

@@ -1,0 +1,124 @@
+"""The tare: an untouched span of a recording, in which a resting arm's external torque is zero."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+from scipy.ndimage import uniform_filter1d
+
+from ur5lib.checks.contacts import CONTACT_TORQUE_SHARE
+from ur5lib.force.detection import CONTACT_FORCE
+from ur5lib.force.external_torque import finite_rows, is_still, joint_states, without_edges
+from ur5lib.records.currents import Currents
+from ur5lib.records.motion import Motion
+from ur5lib.records.quality import Finding, StartOffset
+from ur5lib.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import extrapolated_samples
+
+Span = tuple[float, float]  # s, from a recording's start
+
+NEAR = 0.02  # rad, by which a joint may leave the tared posture
+LEAST_REST = 0.5  # s, of known torque at rest
+BLOCK = 0.1  # s, of which readings are averaged
+SMOOTHED = 0.2  # s, over which positions as read are averaged
+
+
+def tare_doubts(
+    span: Span, signals: Signals, arm: Robot, cutoff: float, qd: Array | None = None
+) -> Iterator[Finding]:
+    """Yield why an untouched span is no tare, or may hold a contact.
+
+    cutoff: of the currents' low-pass [Hz]; qd: (N, n) [rad/s], smoothed velocities, by default
+    those of the positions.
+    """
+    period, time = signals.period, signals.time - signals.time[0]
+    if qd is None:
+        smooth = uniform_filter1d(signals.actual_q, max(1, round(SMOOTHED / period)), axis=0)
+        qd = np.gradient(smooth, period, axis=0)
+    unknown = extrapolated_samples(cutoff, period)
+    known = finite_rows(without_edges(np.zeros_like(signals.actual_q), signals.segment, unknown))
+    known &= is_still(joint_states(qd, signals.segment, period)) & inside(span, time)
+    if (rest := float(known.sum() * period)) < LEAST_REST:
+        values = {"span": [*span], "rest_s": rest, "least_s": LEAST_REST, "whole_s": time[-1]}
+        values |= {"unknown_s": unknown * period}
+        yield Finding("robot", "unusable tare", "error", 1, values)
+        return
+    if signals.actual_current is not None:
+        yield from _touched_by_currents(span, time, signals.actual_current, arm)
+    if signals.force_sensor is not None:
+        yield from touched_by_sensor(span, time, signals.force_sensor)
+
+
+def touched_by_sensor(span: Span, time: Array, reading: Array) -> Iterator[Finding]:
+    """Yield a warning where a sensor's reading (M, 6) [N, Nm] changes in an untouched span."""
+    force = float(np.linalg.norm(_changes(span, time, reading[:, :3]), axis=1).max(initial=0))
+    if force > CONTACT_FORCE:
+        yield Finding("force", "touched tare", "warning", 1, {"span": [*span], "force_n": force})
+
+
+def touched_by_own_clock(span: Span, sensor: pd.DataFrame, start: StartOffset) -> Iterator[Finding]:
+    """Yield the same of a sensor's samples, of which the start stamps are known."""
+    reading = sensor[SENSOR_COLUMNS["force"][:3]].to_numpy(float)
+    yield from touched_by_sensor(span, sensor["time"].to_numpy() + start.seconds, reading)
+
+
+def _touched_by_currents(span: Span, time: Array, current: Array, arm: Robot) -> Iterator[Finding]:
+    torque = np.abs(_changes(span, time, current)) * np.array(arm.maker_torque_constants())
+    shares = (torque / np.array(arm.torque_limits())).max(axis=0, initial=0)
+    if (shares > CONTACT_TORQUE_SHARE).any():
+        joint = int(np.nanargmax(shares))
+        values = {"span": [*span], "joint": joint + 1, "torque": float(torque[:, joint].max())}
+        yield Finding("robot", "touched tare", "warning", 1, values, "tare touched by currents")
+
+
+def _changes(span: Span, time: Array, values: Array) -> Array:
+    """Return the changes (B, M) of values (N, M) since the start of a span, as means of blocks."""
+    rows = inside(span, time) & finite_rows(values)
+    blocks = (time[rows] / BLOCK).astype(int)
+    means = pd.DataFrame(values[rows]).groupby(blocks).mean().to_numpy()
+    return means - means[:1]
+
+
+def inside(span: Span, time: Array) -> Mask:
+    """Return the samples (N,) in a span; time: (N,) [s], from the recording's start."""
+    return np.asarray((time >= span[0]) & (time <= span[1]))
+
+
+def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
+    """Return the currents with external torques counted from an untouched span [s].
+
+    They count from there until a joint is elsewhere: constants and a load then err differently, and
+    friction at rest is another. As they are where the span does not hold LEAST_REST at rest, which
+    `tare_doubts` says.
+    """
+    torque = currents.external_torque
+    if torque is None:
+        return currents
+    still = is_still(joint_states(motion.motor_qd, motion.segment, motion.period))
+    known = inside(untouched, motion.time - motion.time[0]) & still & finite_rows(torque)
+    if known.sum() * motion.period < LEAST_REST:
+        return currents
+    kept = from_span(motion, known)
+    external, causal = (
+        own - kept[:, None] * own[known].mean(axis=0)
+        for own in (torque, _required(currents.causal_torque))
+    )
+    return replace(currents, external_torque=external, causal_torque=causal, tared=kept)
+
+
+def from_span(motion: Motion, known: Mask) -> Mask:
+    """Return the samples (N,) from the first known one on, until a joint is elsewhere."""
+    first = np.argmax(known)
+    away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > NEAR
+    ends = away | (motion.segment != motion.segment[first])
+    ends[:first] = False
+    kept = np.arange(len(ends)) >= first
+    return kept & ~np.maximum.accumulate(ends)
+
+
+def _required(torque: Array | None) -> Array:
+    assert torque is not None, "both external torques are known, or none"
+    return torque
