@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.errors import InputError
+from ur5lib.robots.description import USUAL_ACCELERATION
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.workspace.extensions import additions, failed
@@ -42,7 +43,7 @@ class JointMotion:
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
     1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded;
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
-    or a counterbalance acts on the joint.
+    or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor.
     """
 
     q: Array
@@ -52,6 +53,7 @@ class JointMotion:
     warmth: Array | float = 0.0
     shaft: ShaftMotion | None = None
     balanced: bool = False
+    qdd: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,11 @@ TERMS = {
     "balance": Term(
         lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
         parts=("sin", "cos"),
+    ),
+    # the motor's rotor, of an arm whose links have none: the largest torque turns it fast
+    "rotor": Term(
+        lambda motion: [motion.qdd * np.ones_like(motion.qd)],
+        expected=lambda torque_max: torque_max / USUAL_ACCELERATION,
     ),
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
