@@ -218,8 +218,8 @@ def unseen_difference(
 def parameters(fit: CurrentFit, gain_std: Array | None = None) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    gain_std: (n,), of measured torques' gains before the fit. A gain is determined where its 95 %
-    interval is narrower than before, what else they have, but for the offset, where its sign is.
+    gain_std: (n,), of measured torques' gains before the fit. A gain is determined where the square
+    of its interval is less than half of that before, friction and rotors where their sign is.
     """
     signed = ["torque_constant", *(coefficient_names([*TERMS]) if gain_std is not None else ())]
     rows = []
@@ -237,7 +237,8 @@ def parameters(fit: CurrentFit, gain_std: Array | None = None) -> list[Parameter
             has_sign = name not in signed or low > 0 or (name != "torque_constant" and high < 0)
             is_determined = bool(prior < MAX_PRIOR_SHARE and has_sign)
             if name == "torque_constant" and gain_std is not None:
-                is_determined &= high - low < 2 * NORMAL95 * gain_std[joint - 1]
+                before = 2 * NORMAL95 * gain_std[joint - 1]
+                is_determined &= bool((high - low) ** 2 < MAX_PRIOR_SHARE * before**2)
             shares = prior, arm, day, run
             rows.append(Parameter(joint, name, value, error, (low, high), *shares, is_determined))
     return rows
