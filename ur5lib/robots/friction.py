@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import USUAL_ACCELERATION
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.workspace.extensions import additions, failed
 
 GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
+ROTOR_ACCELERATION = 15.0  # rad/s², with which the largest torque turns a rotor, at least
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
 # ones are below the encoder's resolution of a UR.
 PRESLIDING_DISTANCE = 1e-4  # rad
@@ -92,10 +92,10 @@ TERMS = {
         lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
         parts=("sin", "cos"),
     ),
-    # the motor's rotor, of an arm whose links have none: the largest torque turns it fast
+    # of an arm whose links have none
     "rotor": Term(
         lambda motion: [motion.qdd * np.ones_like(motion.qd)],
-        expected=lambda torque_max: torque_max / USUAL_ACCELERATION,
+        expected=lambda torque_max: torque_max / ROTOR_ACCELERATION,
     ),
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
