@@ -14,7 +14,7 @@ from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Quality
-from ur5lib.report.page.findings import in_words
+from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Drives, Robot, load_robot, robot_path
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.timeseries.arrays import Array
