@@ -76,6 +76,11 @@ def test_rotors_that_are_not_described_are_fitted(arm: Robot) -> None:
         assert row.interval[0] < 8 < row.interval[1]
 
 
+def test_a_rotor_without_inertia_is_not_determined(arm: Robot) -> None:
+    """As where the links of a description have too much of it."""
+    assert not any(row.determined for row in rows(fitted(arm, rotors=-1.0), "rotor"))
+
+
 def test_rotors_that_are_described_are_not_fitted_again(arm: Robot) -> None:
     model = arm.models["maker"].model_copy(update={"rotor_inertias": (0.0,) * 6})
     friction = fitted(arm.with_model("maker", model))

@@ -31,6 +31,7 @@ DAY_TO_DAY_STD = 0.07
 RUN_TO_RUN_STD = 0.03
 SEASONAL_STD = 0.1  # by which friction differs in the bands of currents: of another season, too
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
+POSITIVE = "torque_constant", "rotor"
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 
 
@@ -234,7 +235,7 @@ def parameters(fit: CurrentFit, gain_std: Array | None = None) -> list[Parameter
             if name in OPTIONAL_COEFFICIENTS and prior > MAX_PRIOR_SHARE:
                 continue  # of other joints than this
             # the sign must be determined, too
-            has_sign = name not in signed or low > 0 or (name != "torque_constant" and high < 0)
+            has_sign = name not in signed or low > 0 or (name not in POSITIVE and high < 0)
             is_determined = bool(prior < MAX_PRIOR_SHARE and has_sign)
             if name == "torque_constant" and gain_std is not None:
                 before = 2 * NORMAL95 * gain_std[joint - 1]
