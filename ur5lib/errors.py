@@ -28,7 +28,7 @@ class UnreadableError(InputError):
 
 @dataclass(frozen=True)
 class Remark:
-    """A remark of a step, by the code of its sentence in `report/page/templates/findings.yaml`.
+    """A remark of a step, by the code of its sentence in `<module>.words.yaml`.
 
     values: numbers and names in the sentence, or further remarks.
     """

@@ -8,7 +8,7 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.errors import remark
-from ur5lib.records.wording import in_words, templates
+from ur5lib.records.wording import WORDS, in_words, templates
 from ur5lib.report.page import sentences
 from ur5lib.report.page.formats import error
 from ur5lib.report.page.sentences import say
@@ -62,6 +62,17 @@ def test_every_remark_has_a_sentence_and_every_sentence_its_remark() -> None:
     stated = r'\b(?:remark|contradiction|RefusalError|ContradictionError)\(\s*"([^"]+)"'
     assert {*re.findall(stated, library)} <= templates().keys()
     assert [code for code in templates() if f'"{code}"' not in library] == []
+
+
+def test_a_sentence_stands_beside_the_module_that_writes_its_code() -> None:
+    """And once."""
+    places = [*(PROJECT / "ur5lib").rglob(WORDS)]
+    assert len(places) > 40
+    for place in places:
+        module = place.with_name(place.name.replace(".words.yaml", ".py"))
+        code = module.read_text()
+        assert [one for one in read_yaml(place) if f'"{one}"' not in code] == [], place
+    assert sum(len(read_yaml(place)) for place in places) == len(templates())
 
 
 def test_remarks_stand_in_the_sentences_of_others() -> None:

@@ -26,8 +26,8 @@ class Finding:
 
     severity: stop (the recording contradicts the study), error (the device is unusable), warning
     (results may suffer), note (harmless); count: number of samples, rows or files; values: numbers
-    and names in the sentence about it, which stands in `report/page/templates/findings.yaml` under
-    its code, or else under the finding's name.
+    and names in the sentence about it, which stands beside the module that finds it, in
+    `<module>.words.yaml`, under its code, or else under the finding's name.
     """
 
     device: Device

@@ -13,7 +13,8 @@ from ur5lib.records.accepted import KINDS
 from ur5lib.records.quality import Finding
 from ur5lib.strict import read_yaml
 
-TEMPLATE_FILE = Path(__file__).parents[1] / "report/page/templates/findings.yaml"
+LIBRARY = Path(__file__).parents[1]
+WORDS = "*.words.yaml"  # the sentences of a module's codes, beside it
 # of a number in a sentence; a larger one only says that something is wrong
 MAX_STATED_NUMBER = 9999
 
@@ -44,8 +45,12 @@ class Words(Formatter):
 
 @cache
 def templates() -> dict[str, str]:
-    """Return the sentences by code."""
-    return dict(read_yaml(TEMPLATE_FILE))
+    """Return the sentences by code, which stand beside the modules that write it.
+
+    Lists are joined by commas; in `{names: and }`, by “ and ”.
+    """
+    parts = (read_yaml(path) for path in sorted(LIBRARY.rglob(WORDS)))
+    return {code: sentence for part in parts for code, sentence in part.items()}
 
 
 def sentence(code: str, values: Mapping[str, Any]) -> str:

@@ -47,7 +47,7 @@ ROBOTS = sorted(ARMS)
 CONTENTS = [PACKAGE / "report" / "page" / name for name in ("contents.yaml", "sentences.yaml")]
 TEMPLATES = PACKAGE / "report" / "page" / "templates"
 COLUMNS = PACKAGE / "tidy" / "columns.yaml"
-WORDS_OF_FINDINGS = TEMPLATES / "findings.yaml"
+WORDS_OF_FINDINGS = sorted(PACKAGE.rglob("*.words.yaml"))
 
 
 # A second run of a study would delete what the first has made. Who waits plans afterwards.

@@ -124,7 +124,7 @@ rule make_tables:
     log:
         **traces("make_tables"),
     params:
-        code=code("make_tables", COLUMNS, WORDS_OF_FINDINGS),
+        code=code("make_tables", COLUMNS, *WORDS_OF_FINDINGS),
         roles=lambda wildcards: {name: one.role for name, one in RECORDINGS.items()},
     run:
         run_step(rule, input, output, params, log)
