@@ -41,6 +41,10 @@ def moved() -> tuple[Array, Array, Array, Array]:
 
 
 Q, QD, CURRENT, TORQUE = moved()
+SPEED = np.gradient(QD, PERIOD, axis=0)
+TARGET = (  # of a controller: gravity, friction and inertia, without noise but for its rounding
+    gravity_torque(ARM, ARM.chosen_model, Q) + 3 * np.tanh(QD / 0.02) + 0.5 * SPEED
+) / np.array(ARM.maker_torque_constants()) + 2e-3 * np.random.default_rng(3).normal(size=Q.shape)
 MOTION = {"q": Q, "qd": QD, "current": CURRENT}
 FORCE = 40 * np.exp(-((TIME - 10) ** 2))[:, None] * np.array([2.0, 1.0, 40.0, 0.2, 0.1, 0.1]) / 40
 PACKETS = np.repeat(TIME[::10], 10) + 1e-5 * np.tile(np.arange(10), len(TIME) // 10)
@@ -393,3 +397,19 @@ def test_the_account_reaches_the_quality_of_the_recording(tmp_path: Path) -> Non
     study = parse_study({"study": "s", "title": "S", "recordings": [entry]}, "s")
     quality = read_and_repair(study.recordings[0], ARM, 0.05).quality
     assert quality.account == one.account
+
+
+def test_a_current_that_its_author_smoothed_is_no_target(tmp_path: Path) -> None:
+    """Of two nameless ones, the target follows the model; three runs one after the other, rounded
+    positions and copies of blocks are in the way."""
+    measured = CURRENT + 0.1 * np.sin(20 * Q)  # ripple of the motors, which no model has
+    smoothed = pd.DataFrame(measured).rolling(25, min_periods=1, center=True).mean().to_numpy()
+    columns_of = [Q.round(3), QD, smoothed, TARGET, Q.round(3), QD]
+    pieces = np.r_[0:800, 1700:2500, 900:1600]
+    np.savetxt(tmp_path / "run.csv", np.hstack(columns_of)[pieces], delimiter=",")
+    (one,) = import_files([tmp_path / "run.csv"], UserStatement("ur5e"))
+    taken = {row.subject: row.taken_for for row in one.account if row.subject.startswith("column")}
+    assert taken["column 13 … column 18"] == "actual_current"
+    assert taken["column 19 … column 24"] == "target_current"
+    assert taken["column 7 … column 12"] == "actual_qd"
+    assert taken["column 25 … column 30"] == NOTHING

@@ -178,16 +178,24 @@ def test_a_torque_constant_that_contradicts_the_known_one_is_not_to_be_used() ->
 def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
     """Where recordings have stop signs, nothing is fitted that could contradict."""
     sentences = set()
-    for code in ("contradicting constants", "contradicting recordings"):
+    codes = {
+        "contradicting constants": "contradicted",
+        "contradicting recordings": "not fitted",
+        "contradicting gains": "wrong side",
+        "unknown side": "unknown side",
+    }
+    for code in codes:
         remarks = [{"robot": "ur5", "step": "stop sign", "remark": "wrong", "code": code}]
         verdict = judge_constants(study(remarks=remarks))
         assert verdict.state == "do not use"
         sentences.add(verdict.sentence)
-    assert sentences == {say("constants.contradicted"), say("constants.not fitted")}
+    assert sentences == {say(f"constants.{said}") for said in codes.values()}
     assert judge_constants(study()) is None
 
 
-@pytest.mark.parametrize("code", ["unlikely constant", "current against constant"])
+@pytest.mark.parametrize(
+    "code", ["unlikely constant", "current against constant", "torque against gain"]
+)
 def test_a_contradiction_is_a_finding(code: str) -> None:
     """No fault is denied beside a card and a step that name one."""
     doubt = {"robot": "ur5", "step": "friction", "joint": 2, "remark": "contradicts", "code": code}

@@ -14,6 +14,7 @@ from ur5lib.errors import Remark, remark
 from ur5lib.identification.currents import (
     CurrentFit,
     JointFit,
+    constants_band,
     constants_doubt,
     dry_friction,
     torque_constants,
@@ -54,6 +55,8 @@ DOUBTFUL_DEVIATIONS = 3.0
 DOUBTFUL_RATIO = 1.5
 CONTRADICTING_DEVIATIONS = 5.0
 CONTRADICTING_RATIO = 1.75
+# The gain of a measured torque is 1, or that of another side, link or sign than the description's.
+GAIN_RANGE = 0.9, 1.1
 MAX_FOLDS = 10  # of cross-fitting
 # Usual errors of a current along a path that no fit has seen, in motion and at rest, relative to
 # Coulomb friction; at rest at least, since dry friction holds a joint anywhere within it.
@@ -81,19 +84,23 @@ def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
 def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) -> CurrentFit:
     """Return a fit in which joints whose current does not follow their torque keep the prior's k.
 
-    fitted: returns the fit under a prior.
+    fitted: returns the fit under a prior. Gains of measured torques are on trial without what is
+    known of them, since a fit that keeps to it takes what contradicts it for noise.
     """
-    fit = fitted(prior)
-    lost_joints = np.flatnonzero(too_large(fit, prior)).tolist()
+    trial = prior.with_wide_gains() if prior.senses_torque() else prior
+    fit = fitted(trial)
+    lost = too_large(fit, trial) | (prior.senses_torque() & beyond_range(fit))
+    lost_joints = np.flatnonzero(lost).tolist()
     if not lost_joints:
-        return fit
+        return fit if trial is prior else fitted(prior)
     contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
     fit = fitted(replace(prior, pinned=tuple(lost_joints)))
     joints = list(fit.joints)
     for joint in lost_joints:
         coefficients = contradicted_joints[joint].estimate.coefficients
         constants = {"alone": float(1 / coefficients[0]), "known": float(known_constants[joint])}
-        remarks = *joints[joint].remarks, remark("current against constant", **constants)
+        code = "torque against gain" if prior.senses_torque() else "current against constant"
+        remarks = *joints[joint].remarks, remark(code, **constants)
         joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
     return replace(fit, joints=tuple(joints))
 
@@ -142,6 +149,14 @@ def _fit_without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit
         remarks=(),
         doubt=doubt,
     )
+
+
+def beyond_range(fit: CurrentFit) -> Mask:
+    """Return which gains (n,) are outside GAIN_RANGE by more than their 95 % intervals."""
+    gains, half = torque_constants(fit), NORMAL95 * constants_band(fit)
+    low, high = gains - half * np.abs(gains), gains + half * np.abs(gains)
+    beyond: Mask = (high < GAIN_RANGE[0]) | (low > GAIN_RANGE[1])
+    return beyond
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:

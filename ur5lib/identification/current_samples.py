@@ -27,6 +27,7 @@ from ur5lib.timeseries.segments import by_segment
 # Relative: of the maker's constants, and among joints with motors of one size.
 MAKERS = 0.3, 0.1
 OF_URS = 0.0, 0.1  # the same of a UR's motors
+OF_TORQUES = 0.0, 0.05  # of the gains of measured torques, which should be 1
 CONTROLLERS = 0.1  # relative, of the controller's ratio
 
 
@@ -63,6 +64,7 @@ def measured_samples(
         shafts=shafts_of(arm, motion),
         balanced=[joint - 1 for joint in arm.balanced_joints],
         presliding=arm.presliding or PRESLIDING_DISTANCE,
+        qdd=None if arm.knows_rotors() else motion.qdd,
     )
 
 
@@ -119,7 +121,7 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
     ]
     controller = np.array([np.median(column) if column else np.nan for column in columns])
     torque_max, known = np.array(robot.torque_limits()), np.array(robot.maker_torque_constants())
-    typical, spreads = dict[str, Typical](), MAKERS
+    typical, spreads = dict[str, Typical](), OF_TORQUES if robot.senses_torque() else MAKERS
     if robot.has_ur_motors():
         typical, spreads = typical_friction(torque_max), OF_URS
         family = np.array(robot.family_torque_constants())
@@ -132,5 +134,9 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
 
 def arm_terms(robot: Robot) -> list[str]:
     """Return the terms of friction that an arm has beside the usual ones."""
-    described = {"balance": robot.balanced_joints, "coupled": robot.drives.coupling}
+    described = {
+        "balance": robot.balanced_joints,
+        "rotor": not robot.knows_rotors(),
+        "coupled": robot.drives.coupling,
+    }
     return [*robot.friction_terms, *(name for name, part in described.items() if part)]

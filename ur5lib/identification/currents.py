@@ -18,7 +18,7 @@ from ur5lib.identification.samples import (
     columns_of,
     smoothed_moving,
 )
-from ur5lib.robots.friction import OPTIONAL_TERMS, JointMotion, coefficient_names
+from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -31,6 +31,7 @@ DAY_TO_DAY_STD = 0.07
 RUN_TO_RUN_STD = 0.03
 SEASONAL_STD = 0.1  # by which friction differs in the bands of currents: of another season, too
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
+POSITIVE = "torque_constant", "rotor"
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 
 
@@ -215,8 +216,13 @@ def unseen_difference(
     return unseen
 
 
-def parameters(fit: CurrentFit) -> list[Parameter]:
-    """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...]."""
+def parameters(fit: CurrentFit, gain_std: Array | None = None) -> list[Parameter]:
+    """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
+
+    gain_std: (n,), of measured torques' gains before the fit. A gain is determined where the square
+    of its interval is less than half of that before, friction and rotors where their sign is.
+    """
+    signed = ["torque_constant", *(coefficient_names([*TERMS]) if gain_std is not None else ())]
     rows = []
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate
@@ -228,8 +234,12 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
             value, error, low, high, prior, arm, day, run = numbers
             if name in OPTIONAL_COEFFICIENTS and prior > MAX_PRIOR_SHARE:
                 continue  # of other joints than this
-            # of a torque constant, the sign must be determined, too
-            is_determined = bool(prior < MAX_PRIOR_SHARE and (name != "torque_constant" or low > 0))
+            # the sign must be determined, too
+            has_sign = name not in signed or low > 0 or (name not in POSITIVE and high < 0)
+            is_determined = bool(prior < MAX_PRIOR_SHARE and has_sign)
+            if name == "torque_constant" and gain_std is not None:
+                before = 2 * NORMAL95 * gain_std[joint - 1]
+                is_determined &= bool((high - low) ** 2 < MAX_PRIOR_SHARE * before**2)
             shares = prior, arm, day, run
             rows.append(Parameter(joint, name, value, error, (low, high), *shares, is_determined))
     return rows

@@ -1,7 +1,7 @@
 """Prior of the maps from torque to current, and of the torque constants."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 
 import numpy as np
@@ -27,6 +27,7 @@ VISCOUS_PRIOR = (0.06, 0.014)
 LOAD_PRIOR = (0.06, 0.04)
 OFFSET_STD_SHARE = 0.007  # of the largest torque
 OFFSET_NAME = "offset"
+WIDE_GAIN_STD = 0.3  # of a measured torque's gain, where it is on trial
 STANDSTILL_SPEED = 1e-3  # rad/s
 MIN_RATIO_TORQUE = 0.1  # Nm, of which a ratio to the current is taken
 
@@ -68,6 +69,15 @@ class Prior:
     pinned: tuple[int, ...] = ()
     typical: Mapping[str, Typical] = field(default_factory=dict)
     at_rest: AtRest | None = None
+
+    def senses_torque(self) -> bool:
+        """Return whether measured torques take the currents' place, with gains of 1 Nm/Nm."""
+        return bool((self.inverse_constant.mean == 1.0).all())
+
+    def with_wide_gains(self) -> "Prior":
+        """Return the prior under which data alone tell the gains of torques."""
+        wide = Normal(self.inverse_constant.mean, np.eye(len(self.torque_max)) * WIDE_GAIN_STD**-2)
+        return replace(self, inverse_constant=wide)
 
     def std(self) -> Array:
         """Return the standard deviation (n,) of each joint's 1/k [A/Nm]."""

@@ -51,8 +51,8 @@ class CurrentSamples:
     torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
     (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
     from 0 on which springs or counterbalances act; presliding: [rad], over which dry friction
-    reverses; day: any label of its date, the same for all
-    where dates are unknown.
+    reverses; qdd: (N, 6) [rad/s²], where rotors are fitted, too; day: any label of its date, the
+    same for all where dates are unknown.
     """
 
     name: str
@@ -66,6 +66,7 @@ class CurrentSamples:
     shafts: Shafts | None = None
     balanced: Sequence[int] = ()
     presliding: float = PRESLIDING_DISTANCE
+    qdd: Array | None = None
     day: str = ""
     # What was low-passed once: fits without each path need the same samples again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -82,7 +83,8 @@ class CurrentSamples:
         direction = self._direction(q, qd)
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
-        return JointMotion(q, qd, torque, direction, warmth, shaft, is_balanced)
+        qdd = 0.0 if self.qdd is None else self.qdd[:, joint]
+        return JointMotion(q, qd, torque, direction, warmth, shaft, is_balanced, qdd)
 
     def _shaft(self, joint: int) -> ShaftMotion | None:
         """Return the motion of the coupled motor that a joint turns with, if any."""

@@ -6,16 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import CHANNELS
+from ur5lib.channels import CHANNELS, MEASURED_CURRENT, TARGET_CURRENT
 from ur5lib.checks.arm import MAX_CONSTANT_RATIO, torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
-from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT
+from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT, follows_its_model
 from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
 from ur5lib.checks.readings import CLEAR_LEAD, Order, readings, unit_scores, usual_orders
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
-from ur5lib.importing.identity import ArmIdentity, tells_columns
+from ur5lib.importing.identity import MAX_SHOWN_RATIO, ArmIdentity, tells_columns
 from ur5lib.importing.spellings import is_of_motors, named_unit
 from ur5lib.recordings.delimited import number_in
 from ur5lib.records.account import Confidence
@@ -29,7 +29,6 @@ ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
 MAX_FACTOR_RATIO = 1.15  # of the largest to the smallest factor of joints that tell the same
-MAX_SHOWN_RATIO = 100.0  # times a known constant; beyond it, gravity shows none
 MIN_BEARING_JOINTS = 2  # that tell a unit together
 MIN_FOLDED_JOINTS = 3  # whose efforts would change their sign
 FOLDED_SHARE = 0.02  # of the largest effort, to which one that changes its sign falls
@@ -177,7 +176,7 @@ def name_efforts(
     shown = {name: _shown_by_gravity(means, telling, name) for name in blocks}
     units = {name: _unit(block, shown[name], file) for name, block in blocks.items()}
     known_units = {name: unit for name, unit in units.items() if unit}
-    targets = _targets([blocks[name] for name in known_units], file)
+    targets = _targets({name: blocks[name] for name in known_units}, means, telling, file)
     channels: dict[str, ColumnBlock] = {}
     for name, unit in known_units.items():
         block, target = blocks[name], any(blocks[name] is other for other in targets)
@@ -321,19 +320,37 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
     return unit
 
 
-def _targets(efforts: Sequence[ColumnBlock], file: FileContents) -> list[ColumnBlock]:
-    """Return the efforts that were computed: by their names, or nameless and without noise."""
-    named = [effort for effort in efforts if (effort.meaning() or "").startswith("target")]
-    nameless = [effort for effort in efforts if effort.is_nameless()]
-    spreads = [np.nanstd(effort.rows, axis=0) + SMALLEST_SIZE for effort in nameless]
-    rough = [
-        float(np.nanmedian(roughness(effort.rows) / spread))
-        for effort, spread in zip(nameless, spreads, strict=True)
-    ]
-    for effort, size in zip(nameless, rough, strict=True):
-        if size < MAX_ROUGHNESS_RATIO * max(rough):
-            noise = f"computed: its noise is {size / max(rough):.1%} of that of the roughest effort"
-            either = "a target, or gravity alone, which is as smooth: --columns tells which"
-            file.account.hold("check", effort, "numbers", f"{noise}; {either}")
-            named.append(effort)
+def _targets(
+    efforts: Mapping[str, ColumnBlock],
+    means: BlockMeans | None,
+    arm: Robot | None,
+    file: FileContents,
+) -> list[ColumnBlock]:
+    """Return the efforts that were computed: by their names, or nameless and without noise.
+
+    Of two of which one is smooth, the other where it follows the model of the arm more closely:
+    then whoever wrote the log has smoothed what was measured.
+    """
+    named = [one for one in efforts.values() if (one.meaning() or "").startswith("target")]
+    nameless = {name: effort for name, effort in efforts.items() if effort.is_nameless()}
+    sizes = {name: _noise(effort) for name, effort in nameless.items()}
+    most = max(sizes.values(), default=0.0)
+    smooth = [name for name, size in sizes.items() if size < MAX_ROUGHNESS_RATIO * most]
+    either = "a target, or gravity alone, which is as smooth: --columns tells which"
+    for name in smooth:
+        noise = f"computed: its noise is {sizes[name] / most:.1%} of that of the roughest effort"
+        (rough, *_) = [other for other in nameless if other not in smooth]
+        if len(nameless) == 2 and means and arm and arm.is_ur():
+            pair = {MEASURED_CURRENT: means.currents[rough], TARGET_CURRENT: means.currents[name]}
+            if follows_its_model(replace(means, currents=pair), arm):
+                closer = "computed: it follows gravity, friction and inertia more closely than "
+                noise, name = f"{closer}{nameless[name].title}, which was smoothed", rough
+        file.account.hold("check", nameless[name], "numbers", f"{noise}; {either}")
+        named.append(nameless[name])
     return named
+
+
+def _noise(effort: ColumnBlock) -> float:
+    """Return the noise of an effort, as a share of its size."""
+    spread = np.nanstd(effort.rows, axis=0) + SMALLEST_SIZE
+    return float(np.nanmedian(roughness(effort.rows) / spread))

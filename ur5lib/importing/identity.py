@@ -34,6 +34,7 @@ ORDER = "the joints' order"
 UNNAMED_JOINTS_FINDING = "unnamed joints"  # of a bag whose messages do not name an arm's joints
 UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
+MAX_SHOWN_RATIO = 100.0  # times a known constant; beyond it, gravity shows none
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
 
 
@@ -270,6 +271,8 @@ def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
     fit = torque_constants(replace(ordered, currents=efforts), arm, effort)
     texts = [
         f"{ratio * fit.known[joint]:.3g} Nm/A on joint {joint + 1} (known: {fit.known[joint]:.3g})"
+        if ratio < MAX_SHOWN_RATIO
+        else f"nothing of gravity on joint {joint + 1}"
         for joint, ratio in fit.ratio.items()
     ]
     agree = [abs(ratio - 1) < 2 * MAKERS_TOLERANCE for ratio in fit.ratio.values()]

@@ -6,7 +6,12 @@ from ur5lib.records.quality import Contradictions, Finding
 
 ACCEPTED = "accepted stop sign"  # the finding that the study overrules a stop sign
 CODES = {  # of contradictions, by the kind under which a study accepts them
-    "constants": ["contradicting constants", "foreign constant", "foreign constant of known cause"],
+    "constants": [
+        "contradicting constants",
+        "contradicting gains",
+        "foreign constant",
+        "foreign constant of known cause",
+    ],
     "delay": ["early current", "late current"],
     "mounting": ["other mounting", "other mounting or sign"],
     "order": [
@@ -26,6 +31,7 @@ CODES = {  # of contradictions, by the kind under which a study accepts them
         "tool off flange",
     ],
     "sampling": ["untold motion"],
+    "side": ["unknown side"],
     "sign": [
         "opposite current",
         "turned current",

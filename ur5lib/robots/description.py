@@ -250,13 +250,13 @@ class Drives(Described):
     """How a controller counts, against the joints of the description.
 
     positions, torques: on which side of the gears they are logged, with `gear_ratio` of the motors
-    between; directions: -1 of a joint that is counted against its
-    axis; home_deg: the joint's angle where the controller's is zero [°]; coupling: of motors that
-    turn with two joints, in the controller's counts.
+    between; torques of which that is not said count as the joints'; directions: -1 of a joint that
+    is counted against its axis; home_deg: the joint's angle where the controller's is zero [°];
+    coupling: of motors that turn with two joints, in the controller's counts.
     """
 
     positions: Literal["joint", "motor"] = "joint"
-    torques: Literal["joint", "motor"] = "joint"
+    torques: Literal["joint", "motor"] | None = None
     directions: PerLink[Direction] = ()
     home_deg: PerJoint = ()
     coupling: list[CoupledMotor] = Field(default_factory=list)
@@ -395,6 +395,12 @@ class Robot(Described):
     def senses_torque(self) -> bool:
         """Return whether its joints' torques [Nm] are measured, in place of motor currents."""
         return all(constant == 1.0 for constant in self.maker_torque_constants())
+
+    def knows_rotors(self) -> bool:
+        """Return whether no rotors are to be fitted: its fullest model has them, or its torques are
+        those of motor currents.
+        """
+        return bool(self.models[self.fullest_model()].rotor_inertias) or not self.senses_torque()
 
     def family_torque_constants(self) -> list[float]:
         """Return Nm/A after the gears as by the e-Series motors of these sizes; NaN if unknown."""

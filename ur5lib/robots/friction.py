@@ -15,6 +15,7 @@ from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.workspace.extensions import additions, failed
 
 GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
+ROTOR_ACCELERATION = 15.0  # rad/s², with which the largest torque turns a rotor, at least
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
 # ones are below the encoder's resolution of a UR.
 PRESLIDING_DISTANCE = 1e-4  # rad
@@ -42,7 +43,7 @@ class JointMotion:
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
     1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded;
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
-    or a counterbalance acts on the joint.
+    or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor.
     """
 
     q: Array
@@ -52,6 +53,7 @@ class JointMotion:
     warmth: Array | float = 0.0
     shaft: ShaftMotion | None = None
     balanced: bool = False
+    qdd: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,11 @@ TERMS = {
     "balance": Term(
         lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
         parts=("sin", "cos"),
+    ),
+    # of an arm whose links have none
+    "rotor": Term(
+        lambda motion: [motion.qdd * np.ones_like(motion.qd)],
+        expected=lambda torque_max: torque_max / ROTOR_ACCELERATION,
     ),
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }

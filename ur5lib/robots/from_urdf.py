@@ -421,8 +421,14 @@ def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
     if unknown:
         yield (
             f"{unknown}: links, rotors and friction are found from recordings with actual_torque "
-            "(`links: unknown`); write the arm's `weight` [kg] of its data sheet into the file"
+            "(`links: unknown`); write the arm's `weight` [kg] of its data sheet into the file, or "
+            "the side of the gears on which its torques are logged (`torques` of `drives`)"
         )
+    yield (
+        f"a URDF has no gear and no rotor of {', '.join(joint.name for joint in joints)}: "
+        "actual_torque counts as the joints', and rotors are fitted to it; where it is the "
+        "motors', write `torques: motor` under `drives`, and each `gear_ratio`"
+    )
     for key, value, unit, setting in (
         ("effort", ASSUMED_TORQUE, "Nm", "torque_max"),
         ("velocity", ASSUMED_VELOCITY, "rad/s", "velocity_max"),

@@ -41,6 +41,8 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
 MOST_LOST = 3  # joints whose current does not follow their torque: the others tell a force
+MOST_OTHER_GAINS = 1  # joints whose torque has another gain: by a spring, a column, a link
+LEAST_GAIN = 0.4  # of a single one: smaller, a unit is wrong
 
 
 def fit_friction(
@@ -78,6 +80,8 @@ def fit_friction(
     try:
         require_no_stop_sign(contradictions)
         require_single_runs(quality)
+        if "side" not in (accepted or {}):
+            require_known_side(arm)
         prior = replace(prior_of(arm, ratios), at_rest=AtRest.of(held))
         fitted = fitted_friction(records, prior, smooth, model, accepted)
         return replace(fitted, at_rest=[*at_rest])
@@ -117,7 +121,7 @@ def fitted_friction(
         fit=fit,
         left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
         explained=explained_by_others(records, left_out, smooth),
-        parameters=parameters(fit),
+        parameters=parameters(fit, prior.std() if prior.senses_torque() else None),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
         cross_validation=fitted_on_tested_on(records, smooth, prior),
@@ -191,17 +195,44 @@ def require_single_runs(qualities: Mapping[str, Quality]) -> None:
 
 
 def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) -> list[Remark]:
-    """Return that torque constants are not those of the arm, which the study accepts.
+    """Return that torque constants, or gains, are not those of the arm, which the study accepts.
 
     Raises ContradictionError where it does not.
     """
     try:
-        require_known_constants(fit, prior)
+        if prior.senses_torque():
+            require_gains_of_one(fit)
+        else:
+            require_known_constants(fit, prior)
     except ContradictionError as sign:
         if (kind := KINDS[sign.remark.code]) not in accepted:
             raise
         return [remark(ACCEPTED, reason=accepted[kind], found=asdict(sign.remark))]
     return []
+
+
+def require_known_side(arm: Robot) -> None:
+    """Raise ContradictionError where links were found from torques that may be the motors': neither
+    the side of the gears is described, nor a weight that would contradict it.
+    """
+    is_scaled = arm.links == "known" or arm.weight is not None
+    if arm.senses_torque() and arm.drives.torques is None and not is_scaled:
+        raise ContradictionError("unknown side", arm=arm.name)
+
+
+def require_gains_of_one(fit: CurrentFit) -> None:
+    """Raise ContradictionError when measured torques are not those that the description needs.
+
+    Of a single joint, which a spring or a column may have, the known gain of 1 stands in.
+    """
+    gains = [joint.contradicted for joint in fit.joints]
+    each = [
+        remark("other gain" if gain > 0 else "opposite gain", joint=number, gain=gain)
+        for number, gain in enumerate(gains, start=1)
+        if gain is not None
+    ]
+    if len(each) > MOST_OTHER_GAINS or any(0 < (gain or 0) < LEAST_GAIN for gain in gains):
+        raise ContradictionError("contradicting gains", each=each)
 
 
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:

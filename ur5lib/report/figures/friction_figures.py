@@ -33,6 +33,7 @@ PARAMETER_SYMBOLS = {
     "velocity_square": "square",
     "balance_sin": "spring sin",
     "balance_cos": "spring cos",
+    "rotor": "rotor",
     "coupled_coulomb": "shaft Coulomb",
     "coupled_viscous": "shaft viscous",
     "coupled_rotor": "shaft rotor",

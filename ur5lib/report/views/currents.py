@@ -26,7 +26,12 @@ MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
 CONSTANTS_TOPIC, CURRENTS_TOPIC = "Torque constants", "Friction and {current}s"  # topics
 CONSTANT_ESTIMATE = "a constant {current}"
-CONTRADICTION_CODES = ["unlikely constant", "current against constant"]  # codes of remarks
+CONTRADICTION_CODES = ["unlikely constant", "current against constant", "torque against gain"]
+SIGNS = {  # codes of remarks that stop an arm, and what they say of its constants
+    "contradicting constants": "contradicted",
+    "contradicting gains": "wrong side",
+    "unknown side": "unknown side",
+}
 COMPARED_MODELS = {"fitted": "ours", "least_squares": "rival"}  # the rival has no prior
 
 
@@ -219,8 +224,7 @@ def judge_constants(results: Results) -> Verdict | None:
     rows = results.rows("friction", parameter="torque_constant")
     signs = results.rows("remarks", step=STOP)
     if len(signs):
-        fitted = "contradicting constants" in {*signs["code"]}
-        kind = "contradicted" if fitted else "not fitted"
+        kind = next((SIGNS[code] for code in signs["code"] if code in SIGNS), "not fitted")
         return Verdict(CONSTANTS_TOPIC, "do not use", say(f"constants.{kind}"))
     if rows.empty:
         return None
