@@ -134,6 +134,9 @@ def test_a_truth_is_that_of_the_stand_or_a_file_of_the_recording(tmp_path: Path)
     del given[0]["folder"]
     given[0]["simulate"] = plan
     given[1] |= {"format": "rtde-csv", "file": "a.csv", "truth": "known"}
+    Path(given[1]["folder"]).mkdir()
+    for suffix in (".parquet", ".json"):
+        Path(given[1]["folder"], f"known{suffix}").touch()
     found = of(given)
     assert found.simulated == ["run_0"]
     known = {"run_0": "results/made/truth/run_0", "run_1": f"{tmp_path}/run_1/known"}

@@ -175,10 +175,13 @@ def test_sensor_and_currents_tell_the_pushes(
 def test_a_judged_recording_has_rows_of_every_table_of_recordings(
     arm: Callable[[str], Mounted],
 ) -> None:
-    """Of bands of acceleration, `make_tables`, which knows the other recordings."""
+    """Of bands of acceleration, `make_tables`, which knows the other recordings, and of findings,
+    which it words.
+    """
     judged = judge_recording(arm("floor").known)
     of_recordings = {name for name, own in columns().items() if "recording" in own}
-    assert judged.judgement.rows.keys() == of_recordings - {"acceleration_bands"}
+    assert judged.judgement.rows.keys() == of_recordings - {"acceleration_bands", "quality"}
+    assert judged.judgement.findings
     for name, rows in judged.judgement.rows.items():
         assert all(row.keys() <= {*columns()[name]} for row in rows), name
     assert {row["device"] for row in judged.judgement.rows["clocks"]} == {"force", "imu"}
