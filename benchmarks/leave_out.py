@@ -41,7 +41,7 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import Table
-from ur5lib.report.page.findings import in_words
+from ur5lib.records.wording import in_words
 from ur5lib.robots.description import load_robot
 from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
