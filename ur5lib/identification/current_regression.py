@@ -85,21 +85,22 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
     """Return a fit in which joints whose current does not follow their torque keep the prior's k.
 
     fitted: returns the fit under a prior. Gains of measured torques are on trial without what is
-    known of them, since a fit that keeps to it takes what contradicts it for noise.
+    known of them, since a fit that keeps to it takes what contradicts it for noise: those that are
+    known better before keep it, too.
     """
-    trial = prior.with_wide_gains() if prior.senses_torque() else prior
-    fit = fitted(trial)
-    lost = too_large(fit, trial) | (prior.senses_torque() & beyond_range(fit))
-    lost_joints = np.flatnonzero(lost).tolist()
-    if not lost_joints:
-        return fit if trial is prior else fitted(prior)
+    sensed = prior.senses_torque()
+    fit = fitted(prior.with_wide_gains() if sensed else prior)
+    lost = beyond_range(fit) if sensed else too_large(fit, prior)
+    if not (sensed or lost.any()):
+        return fit
+    keeps_known = lost | (sensed & (constants_band(fit) > prior.std()))
     contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
-    fit = fitted(replace(prior, pinned=tuple(lost_joints)))
+    fit = fitted(replace(prior, pinned=tuple(np.flatnonzero(keeps_known).tolist())))
     joints = list(fit.joints)
-    for joint in lost_joints:
+    for joint in np.flatnonzero(lost).tolist():
         coefficients = contradicted_joints[joint].estimate.coefficients
         constants = {"alone": float(1 / coefficients[0]), "known": float(known_constants[joint])}
-        code = "torque against gain" if prior.senses_torque() else "current against constant"
+        code = "torque against gain" if sensed else "current against constant"
         remarks = *joints[joint].remarks, remark(code, **constants)
         joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
     return replace(fit, joints=tuple(joints))

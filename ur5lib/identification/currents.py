@@ -216,13 +216,13 @@ def unseen_difference(
     return unseen
 
 
-def parameters(fit: CurrentFit, gain_std: Array | None = None) -> list[Parameter]:
+def parameters(fit: CurrentFit, senses_torque: bool = False) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    gain_std: (n,), of measured torques' gains before the fit. A gain is determined where the square
-    of its interval is less than half of that before, friction and rotors where their sign is.
+    senses_torque: of measured torques, of which friction and rotors are determined where their
+    sign is.
     """
-    signed = ["torque_constant", *(coefficient_names([*TERMS]) if gain_std is not None else ())]
+    signed = ["torque_constant", *(coefficient_names([*TERMS]) if senses_torque else ())]
     rows = []
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate
@@ -237,9 +237,6 @@ def parameters(fit: CurrentFit, gain_std: Array | None = None) -> list[Parameter
             # the sign must be determined, too
             has_sign = name not in signed or low > 0 or (name not in POSITIVE and high < 0)
             is_determined = bool(prior < MAX_PRIOR_SHARE and has_sign)
-            if name == "torque_constant" and gain_std is not None:
-                before = 2 * NORMAL95 * gain_std[joint - 1]
-                is_determined &= bool((high - low) ** 2 < MAX_PRIOR_SHARE * before**2)
             shares = prior, arm, day, run
             rows.append(Parameter(joint, name, value, error, (low, high), *shares, is_determined))
     return rows

@@ -15,7 +15,8 @@ from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.workspace.extensions import additions, failed
 
 GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
-ROTOR_ACCELERATION = 15.0  # rad/s², with which the largest torque turns a rotor, at least
+# With which the largest torque turns a rotor alone, at least: 90 rad/s² on a UR5, 360 on a TX40.
+ROTOR_ACCELERATION = 50.0  # rad/s²
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
 # ones are below the encoder's resolution of a UR.
 PRESLIDING_DISTANCE = 1e-4  # rad

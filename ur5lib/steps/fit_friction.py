@@ -121,7 +121,7 @@ def fitted_friction(
         fit=fit,
         left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
         explained=explained_by_others(records, left_out, smooth),
-        parameters=parameters(fit, prior.std() if prior.senses_torque() else None),
+        parameters=parameters(fit, prior.senses_torque()),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
         cross_validation=fitted_on_tested_on(records, smooth, prior),
