@@ -60,7 +60,7 @@ leaderboard: .venv/ready ## compare all force estimators on the built studies th
 
 docs: .venv/dev ## build the documents as a site, .site/html
 	rm -rf .site && mkdir -p .site/pages
-	cp -R *.md CITATION.cff LICENSE Snakefile config.yaml config docs ur5lib workflow .site/pages
+	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml config docs ur5lib workflow .site/pages
 	mkdir .site/pages/raw && cp raw/README.md .site/pages/raw
 	NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
 	@echo "site: .site/html/index.html"
