@@ -191,8 +191,14 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Or
         tell("check", ORDER, in_words(best), "numbers", f"no name tells it, and {so}")
         return best
     elif ahead > CLEAR_LEAD:
-        before = f"gravity, by {ahead:.3g} of log-likelihood before any other usual order"
-        tell("proven", ORDER, "base to wrist", "numbers", before)
+        before = f"no name tells it; gravity, by {ahead:.3g} of log-likelihood before the other"
+        tell(
+            "assumed",
+            ORDER,
+            "base to wrist",
+            "numbers",
+            f"{before} usual orders, elbow or wrist first",
+        )
     else:
         unproven = "what moves shows no other to be likelier, and no name tells it"
         tell("check", ORDER, "base to wrist", "position", unproven)
