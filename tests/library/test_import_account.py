@@ -12,6 +12,7 @@ import scipy.io
 
 from tests.entries import read_and_check, read_recording
 from tests.library.test_import_cases import driven, motion
+from tests.stored_files import JOINTS
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.contents import NO_STATEMENT, UserStatement
@@ -413,3 +414,30 @@ def test_a_current_that_its_author_smoothed_is_no_target(tmp_path: Path) -> None
     assert taken["column 19 … column 24"] == "target_current"
     assert taken["column 7 … column 12"] == "actual_qd"
     assert taken["column 25 … column 30"] == NOTHING
+
+
+def test_what_no_reader_takes_has_a_row(tmp_path: Path) -> None:
+    """Texts and pictures of arrays, and topics of other kinds of messages."""
+    import h5py
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        for name, rows in {"t": TIME, "q": Q, "qd": QD, "camera": np.zeros((9, 4, 4))}.items():
+            file[name] = rows
+        file["label"] = np.array([b"push", b"rest"])
+    (one,) = import_files([tmp_path / "run.h5"], UserStatement("ur5e"))
+    assert row_of(one, "camera, label").taken_for == NOTHING
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    text = store.types["std_msgs/msg/String"]("ready")
+    with Writer(tmp_path / "run", version=8, storage_plugin=StoragePlugin.MCAP) as bag:
+        kinds = ("/state", "std_msgs/msg/String"), ("/joint_states", "sensor_msgs/msg/JointState")
+        state, joints = (bag.add_connection(*kind, typestore=store) for kind in kinds)
+        bag.write(state, 0, store.serialize_cdr(text, kinds[0][1]))
+        for time, q, qd in zip(TIME[:500], Q, QD, strict=False):
+            stamp = store.types["builtin_interfaces/msg/Time"](*divmod(round(1e9 * time), 10**9))
+            header = store.types["std_msgs/msg/Header"](stamp, "")
+            told = store.types[kinds[1][1]](header, [*JOINTS], q, qd, np.array([]))
+            bag.write(joints, round(1e9 * time), store.serialize_cdr(told, kinds[1][1]))
+    (other,) = import_files([tmp_path / "run"], UserStatement("ur5e"))
+    assert "not read" in row_of(other, "/state (std_msgs/msg/String)").reason

@@ -1,7 +1,7 @@
 """The contents of a file, what the user states about it, and the evidence for its meaning."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from ur5lib.importing.blocks import (
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
 from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, names_positions
-from ur5lib.recordings.array_files import LOADERS, format_of
+from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.delimited import (
     expect_row_each_sample,
     first_cells,
@@ -143,6 +143,7 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
         arrays = _table(path, header, findings, account)
     else:
         arrays = LOADERS[format](path, None, findings)
+        _state_unread(findings, account)
     account.order.extend(header.columns or arrays)
     clocks = _clocks(arrays, stated, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
@@ -156,6 +157,14 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _state_unread(findings: Iterable[Finding], account: Account) -> None:
+    """State what of a file its reader left out."""
+    for finding in findings:
+        names = finding.values.get("names") if finding.finding == UNREAD else None
+        for name in names if isinstance(names, list) else ():
+            account.state("left out", (name,), name, "name", str(finding.values["why"]))
 
 
 def _clocks(

@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import wraps
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from ur5lib.recordings.unpacked import (
     npz_numbers,
     parquet_numbers,
 )
-from ur5lib.records.quality import Finding
+from ur5lib.records.quality import Finding, Log
 from ur5lib.strict import MOST_BYTES, expect_file
 from ur5lib.timeseries.arrays import Array
 
@@ -31,6 +31,7 @@ Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: 
 LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 LEVELS_OF_DATA_SET = 4  # folders of a LeRobot data set above its files
+UNREAD = "unread"  # the finding on what of a file holds no rows of numbers
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 
 
@@ -71,6 +72,12 @@ def array_format(
     return registered
 
 
+def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Finding]) -> None:
+    """Add what of a file is not read to the findings; import gives each a row in its account."""
+    listed = sorted({*names})
+    Log(path, "robot", findings).add(UNREAD, "note", len(listed), "", names=listed, why=why)
+
+
 @array_format("parquet", "a Parquet file", ".parquet")
 def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the columns of numbers by name."""
@@ -78,6 +85,9 @@ def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fi
     listed = {name for name in elements if wanted is None or any(name in one for one in wanted)}
     with pq.ParquetFile(path, page_checksum_verification=True) as file:
         columns = _numeric(file.schema_arrow, None if wanted is None else {*wanted, *listed})
+        if wanted is None:
+            others = {*file.schema_arrow.names} - {*columns}
+            report_unread(path, others, "it holds no numbers", findings)
         expect_room(path, parquet_numbers(file, columns))
         arrays = _columns(file.read(columns))
     for name in listed & {*arrays}:
@@ -177,6 +187,10 @@ def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findi
         for name in paths:
             expect_inside(file, name, path)
         found = {name: one for name in paths if (one := _numbers(file, name)) is not None}
+        if wanted is None:
+            sized = {name for name in names if getattr(file.get(name), "shape", ())}
+            shape = "it holds text, or more dimensions than rows and columns"
+            report_unread(path, sized - {*found}, shape, findings)
         for array in found.values():
             expect_own_numbers(array, path)
         expect_room(path, sum(array.size for array in found.values()))

@@ -11,7 +11,7 @@ import numpy as np
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
-from ur5lib.recordings.array_files import Arrays, array_format, rows_of
+from ur5lib.recordings.array_files import Arrays, array_format, report_unread, rows_of
 from ur5lib.recordings.bag_chunks import Unpack, with_bounded_chunks
 from ur5lib.recordings.bag_files import PACKED_ENDING, bag_files, unpacked
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
@@ -150,6 +150,10 @@ def _read_part(
             with_bounded_chunks(path) as unpack,
             AnyReader([plain], default_typestore=store) as bag,
         ):
+            if wanted is None:
+                others = (c for c in bag.connections if c.msgtype not in FIELDS)
+                named = (f"{one.topic} ({one.msgtype})" for one in others)
+                report_unread(path, named, "messages of this kind are not read", findings)
             _collect(bag, unpack, wanted, topics, lost, path)
     except InputError:
         raise
