@@ -203,7 +203,7 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
         ("ur5lib/tidy/friction.py", jobs(*JUDGED) | SUMMARY),
         ("ur5lib/timeseries/changes.py", SUMMARY),
         # The wording of a warning, verdict or caption.
-        ("ur5lib/checks/channels.words.yaml", SUMMARY),
+        ("ur5lib/checks/channels.words.yaml", REPORT),
         ("ur5lib/report/views/contacts.py", DOCUMENTED),
         ("ur5lib/report/page/contents.yaml", DOCUMENTED),
         ("ur5lib/report/page/sentences.yaml", DOCUMENTED),
