@@ -13,10 +13,14 @@ import pandas as pd
 import pytest
 
 from tests.conftest import said
+from tests.stored_files import made_up_channels
+from ur5lib.checks.block_means import block_means
+from ur5lib.checks.by_motion import MotionChecks
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.doubts import DOUBT
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
+from ur5lib.recordings.frames import repair_frames
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.from_urdf import robot_from_urdf
@@ -171,3 +175,24 @@ def test_joints_that_rest_tell_nothing(sensed: Robot) -> None:
     assert signs(resting) == []
     open_ones = {one.finding for one in unchecked(resting)}
     assert {"order not checked", "sign not checked", "columns not checked"} <= open_ones
+
+
+@pytest.mark.parametrize("seed", [2, 11, 14])
+def test_joints_of_a_short_log_with_other_friction_are_not_exchanged(
+    seed: int, tmp_path: Path
+) -> None:
+    """Where friction grows with the root of velocity, gravity of a vertical joint tells nothing."""
+    time, channels = made_up_channels(tmp_path / "run", seed=seed)
+    q, qd, current = (channels[name] for name in ("actual_q", "actual_qd", "actual_current"))
+    rubbing = current + 0.3 * np.sign(qd) * np.sqrt(np.abs(qd))
+    columns = {"actual_q": q, "actual_qd": qd, "actual_current": rubbing}
+    table = pd.DataFrame(
+        {
+            "time": time,
+            **{f"{name}_{k}": rows[:, k] for name, rows in columns.items() for k in range(6)},
+        }
+    )
+    robot, timing, _ = repair_frames(table, None, 0.1, "run", None)
+    means = block_means(robot, timing.period, ["actual_current"])
+    arm = load_robot(robot_path("ur5"))
+    assert [*MotionChecks(means, arm, True).exchanges_of_joints()] == []

@@ -28,8 +28,9 @@ from ur5lib.timeseries.arrays import Array
 MIN_ERRORS = 2.5  # standard errors over stretches, below which a lead may be chance
 MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against a change
 # in right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by the
-# declared links, by 0.36 by any
+# declared links, by 0.36 by any; where friction is no known one, by 0.72 and 0.34 in short logs
 MIN_LEAD_OF_EFFORTS = 0.15
+CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
 # of a turned joint by the declared links, in right logs at most 0.31; by any, the mean over all
 # joints, at most 0.05
@@ -116,7 +117,7 @@ class MotionChecks:
     def exchanges_of_joints(self) -> Iterator[Cause]:
         """Yield pairs of joints that explain the efforts better with all channels exchanged."""
         for pair, other in self.exchanged_joints.items():
-            if is_likelier(other, self.declared, pair, OF_JOINTS):
+            if are_exchanged(other, self.declared, pair):
                 means = self.means.part(columns=self._order(pair))
                 yield self._change("exchanged joints", other, means, pair)
 
@@ -202,7 +203,7 @@ class MotionChecks:
     def tells_order(self, pair: Pair) -> bool:
         """Return whether an exchange of two joints would be noticed."""
         own = self.exchanged_joints.get(pair)
-        return own is not None and is_likelier(self.declared, own, pair, OF_JOINTS)
+        return own is not None and are_exchanged(self.declared, own, pair)
 
     def tells_efforts(self, pair: Pair) -> bool:
         """Return whether an exchange of two joints' efforts would be noticed."""
@@ -254,6 +255,18 @@ def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least
     if not _leads(lead(other.by_links, first.by_links, joints), least.by_links):
         return False
     return lead(other.by_any_links, first.by_any_links, joints).size > -MAX_LEAD_AGAINST
+
+
+def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
+    """Return whether two joints with all channels exchanged are likelier: clearly so by the
+    declared links, or by these and any links alike.
+    """
+    if other.by_links is None or first.by_links is None:
+        return is_likelier(other, first, pair, OF_JOINTS)
+    if is_likelier(other, first, pair, OF_JOINTS._replace(by_links=CLEAR_LEAD_OF_JOINTS)):
+        return True
+    by_any = lead(other.by_any_links, first.by_any_links, pair)
+    return is_likelier(other, first, pair, OF_JOINTS) and _leads(by_any, MIN_LEAD_OF_JOINTS)
 
 
 def is_turned(other: Explained, first: Explained, joint: int) -> bool:
