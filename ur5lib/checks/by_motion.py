@@ -45,6 +45,9 @@ MAX_LEAD_OF_ANY_LINKS = 0.8
 # and 1.00
 MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK = 1.18, 1.06
 MIN_MOVING_JOINTS = 3  # that tell arms apart
+MIN_BLOCKS = (
+    90  # of a log that tells arms, or joints exchanged in all channels; ten stretches of it
+)
 
 
 class Limits(NamedTuple):
@@ -116,6 +119,8 @@ class MotionChecks:
 
     def exchanges_of_joints(self) -> Iterator[Cause]:
         """Yield pairs of joints that explain the efforts better with all channels exchanged."""
+        if len(self.means.q) < MIN_BLOCKS:
+            return
         for pair, other in self.exchanged_joints.items():
             if are_exchanged(other, self.declared, pair):
                 means = self.means.part(columns=self._order(pair))
@@ -176,7 +181,8 @@ class MotionChecks:
         that hardly do so worse; others: under the load that this one carries.
         """
         ahead = {arm.name: own for arm in others if (own := self._lead_of_arm(arm)) is not None}
-        if ahead and len(self.moving) >= MIN_MOVING_JOINTS:
+        tells = len(self.moving) >= MIN_MOVING_JOINTS and len(self.means.q) >= MIN_BLOCKS
+        if ahead and tells:
             first, *names = sorted(ahead, key=lambda name: -ahead[name])
             alike = [name for name in names if ahead[first] - ahead[name] < MAX_LEAD_AGAINST]
             causes = [remark("robot as cause", value=name) for name in (first, *alike)]
@@ -202,7 +208,7 @@ class MotionChecks:
 
     def tells_order(self, pair: Pair) -> bool:
         """Return whether an exchange of two joints would be noticed."""
-        own = self.exchanged_joints.get(pair)
+        own = self.exchanged_joints.get(pair) if len(self.means.q) >= MIN_BLOCKS else None
         return own is not None and are_exchanged(self.declared, own, pair)
 
     def tells_efforts(self, pair: Pair) -> bool:
