@@ -250,7 +250,7 @@ def _is_cell(cell: bytes) -> bool:
 def _is_header(line: bytes, delimiter: bytes, count: int) -> bool:
     """Return whether a line consists of as many names as there are columns."""
     cells = [cell.strip() for cell in line.split(delimiter)]
-    return len(cells) == count and not any(map(_is_cell, cells))
+    return len(cells) == count and all(re.match(rb"[A-Za-z#_/]", cell) for cell in cells)
 
 
 def _header_names(path: Path, line: bytes, delimiter: bytes) -> list[str]:
