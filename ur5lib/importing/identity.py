@@ -192,13 +192,7 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Or
         return best
     elif ahead > CLEAR_LEAD:
         before = f"no name tells it; gravity, by {ahead:.3g} of log-likelihood before the other"
-        tell(
-            "assumed",
-            ORDER,
-            "base to wrist",
-            "numbers",
-            f"{before} usual orders, elbow or wrist first",
-        )
+        tell("assumed", ORDER, "base to wrist", "numbers", f"{before} orders (elbow, wrist first)")
     else:
         unproven = "what moves shows no other to be likelier, and no name tells it"
         tell("check", ORDER, "base to wrist", "position", unproven)

@@ -311,10 +311,11 @@ def _timed(
         file.account.tell("check", "rows", "postures at rest", "numbers", leaps)
         return file, None, True
     rows = file.clocks.stamps[ROW_CLOCK]
-    if velocity and (rate := _rate(agreement(position.rows, velocity.rows, rows), rows)):
+    fit = agreement(position.rows, velocity.rows, rows) if velocity else None
+    if velocity and fit and (rate := _rate(fit, rows)):
         follows = f"{position.title} changes by {velocity.title} at {rate:g} rows a second"
-        rival = f"at {2 * rate:g}, it would change twice as fast"
-        file.account.tell("proven", "rate", f"{rate:g} Hz", "numbers", f"{follows}; {rival}")
+        sure, misses = _beside_next_column(fit, position, velocity, rows)
+        file.account.tell(sure, "rate", f"{rate:g} Hz", "numbers", f"{follows}: {misses}")
         stamps = np.arange(len(rows)) / rate
         return file.on_clock(ROW_CLOCK, ROW_CLOCK, stamps, "s"), rate, False
     unknown = "no clock, and nothing tells the rate of the rows; name it, as with --rate 125"
@@ -432,13 +433,20 @@ def _velocity_in_degrees(
     if fit.share < 1.0:
         part = f"{1 - fit.share:.0%} of its moving columns are no derivatives of {position.title}"
         account.hold("check", velocity, "numbers", part)
-    shifted = agreement(position.rows, np.roll(velocity.rows, 1, axis=1), stamps).missed
-    rival = f"misses {shifted:.0%}" if np.isfinite(shifted) else "follows no column"
-    follows = f"the derivative of {position.title} on {fit.moving} joints that move: misses "
-    share = f"{100 * fit.missed:.2g} % of its squares; one column further, it {rival}"
-    sure: Confidence = "proven" if shifted > 2 * fit.missed else "assumed"
-    account.hold(sure, velocity, "numbers", follows + share)
+    follows = f"the derivative of {position.title} on {fit.moving} joints that move"
+    sure, misses = _beside_next_column(fit, position, velocity, stamps)
+    account.hold(sure, velocity, "numbers", f"{follows}: {misses}")
     return {1.0: degrees, DEGREES_PER_RADIAN: True, 1 / DEGREES_PER_RADIAN: False}[near]
+
+
+def _beside_next_column(
+    fit: Agreement, position: ColumnBlock, velocity: ColumnBlock, time: Array
+) -> tuple[Confidence, str]:
+    """Return how sure velocities are derivatives, and what they miss beside the next columns."""
+    shifted = agreement(position.rows, np.roll(velocity.rows, 1, axis=1), time).missed
+    rival = f"misses {shifted:.0%}" if np.isfinite(shifted) else "follows no column"
+    misses = f"misses {100 * fit.missed:.2g} % of its squares; one column further, it {rival}"
+    return "proven" if shifted > 2 * fit.missed else "assumed", misses
 
 
 def _is_near(ratio: float) -> bool:
