@@ -6,23 +6,51 @@ import shlex
 import signal
 import sys
 from collections.abc import Iterable
+from itertools import takewhile
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from ur5lib import __version__
 from ur5lib.errors import InputError, printable, unknown
 
-Results = Annotated[Path, typer.Argument(help="results of a study: results/<study>")]
-RanStudy = Annotated[
-    Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
-]
+
+def _study_file(address: str) -> Path:
+    from ur5lib.study.address import study_file
+
+    return study_file(address)
+
+
+def _results_folder(address: str) -> Path:
+    from ur5lib.study.address import results_folder
+
+    return results_folder(address)
+
+
+ADDRESS_HELP = "its name, its YAML file, or its folder of results"
+STUDY_HELP = f"a study: {ADDRESS_HELP}"
+StudyFile = Annotated[Path, typer.Argument(parser=_study_file, help=STUDY_HELP, metavar="STUDY")]
+Results = Annotated[Path, typer.Argument(parser=_results_folder, help=STUDY_HELP, metavar="STUDY")]
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
 
-ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits
+
+class Panels(typer.core.TyperGroup):
+    """Commands, listed by what they are for."""
+
+    def format_commands(self, _: Any, formatter: Any) -> None:
+        """Write a section for each panel, in the order in which the commands are defined."""
+        panels: dict[str, list[tuple[str, str]]] = {}
+        for name, command in self.commands.items():
+            row = name, command.get_short_help_str(200)
+            panels.setdefault(vars(command)["rich_help_panel"], []).append(row)
+        for panel, rows in panels.items():
+            with formatter.section(panel):
+                formatter.write_dl(rows)
+
 
 app = typer.Typer(
+    cls=Panels,
     help="Dynamics, friction and contact force of Universal Robots arms, from recordings.",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -54,7 +82,7 @@ def _options(
     context.call_on_close(lambda: os.environ.pop(USE_VARIABLE, None))
 
 
-@app.command()
+@app.command(rich_help_panel="Start")
 def new(
     folder: Annotated[Path, typer.Argument(help="workspace to make; . is the folder you are in")],
 ) -> None:
@@ -64,7 +92,7 @@ def new(
     typer.echo(new_workspace(folder))
 
 
-@app.command()
+@app.command(rich_help_panel="Start")
 def fetch(
     dataset: Annotated[
         str | None, typer.Argument(help="name of a published data set; default: list them")
@@ -79,7 +107,7 @@ def fetch(
     """Download a published data set into raw/ and verify every file, or list them all."""
     from ur5lib.datasets.catalogue import catalogue, listing
     from ur5lib.datasets.fetching import fetch as fetch_dataset
-    from ur5lib.workspace.new import copy_study, next_command
+    from ur5lib.workspace.new import copy_study
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # removes temporary files
     if dataset is None:
@@ -88,14 +116,75 @@ def fetch(
     typer.echo(fetch_dataset(dataset, target, source))
     study = catalogue()[dataset].study
     if study and target is None:
-        typer.echo(f"next: {next_command(copy_study(study))}")
+        typer.echo(f"next: ur5 run {copy_study(study)}")
 
 
-@app.command()
-def check(
-    study: Annotated[
-        Path, typer.Argument(help="configuration file of the study, e.g. config.yaml")
+@app.command(rich_help_panel="Start")
+def run(
+    study_or_recordings: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="STUDY | RECORDINGS",
+            help=f"{STUDY_HELP}; or recordings, of which a study is written first. Options of "
+            "Snakemake follow after --",
+        ),
     ],
+    robot: Annotated[str | None, typer.Option(help="name of the arm of the recordings")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="study file of the recordings; default: <their folder>.yaml"
+        ),
+    ] = None,
+    open_report: Annotated[bool, typer.Option("--open", help="show the report at the end")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="print all of Snakemake's lines")
+    ] = False,
+) -> None:
+    """Build the report of a study, or of recordings: what is new or has changed is computed."""
+    _use_one_thread()
+    from ur5lib.commands.run import build
+    from ur5lib.importing.written import study_of
+    from ur5lib.study.address import results_folder
+
+    named = [*takewhile(lambda word: not word.startswith("-"), study_or_recordings)]
+    options = study_or_recordings[len(named) :]
+    study = study_of(named, robot, output)
+    built = build(study, results_folder(str(study)), options, verbose)
+    if built.is_file():  # not after a dry run
+        _show(built, open_report)
+
+
+@app.command(rich_help_panel="Start")
+def report(
+    results: Results,
+    open_report: Annotated[bool, typer.Option("--open", help="show it in the browser")] = False,
+) -> None:
+    """Print the file of a study's report, or show it."""
+    file = results / "report.html"
+    if not file.is_file():
+        raise InputError(f"{file} does not exist; build it: ur5 run {results.name}")
+    _show(file, open_report)
+
+
+def _show(report: Path, open_report: bool) -> None:
+    typer.echo(f"report: {report}")
+    if open_report:
+        typer.launch(str(report))
+
+
+@app.command(rich_help_panel="Start")
+def status(study: StudyFile) -> None:
+    """Print whether a study is being built, what its report lacks, and what a run would compute."""
+    from ur5lib.commands.run import status as lines
+    from ur5lib.study.address import results_folder
+
+    _print(lines(study, results_folder(str(study))))
+
+
+@app.command(rich_help_panel="Start")
+def check(
+    study: StudyFile,
     recordings: Annotated[
         list[str] | None, typer.Argument(help="some of its recordings, to see them in detail")
     ] = None,
@@ -103,14 +192,13 @@ def check(
     """Check every recording of a study: read it, repair it, and print the findings."""
     _use_one_thread()
     from ur5lib.commands.check import print_findings
-    from ur5lib.workspace.new import next_command
 
     if print_findings(study, recordings or []):
         raise SystemExit(1)
-    typer.echo(f"next: {next_command(study)}")
+    typer.echo(f"next: ur5 run {shlex.quote(str(study))}")
 
 
-@app.command(name="import")
+@app.command(name="import", rich_help_panel="Start")
 def import_(
     files: Annotated[list[Path], typer.Argument(help="recordings of any known format")],
     robot: Annotated[str | None, typer.Option(help="name of the arm")] = None,
@@ -135,38 +223,20 @@ def import_(
     """Write the study entry of recordings, with what is proven, assumed, or to be checked."""
     typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
     _use_one_thread()
-    from ur5lib.commands.console import announced, text_console
-    from ur5lib.commands.exported import described
-    from ur5lib.importing.contents import UserStatement
-    from ur5lib.importing.files import (
-        account_table,
-        add_to_study,
-        as_entries,
-        import_files,
-        write_study,
+    from ur5lib.importing.written import (
+        imported_files,
+        print_imported,
+        user_statement,
+        write_imported,
     )
 
-    if robot is not None:
-        described(robot)
-    units = dict(_pair(one) for one in unit or [])
-    stated = UserStatement(
-        robot or "", tuple((columns or "").split(",")) if columns else (), rate, units
-    )
-    imported = import_files(announced(files), stated)
+    imported = imported_files(files, user_statement(robot, columns, rate, unit or []))
     if study := write or add:
-        (write_study if write else add_to_study)(imported, study)
-    else:
-        typer.echo(as_entries(imported), nl=False)
-    text_console(stderr=not study, width=None if sys.stdout.isatty() else ACCOUNT_WIDTH).print(
-        account_table(imported)
-    )
-    if study:
-        typer.echo(f"{study} written; next: ur5 check {study}")
+        last_line = f"{study} written; next: ur5 check {study}"
+        write_imported(imported, study, last_line, append=write is None)
     else:
         given = [word for word in sys.argv[1:] if word != "import"]
-        typer.echo(f"next: ur5 import {shlex.join(given)} --write mine.yaml", err=True)
-    if imported.refused:
-        raise InputError("\n".join(["not imported:", *imported.refused]))
+        print_imported(imported, f"ur5 import {shlex.join(given)} --write mine.yaml")
 
 
 def _use_one_thread() -> None:
@@ -174,15 +244,7 @@ def _use_one_thread() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
-def _pair(stated: str) -> tuple[str, str]:
-    """Return channel and unit. Raises InputError where they are not `channel=unit`."""
-    channel, _, unit = stated.partition("=")
-    if not (channel and unit):
-        raise InputError(f"--unit {stated}: state a channel and its unit, as actual_current=mA")
-    return channel, unit
-
-
-@app.command()
+@app.command(rich_help_panel="Lab")
 def record(
     study: Annotated[Path, typer.Argument(help="study with `devices`, e.g. config.yaml")],
     name: Annotated[str, typer.Argument(help="name of the recording")],
@@ -233,10 +295,10 @@ def _print(lines: Iterable[object]) -> None:
         typer.echo(line)
 
 
-@app.command()
+@app.command(rich_help_panel="Results")
 def compare(
     before: Results,
-    after: Annotated[Path, typer.Argument(help="results to compare with these")],
+    after: Results,
     fail_on: Annotated[
         str, typer.Option(help="topics whose change gives exit status 1, e.g. force,currents")
     ] = "",
@@ -258,7 +320,7 @@ def compare(
         raise SystemExit(1)
 
 
-@app.command()
+@app.command(rich_help_panel="Lab")
 def excite(
     robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5e")],
     write: Annotated[Path, typer.Option(help="folder to write to")],
@@ -272,7 +334,9 @@ def excite(
     ] = None,
     results: Annotated[
         Path | None,
-        typer.Option(help="results of a study that recorded this arm before: results/<study>"),
+        typer.Option(
+            parser=_results_folder, help=f"a study that recorded this arm before: {ADDRESS_HELP}"
+        ),
     ] = None,
     table: Annotated[
         float,
@@ -298,23 +362,23 @@ def excite(
     _print(excite(ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), write))
 
 
-@app.command()
-def audit(study: RanStudy) -> None:
+@app.command(rich_help_panel="Results")
+def audit(study: StudyFile) -> None:
     """Print the faults of the wrist sensors in a study's recordings, and the remedies."""
     from ur5lib.commands.answers import audit_answers
 
     _print(audit_answers(study))
 
 
-@app.command()
-def payload(study: RanStudy) -> None:
+@app.command(rich_help_panel="Results")
+def payload(study: StudyFile) -> None:
     """Print the payload of each recording by motor currents and by wrist sensor."""
     from ur5lib.commands.answers import payload_answers
 
     _print(payload_answers(study))
 
 
-@app.command()
+@app.command(rich_help_panel="Arm")
 def export(
     robot: ArmName,
     model: Annotated[
@@ -325,7 +389,8 @@ def export(
         str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json, sensor")
     ] = "urdf",
     results: Annotated[
-        Path | None, typer.Option(help="results of a study that identified it: results/<study>")
+        Path | None,
+        typer.Option(parser=_results_folder, help=f"a study that identified it: {ADDRESS_HELP}"),
     ] = None,
     as_in: Annotated[
         str, typer.Option(help="a recording of that study: with its payload and mounting")
@@ -338,7 +403,7 @@ def export(
     typer.echo(exported(robot, model, to, results, as_in))
 
 
-@app.command()
+@app.command(rich_help_panel="Arm")
 def describe(
     file: Annotated[Path, typer.Argument(help="URDF of a serial arm of 2 to 8 revolute joints")],
     base: Annotated[str | None, typer.Option(help="link that stands; default: the root")] = None,
@@ -360,7 +425,7 @@ def describe(
     _print(describe_urdf(file, base, tip, name, physical))
 
 
-@app.command()
+@app.command(rich_help_panel="Results")
 def convert(
     results: Results,
     recordings: Annotated[
@@ -377,7 +442,7 @@ def convert(
     _print(write_recordings(results, recordings or [], to, into))
 
 
-@app.command()
+@app.command(rich_help_panel="Results")
 def figure(
     results: Results,
     figure: Annotated[str, typer.Argument(help="one in its folder figures, as pushed/torques")],
@@ -391,7 +456,7 @@ def figure(
     typer.echo(paper_figure(results, figure, width, font_size, format))
 
 
-@app.command()
+@app.command(rich_help_panel="Results")
 def replay(
     file: Annotated[Path, typer.Argument(help="model of the arm: MJCF or URDF")],
     results: Results,
@@ -403,10 +468,13 @@ def replay(
     _print(replayed(file, results, recording))
 
 
-@app.command()
+@app.command(rich_help_panel="Results")
 def leaderboard(
     results: Annotated[
-        list[Path], typer.Argument(help="results of studies that are built: results/<study>")
+        list[Path],
+        typer.Argument(
+            parser=_results_folder, metavar="STUDY", help=f"studies that are built: {ADDRESS_HELP}"
+        ),
     ],
     estimator: Annotated[
         str | None,
@@ -424,7 +492,7 @@ def leaderboard(
     typer.echo(f"all figures: {TABLE_FILE}")
 
 
-@app.command()
+@app.command(rich_help_panel="Arm")
 def singularities(
     robot: ArmName,
     within: Annotated[
@@ -479,7 +547,7 @@ def _range(joint: int, within: list[str]) -> tuple[float, float]:
     return low, high
 
 
-@app.command()
+@app.command(rich_help_panel="Project")
 def schema() -> None:
     """Print the JSON schema of a study (workflow/study.schema.json)."""
     from ur5lib.study.model import schema_text
@@ -487,7 +555,7 @@ def schema() -> None:
     typer.echo(schema_text(), nl=False)
 
 
-@app.command()
+@app.command(rich_help_panel="Project")
 def settings() -> None:
     """Print every setting of a study with its default (docs/settings.md)."""
     from ur5lib.study.schema import settings_text

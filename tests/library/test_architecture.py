@@ -53,8 +53,8 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "finished": BASE | {"jobs", "records", "study"},
     "commands": BASE
     | METHODS
-    | {"checks", "excitation", "finished", "lab.doubles", "lab.recorder", "recordings", "records"}
-    | {"report", "steps", "study", "tidy", "workspace"},
+    | {"checks", "excitation", "finished", "jobs", "lab.doubles", "lab.recorder", "recordings"}
+    | {"records", "report", "steps", "study", "tidy", "workspace"},
     "importing": BASE | {"checks", "commands", "recordings", "records", "study"},
     "cli": BASE
     | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}

@@ -10,7 +10,7 @@ from ur5lib.strict import read_yaml
 from ur5lib.study.reading import read_study
 from ur5lib.tables import write_text
 from ur5lib.thesis.reference import read_reference
-from ur5lib.workspace.new import copy_study, new_workspace, next_command
+from ur5lib.workspace.new import copy_study, new_workspace
 
 
 @pytest.fixture
@@ -77,14 +77,6 @@ def test_what_cannot_be_written_is_said(here: Path, run_ur5: Command) -> None:
     answer = run_ur5("new", "file")
     assert answer.status == 1
     assert answer.err.startswith("ur5: file cannot be written")
-
-
-def test_the_next_command_makes_a_workspace_where_there_is_none(here: Path) -> None:
-    assert next_command(Path("my study.yaml")) == (
-        "ur5 new . && snakemake --configfile 'my study.yaml'"
-    )
-    (here / "Snakefile").touch()
-    assert next_command(Path("config.yaml")) == "snakemake"
 
 
 def test_a_fetched_study_comes_with_its_printed_numbers(here: Path) -> None:

@@ -202,7 +202,7 @@ def test_the_page_is_followed_word_for_word(
     for command in commands:
         done = CliRunner().invoke(app, command.split()[1:], input="yes\n")
         assert done.exit_code == 0, done.output
-    assert "next: snakemake --configfile lab.yaml" in done.output
+    assert "next: ur5 run lab.yaml" in done.output
     _, pushed = recordings = read_study(Path("lab.yaml")).recordings
     assert [(one.name, one.role) for one in recordings] == [("free", "fit"), ("pushed", "contact")]
     assert (

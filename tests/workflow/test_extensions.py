@@ -63,7 +63,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
 
 
 def test_a_study_uses_them(lab: Workflow) -> None:
-    assert "next: snakemake" in lab.ur5("check", "config.yaml")
+    assert "next: ur5 run" in lab.ur5("check", "config.yaml")
     forces = read_table(lab.folder / FORCES)
     assert forces.filter(regex="damped").notna().to_numpy().mean() > 0.5
     assert '"root"' in (lab.folder / FRICTION).read_text()

@@ -59,7 +59,7 @@ def test_the_check_has_nothing_to_blame(cell: Workflow) -> None:
     told = cell.ur5("check", "cell.yaml")
     assert "(error)" not in told
     assert "(warning)" not in told
-    assert "next: snakemake" in told
+    assert "next: ur5 run" in told
 
 
 def test_bands_hold_on_the_other_path(results: Path) -> None:

@@ -10,9 +10,9 @@ import pandas as pd
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.report.views.audit import verdicts
+from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
 
-RESULTS_FOLDER = Path("results")
 MAX_PAYLOAD = 35.0  # kg: more than the maker's largest arm carries
 
 

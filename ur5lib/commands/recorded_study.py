@@ -67,7 +67,7 @@ class StudyFile:
         text = yaml.safe_dump([entry], sort_keys=False, allow_unicode=True)
         if add and self._append(text):
             added = f"{self.path}: {entry['name']} added"
-            console.print(f"{added}; next: snakemake --configfile {self.path}")
+            console.print(f"{added}; next: ur5 run {self.path}")
         else:
             console.print(f"add to `recordings` of {self.path}:\n{text}", soft_wrap=True)
         return severe

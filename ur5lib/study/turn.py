@@ -68,3 +68,15 @@ def holder(lock: TextIO) -> str:
     """Return who has locked a file, by what is written there."""
     lock.seek(0)
     return lock.read().strip()
+
+
+def running(results: Path) -> str:
+    """Return who makes a study's results at the moment; empty if nobody does."""
+    if not (results / LOCK_FILE).is_file():
+        return ""
+    with open_lock(results) as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return holder(lock)
+    return ""

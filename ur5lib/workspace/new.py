@@ -28,13 +28,6 @@ def new_workspace(folder: Path) -> str:
     return f"{folder} is ready; next: {enter}snakemake"
 
 
-def next_command(study: Path) -> str:
-    """Return the command that builds a study in the working folder."""
-    make = "" if Path("Snakefile").exists() else "ur5 new . && "
-    chosen = "" if study == Path("config.yaml") else f" --configfile {quote(str(study))}"
-    return f"{make}snakemake{chosen}"
-
-
 def copy_study(name: str) -> Path:
     """Copy a study of the package, and its printed numbers, to the same place here; return it."""
     reference = read_yaml(WORKFLOW / name).get("reference")

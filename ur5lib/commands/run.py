@@ -1,0 +1,118 @@
+"""`ur5 run`: Snakemake builds a study; of what it prints, the progress and what went wrong."""
+
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from ur5lib.commands.console import text_console
+from ur5lib.errors import InputError, printable
+from ur5lib.jobs.unreadable import unreadable
+from ur5lib.study.turn import running
+from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
+
+PROGRESS = re.compile(r"(\d+) of (\d+) steps \(\d+%\) done")
+STEPS_TO_RUN = re.compile(r"^total +(\d+)$", re.MULTILINE)
+# Lines that Snakemake prints of every run.
+USUAL = re.compile(
+    r"$|\[|Using |Assuming |Building DAG|Provided |Rules claiming|Select jobs|Execute \d"
+    r"|Job stats|job +count|-+ +-+|\w+ +\d+$|Finished jobid|Complete log|Elapsed time|report: "
+)
+SECONDS_BETWEEN_LINES = 60.0
+Report = Callable[[int, int], None]  # is told the steps that are done, and all
+
+
+def build(study: Path, results: Path, options: Sequence[str], verbose: bool) -> Path:
+    """Build a study and return its report; print progress, and lines that are not usual, on stderr.
+
+    options: of Snakemake; verbose: print all of its lines. Raises InputError where it fails.
+    """
+    with _progress() as report:
+        status = _watch(_command(study, options), report, verbose)
+    if status:
+        again = "" if verbose else "; `--verbose` shows every line of Snakemake's"
+        raise InputError(f"{study} is not built (see above){again}")
+    return results / "report.html"
+
+
+def status(study: Path, results: Path) -> Iterator[str]:
+    """Yield what is known of a study's results, line by line: who makes them, what is missing."""
+    report = results / "report.html"
+    if holder := running(results):
+        yield f"being made by {holder}"
+    if report.is_file():
+        built = time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))
+        yield f"report: {report}, written {built}"
+    else:
+        yield f"no report yet; next: ur5 run {study}"
+    for name, reason in (unreadable(results) if results.is_dir() else {}).items():
+        yield f"{name} cannot be read: {printable(reason)}"
+    if not holder:
+        yield _steps_to_run(study)
+
+
+def _steps_to_run(study: Path) -> str:
+    """Return how many steps a run would take. Raises InputError where the study has mistakes."""
+    dry = subprocess.run(
+        _command(study, ["--dry-run", "--quiet", "host"]),
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+    )  # fmt: skip
+    if dry.returncode:
+        lines = [line for line in dry.stdout.splitlines() if not USUAL.match(line)]
+        raise InputError("\n".join(lines))
+    count = STEPS_TO_RUN.search(dry.stdout)
+    return f"{count[1]} steps to run; next: ur5 run {study}" if count else "nothing to be done"
+
+
+def _command(study: Path, options: Sequence[str]) -> list[str]:
+    """Return Snakemake's command line for a study, in a workspace or in any other folder."""
+    here = Path("Snakefile").is_file()
+    place = [] if here else ["--snakefile", str(SNAKEFILE)]
+    if not here and not any(option.startswith("--workflow-profile") for option in options):
+        place += ["--workflow-profile", str(WORKFLOW / "profiles" / "default")]
+    # -P: modules of the working folder hide none of Snakemake's
+    program = [sys.executable, "-P", "-m", "snakemake"]
+    return [*program, *place, "--configfile", str(study), *options]
+
+
+def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
+    """Run a command, print its lines that are not usual, and return its exit status."""
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if steps := PROGRESS.match(line):
+                report(int(steps[1]), int(steps[2]))
+            if verbose or not (steps or USUAL.match(line)):
+                print(printable(line), end="", file=sys.stderr, flush=True)
+    return process.returncode
+
+
+@contextmanager
+def _progress() -> Iterator[Report]:
+    """Yield what shows the steps that are done: a bar on a terminal, a line a minute in a file."""
+    if not sys.stderr.isatty():
+        yield _a_line_a_minute()
+        return
+    from rich.progress import Progress  # takes a while to load
+
+    with Progress(console=text_console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("steps", total=None)
+        yield lambda done, total: progress.update(bar, completed=done, total=total)
+
+
+def _a_line_a_minute() -> Report:
+    """Return what prints the steps that are done, at most once a minute."""
+    printed = time.monotonic()
+
+    def report(done: int, total: int) -> None:
+        nonlocal printed
+        if time.monotonic() - printed > SECONDS_BETWEEN_LINES:
+            printed = time.monotonic()
+            print(f"{done} of {total} steps are done", file=sys.stderr, flush=True)
+
+    return report

@@ -1,0 +1,99 @@
+"""What `ur5 import` prints, or writes into a study: entries of recordings, and their account."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ur5lib.commands.console import announced, text_console
+from ur5lib.commands.exported import described
+from ur5lib.errors import InputError
+from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.entry import identifier
+from ur5lib.importing.files import (
+    ImportedFiles,
+    account_table,
+    add_to_study,
+    as_entries,
+    import_files,
+    write_study,
+)
+from ur5lib.study.address import is_study, study_file
+
+ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits
+
+
+def user_statement(
+    robot: str | None, columns: str | None, rate: float | None, units: Sequence[str]
+) -> UserStatement:
+    """Return what a user states of recordings.
+
+    columns: channels, with commas between; units: each as `actual_current=mA`. Raises InputError
+    for an arm that is not described, and a unit without its channel.
+    """
+    if robot is not None:
+        described(robot)
+    names = tuple(columns.split(",")) if columns else ()
+    return UserStatement(robot or "", names, rate, dict(_pair(one) for one in units))
+
+
+def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:
+    """Return the entries of recordings; the file that is being read is printed on stderr."""
+    return import_files(announced(files), stated)
+
+
+def write_imported(
+    imported: ImportedFiles, study: Path, last_line: str, append: bool = False
+) -> None:
+    """Write a study of recordings, or append them to one; print their account and a last line.
+
+    Raises InputError, after that, where some files were refused.
+    """
+    (add_to_study if append else write_study)(imported, study)
+    _print_account(imported, stderr=False)
+    print(last_line)
+    _expect_all(imported)
+
+
+def print_imported(imported: ImportedFiles, next_command: str) -> None:
+    """Print the entries of recordings, and on stderr their account and what comes next.
+
+    Raises InputError, after that, where some files were refused.
+    """
+    print(as_entries(imported), end="")
+    _print_account(imported, stderr=True)
+    print(f"next: {next_command}", file=sys.stderr)
+    _expect_all(imported)
+
+
+def study_of(named: Sequence[str], robot: str | None, output: Path | None) -> Path:
+    """Return the file of the study that is named, or of a new one of recordings that are named.
+
+    Raises InputError where a recording cannot be imported, and where the new file exists.
+    """
+    if len(named) == 1 and is_study(named[0]):
+        return study_file(named[0])
+    files = [Path(name) for name in named]
+    study = output or Path(f"{identifier(files[0].resolve().parent.name)}.yaml")
+    if study.exists():
+        raise InputError(f"{study} exists; build it by `ur5 run {study}`, or name another: -o")
+    imported = imported_files(files, user_statement(robot, None, None, []))
+    write_imported(imported, study, f"{study} written; it is built now")
+    return study
+
+
+def _print_account(imported: ImportedFiles, stderr: bool) -> None:
+    width = None if sys.stdout.isatty() else ACCOUNT_WIDTH
+    text_console(stderr=stderr, width=width).print(account_table(imported))
+
+
+def _expect_all(imported: ImportedFiles) -> None:
+    if imported.refused:
+        raise InputError("\n".join(["not imported:", *imported.refused]))
+
+
+def _pair(stated: str) -> tuple[str, str]:
+    """Return channel and unit. Raises InputError where they are not `channel=unit`."""
+    channel, _, unit = stated.partition("=")
+    if not (channel and unit):
+        raise InputError(f"--unit {stated}: state a channel and its unit, as actual_current=mA")
+    return channel, unit

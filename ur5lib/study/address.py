@@ -1,0 +1,71 @@
+"""One address of a study for every command: its name, its YAML file, or its folder of results."""
+
+from collections.abc import Iterator
+from os.path import isdir, isfile  # unlike pathlib's, of names that are too long, too
+from pathlib import Path
+from typing import Any
+
+from ur5lib.errors import InputError, unknown
+
+RESULTS_FOLDER = Path("results")
+PARTS_OF_RESULTS = ("recordings", "tables")
+STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")  # in the working folder
+
+
+def study_file(address: str) -> Path:
+    """Return the YAML file of a study.
+
+    Raises InputError where the working folder has none of this name, or several.
+    """
+    path = Path(address)
+    if isfile(path) or path.suffix in (".yaml", ".yml"):
+        return path
+    names = dict(_studies())
+    found = [file for file, name in names.items() if name == path.name]
+    if not names:
+        raise InputError(
+            f"{address}: this folder has no study; make one by `ur5 new .`, or name a file"
+        )
+    if not found:
+        raise unknown("study", path.name, sorted(set(names.values())))
+    if len(found) > 1:
+        raise InputError(f"{found[0]} and {found[1]} are both of the study {path.name}; name one")
+    return found[0]
+
+
+def results_folder(address: str) -> Path:
+    """Return the folder of results of a study, which need not exist.
+
+    Raises InputError where the working folder has no such study.
+    """
+    path = Path(address)
+    if any(isdir(path / part) for part in PARTS_OF_RESULTS):
+        return path
+    if isdir(RESULTS_FOLDER / address):
+        return RESULTS_FOLDER / address
+    return RESULTS_FOLDER / _name(study_file(address))
+
+
+def is_study(address: str) -> bool:
+    """Return whether an address is that of a study, and not of a recording."""
+    return not isfile(address) or Path(address).suffix in (".yaml", ".yml")
+
+
+def _studies() -> Iterator[tuple[Path, str]]:
+    """Yield the studies of the working folder by their files, with their names."""
+    for pattern in STUDIES:
+        for file in sorted(Path().glob(pattern)):
+            try:
+                yield file, _name(file)
+            except InputError:
+                continue  # another program's
+
+
+def _name(file: Path) -> str:
+    """Return the name of a study. Raises InputError where the file states none."""
+    from ur5lib.study.reading import read_plain
+
+    plain: Any = read_plain(file)
+    if not isinstance(plain.get("study"), str):
+        raise InputError(f"{file} is no study: it needs `study`, `title` and `recordings`")
+    return str(plain["study"])
