@@ -19,6 +19,7 @@ from tests.stored_files import (
     write_hdf5,
     write_mat,
 )
+from tests.synthetic import poor_log
 from ur5lib import cli
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.readings import IMPOSSIBLE_MOTION_PENALTY, in_order, readings
@@ -28,7 +29,7 @@ from ur5lib.importing.contents import NIST_COLUMNS, UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.recordings.entries import expand
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.robots.statics import gravity_torque, link_frames
+from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frames
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
@@ -258,6 +259,45 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
         assert entry["force_sensor"] == {"channels": its} | turned
         read = read_recording(entry).sensors["force"].table
         np.testing.assert_allclose(read["ft_fx"], touched(made, ur5, frame)[1]["force"][:, 0])
+
+
+def dragged(ur5: Robot, along: float, borne: float) -> Made:
+    """Time and channels of an arm with a force on it along its flange's motion, in flange axes.
+
+    along: 1 where a hand leads, -1 where the arm rubs along something; borne: the share of the
+    force that the drives bear, negative where they help the hand.
+    """
+    log = poor_log(ur5, 16, seed=3)
+    time, names = log["time"].to_numpy(), ("actual_q", "actual_qd", "actual_current")
+    channels = {name: channel(log, name) for name in names}
+    q, qd = channels["actual_q"], channels["actual_qd"]
+    jacobian = geometric_jacobian(ur5, q)[:, :3]
+    velocity = np.einsum("nij,nj->ni", jacobian, qd)
+    across = 6 * np.sin(np.outer(time, [2.0, 3.1, 4.3]))
+    force = along * 40 * np.tanh(velocity / 0.05) + across
+    motor = -borne * np.einsum("nij,ni->nj", jacobian, force) / ur5.maker_torque_constants()
+    rotation = link_frames(ur5, q)[0][:, -1]
+    sensed = np.einsum("nji,nj->ni", rotation, force)
+    more = {"force": sensed, "torque": 0 * sensed + 1e-6}
+    return time, channels | {"actual_current": channels["actual_current"] + motor} | more
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("along", "borne", "sure"),
+    [(1, -0.4, "check"), (1, 1.0, "proven"), (-1, 1.0, "check")],
+    ids=["a hand that drives help", "a hand against the drives", "the arm rubs along"],
+)
+def test_a_hand_that_leads_puts_work_in(
+    tmp_path: Path, ur5: Robot, sign: int, along: float, borne: float, sure: str
+) -> None:
+    time, channels = dragged(ur5, along, borne)
+    write_hdf5(tmp_path / "run.h5", time, channels | {"force": sign * channels["force"]})
+    (one,) = import_files([tmp_path / "run.h5"], UserStatement("ur5"))
+    turned = {} if sign == 1 else {"units": dict.fromkeys(("ft_f", "ft_t"), "opposite")}
+    its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
+    assert one.entry["force_sensor"] == {"channels": its} | turned
+    assert [row.confidence for row in one.account if row.subject == "run/force"] == [sure]
 
 
 @pytest.mark.parametrize("frame", ["base", "flange"])

@@ -7,12 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.checks.block_means import BlockMeans, size
+from ur5lib.checks.block_means import (
+    BLOCK_LENGTH,
+    SMALLEST_SIZE,
+    BlockMeans,
+    size,
+)
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.contents import TABLE_FORMAT, FileContents
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 
 COLUMN_ORDERS = [
     (*axes, *(3 + k for k in axes)) for axes in permutations(range(3))
@@ -21,8 +27,8 @@ COLUMN_ORDERS.append((3, 4, 5, 0, 1, 2))  # moments before forces
 SENSOR_STEM = "ft_f"  # this project's own name of a sensor's force
 CLEAR_LEAD_OF_FRAME = 6.0  # difference of log-likelihoods of independent samples
 CONTACT_FORCE = 10.0  # N; a wrench that changes by more is a contact
-MIN_FLANGE_SPEED = 0.01  # m/s, of the flange
-ONE_SIDED_SHARE = 0.67  # of the moving time, in which a force acts along the motion, or against it
+CLEAR_WORK = 2.0  # standard errors of a work that tells who leads
+MIN_BORNE_SHARE = 0.75  # of a force, by efforts that hold it alone; 0.4 to 0.6 where a hand led
 
 
 class WrenchFrame(NamedTuple):
@@ -34,6 +40,10 @@ class WrenchFrame(NamedTuple):
     def is_opposite(self, arm: Robot) -> bool:
         """Return whether the sign is opposite to that of the channel with these axes."""
         return self.by_arm == (self.axes == "flange" or arm.wrist_sensor)
+
+    def turned(self) -> "WrenchFrame":
+        """Return the frame of a wrench of the opposite sign."""
+        return self._replace(by_arm=not self.by_arm)
 
 
 def with_parted_wrench(file: FileContents) -> FileContents:
@@ -97,12 +107,7 @@ def frame_of(
         explains = f"in the {frame.axes}'s frame: it explains the efforts better than in others"
         likelier = f"{explains} (log-likelihood greater by {lead:.3g})"
         file.account.hold("proven", block, "numbers", likelier)
-    if frame.axes == "base" and frame.by_arm and arm.wrist_sensor:
-        led = "it has the sign of actual_TCP_force, as where a hand leads"
-        file.account.hold("check", wrench[0], "numbers", led)
-        return WrenchFrame("base", by_arm=False)
-    _doubt_sign(wrench[0], frame, _share_along_motion(frame, means, values, arm), file)
-    return frame
+    return _by_work(wrench[0], frame, means, values, arm, file)
 
 
 def _leave_out(wrench: Sequence[ColumnBlock], reason: str, file: FileContents) -> None:
@@ -117,19 +122,38 @@ def _leave_out(wrench: Sequence[ColumnBlock], reason: str, file: FileContents) -
         file.account.exclude(block, reads)
 
 
-def _doubt_sign(block: ColumnBlock, frame: WrenchFrame, along: float, file: FileContents) -> None:
-    """Note the sign of a wrench, in doubt where it acts along the motion, or against it.
+def _by_work(
+    block: ColumnBlock,
+    frame: WrenchFrame,
+    means: BlockMeans,
+    values: Array,
+    arm: Robot,
+    file: FileContents,
+) -> WrenchFrame:
+    """Return a frame with the sign that its work tells, where the efforts do not bear the force.
 
-    Where a hand leads an arm, friction takes up the hand, and efforts may have the sign of the
-    force on the arm.
+    A hand that leads an arm puts work in. Friction takes up the hand, or drives help it, and then
+    efforts may have the sign of the force on the arm. Where they bear it as they bear gravity, a
+    force against the motion is one that the arm overcomes.
     """
+    work, errors = _work_on_arm(frame, means, values, arm)
+    share, error = _borne_share(frame, means, values, arm)
+    is_led = share + NORMAL95 * error < MIN_BORNE_SHARE
     actor = "of the arm on its surroundings" if frame.by_arm else "of the surroundings on the arm"
-    acts = f"the force {actor}, by the efforts; along the motion in {along:.0%} of the moving time"
-    if 1 - ONE_SIDED_SHARE <= along <= ONE_SIDED_SHARE:
-        file.account.hold("proven", block, "numbers", acts)
-    else:
-        led = f"{acts}, as where a hand leads: check its sign"
+    told = f"the force {actor}, by the efforts, which bear {share:.0%} of it; as such it does "
+    told += f"{work:.3g} J on the arm ({errors:.2g} standard errors)"
+    if errors <= -CLEAR_WORK and is_led:
+        led = f"the other way than {told}: a hand that leads the arm puts work in; check its sign"
         file.account.hold("check", block, "numbers", led)
+        return frame.turned()
+    if frame.axes == "base" and frame.by_arm and arm.wrist_sensor:
+        led = f"it has the sign of actual_TCP_force, as where a hand leads: {told}"
+        file.account.hold("check", block, "numbers", led)
+        return frame.turned()
+    is_doubted = errors <= -CLEAR_WORK
+    told += ", as where a hand leads: check its sign" if is_doubted else ""
+    file.account.hold("check" if is_doubted else "proven", block, "numbers", told)
+    return frame
 
 
 def likeliest_frame(
@@ -176,11 +200,51 @@ def _gain(means: BlockMeans, torque: Array, arm: Robot) -> float:
     return total
 
 
-def _share_along_motion(frame: WrenchFrame, means: BlockMeans, values: Array, arm: Robot) -> float:
-    """Return the share of the moving time in which a force acts along the flange's velocity."""
-    velocity = np.einsum("nij,nj->ni", geometric_jacobian(arm, means.q)[:, :3], means.qd)
-    force = values[:, :3]
+def _work_on_arm(
+    frame: WrenchFrame, means: BlockMeans, values: Array, arm: Robot
+) -> tuple[float, float]:
+    """Return the work of a force on the arm [J], W = ∫ F·v dt, and that in standard errors of its
+    own, by spans whose errors are independent: once as read and once without the force of most of
+    the time, as of a sensor that was never zeroed, the one that tells less.
+    """
+    force = -values[:, :3] if frame.by_arm else values[:, :3]
     if frame.axes == "flange":
         force = np.einsum("nij,nj->ni", link_frames(arm, means.q)[0][:, -1], force)
-    moving = np.linalg.norm(velocity, axis=1) > MIN_FLANGE_SPEED
-    return float(np.mean((force * velocity).sum(axis=1)[moving] > 0)) if moving.any() else 0.5
+    velocity = np.einsum("nij,nj->ni", geometric_jacobian(arm, means.q)[:, :3], means.qd)
+    starts = np.arange(0, len(force), round(1 / means.independent))
+    works = list[tuple[float, float]]()
+    for acting in (force, force - np.median(force, axis=0)):
+        spans = BLOCK_LENGTH * np.add.reduceat((acting * velocity).sum(axis=1), starts)
+        works.append((float(spans.sum()), float(spans.sum() / size(spans))))
+    if works[0][1] * works[1][1] < 0:
+        return works[0][0], 0.0
+    return min(works, key=lambda work: abs(work[1]))
+
+
+def _borne_share(
+    frame: WrenchFrame, means: BlockMeans, values: Array, arm: Robot
+) -> tuple[float, float]:
+    """Return the share of a force that the efforts bear, as they bear gravity, and its error."""
+    torque, gravity = _torques(means.q, values, arm)[frame], means.gravity(arm)
+    force, force_error = _pooled_gain(torque, gravity, means, arm)
+    weight, weight_error = _pooled_gain(gravity, torque, means, arm)
+    return force / weight, float(np.hypot(force_error, force / weight * weight_error) / weight)
+
+
+def _pooled_gain(
+    torque: Array, beside: Array, means: BlockMeans, arm: Robot
+) -> tuple[float, float]:
+    """Return the gain of a torque (M, n) in the efforts by the maker's constants, one for all
+    joints, and its error; beside: another torque (M, n) that explains them.
+    """
+    (effort,), products, squares = means.currents.values(), 0.0, SMALLEST_SIZE
+    for joint, constant in enumerate(arm.maker_torque_constants()):
+        motion = [*means.friction(joint).T, *means.qdd.T, np.ones(len(effort))]
+        explained = np.column_stack([beside[:, joint], *motion])
+        pair = np.column_stack([torque[:, joint], effort[:, joint] * constant])
+        if np.isfinite(constant):
+            cause, held = (pair - explained @ np.linalg.lstsq(explained, pair, rcond=None)[0]).T
+            products += float(cause @ held) / size(held) ** 2
+            squares += float(cause @ cause) / size(held) ** 2
+    independent = len(effort) * means.independent
+    return products / squares or SMALLEST_SIZE, float((independent * squares) ** -0.5)
