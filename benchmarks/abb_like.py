@@ -23,7 +23,7 @@ from scipy.signal import butter, filtfilt
 from benchmarks.harness.abb_like import JOINTS, PERIOD, MadeUpArm, write_files
 from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, MOTIONS, SETTINGS
-from ur5lib.identification.currents import RUN_TO_RUN_STD, SEASONAL_STD
+from ur5lib.identification.currents import RUN_TO_RUN_STD, SEASON, friction_std
 from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.records.friction import Friction
@@ -45,7 +45,7 @@ from ur5lib.timeseries.arrays import Array
 SEEDS, FITTED, FEWEST = 20, 6, 3  # motions, each a recording
 UNSEEN_LOGS = 4  # of each seed, that day and in other seasons
 COLUMNS = ["time", "actual_q", "actual_torque"]
-UNSEEN = {"same day": RUN_TO_RUN_STD, "other seasons": SEASONAL_STD}
+UNSEEN = {"same day": RUN_TO_RUN_STD, "other seasons": friction_std(SEASON)}
 ANGLES_HZ, SLOW = 10.0, 0.02  # Hz, rad/s: of least squares
 
 

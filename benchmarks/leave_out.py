@@ -9,8 +9,9 @@ out is treated as a recording to validate on. Then each recording to fit on is t
 are counted on recordings without contact, loaded or not, those from past currents alone
 (`causal`) too: all of them are false. The largest force
 in an alarm is given in its standard deviations. Of each joint, the share of the current inside its
-band, and by how much friction in motion differs from the predicted one. The rigid-body model stays
-the study's: the controller's own torque tells it, not the currents.
+band, by what the joint does, too, with the factor of the band that would hold 95 %, and by how much
+friction in motion differs from the predicted one. Causal alarms are given by date, too. The
+rigid-body model stays the study's: the controller's own torque tells it, not the currents.
 `--quick` does a part of all this.
 """
 
@@ -29,8 +30,16 @@ from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.residual_model import Residuals
+from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.payload import PayloadEstimate
-from ur5lib.identification.samples import apart_from, path_of
+from ur5lib.identification.samples import (
+    INDEPENDENT_STEP,
+    MotionState,
+    apart_from,
+    motion_states,
+    path_of,
+)
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
@@ -57,7 +66,7 @@ from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.timeseries.trajectories import group_by_path
 
 TABLES: dict[str, type[Table]] = {"signals": Signals, "motion": Motion, "torques": Torques}
-ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations"]
+ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations", "date"]
 MOVES = 2.0  # s, for which a joint moves at least where its friction is judged
 
 
@@ -135,10 +144,13 @@ def compare(title: str, known: Study, quick: bool) -> None:
     ]
     print(f"{title}: {len(known.fit)} recordings to fit on")
     joints: list[dict[str, Any]] = []
+    states: list[pd.DataFrame] = []
     for fold, tested in built_folds("paths and days left out", known, folds):
         joints += [row for own in tested for row in predicted(fold, own)]
+        states += [held_by_state(fold, own) for own in tested]
     with pd.option_context("display.max_rows", None, "display.width", 120):
         report_joints(pd.DataFrame(joints))
+    report_states(pd.concat(states))
     for _ in built_folds("one recording to fit on", known, alone):
         pass
 
@@ -263,6 +275,7 @@ class Fold:
         predicted = predict_currents(
             **self.inputs_of(own),
             role=role,
+            date=own.day,
             premises=own.premises(),
             payload=self.load_of(own),
             unloaded={other.name: self.load_of(other) for other in self.fitted},
@@ -310,12 +323,21 @@ class Fold:
                 stated = [strongest(span, forces.time, q, found) for span in found.raised]
                 most = max((np.abs(s.force / s.force_std).max() for s in stated), default=0.0)
                 rows.append(
-                    [own.name, name, len(stated), len(found.evidence) * minute, lasted, most]
+                    [
+                        own.name,
+                        name,
+                        len(stated),
+                        len(found.evidence) * minute,
+                        lasted,
+                        most,
+                        own.day,
+                    ]
                 )
             if (odds := forces.causal_log_odds) is not None:
                 raised = live_alarms(odds, thresholds.get("causal", 0.0))
                 lasted = sum(last - first for first, last in raised) * minute
-                rows.append([own.name, "causal", len(raised), len(odds) * minute, lasted, np.nan])
+                figures = len(raised), len(odds) * minute, lasted, np.nan, own.day
+                rows.append([own.name, "causal", *figures])
         return pd.DataFrame(rows, columns=ALARMS)
 
 
@@ -362,7 +384,12 @@ def built_folds(
             report_alarms(label, found[-1])
             yield fold, tested
     if found:
-        report_alarms(f"{title}, all together", pd.concat(found))
+        together = pd.concat(found)
+        report_alarms(f"{title}, all together", together)
+        causal = together[together["estimate"] == "causal"]
+        for date, own in causal.groupby("date"):
+            minutes = own["minutes"].sum()
+            print(f"{'':>14}{date or 'undated'}: {own['alarms'].sum() / minutes:.2f} causal")
 
 
 def predicted(fold: Fold, own: Recording) -> Iterator[dict[str, Any]]:
@@ -377,6 +404,38 @@ def predicted(fold: Fold, own: Recording) -> Iterator[dict[str, Any]]:
     about = {"day": own.day, "recording": own.name, "samples": len(currents.time)}
     for joint, inside in enumerate(summary.scores["fitted"].coverage):
         yield about | {"joint": joint + 1, "inside": inside, "excess": excess[joint]}
+
+
+def held_by_state(fold: Fold, own: Recording) -> pd.DataFrame:
+    """Each sample's error of a current in units of half its band, with joint, state and day."""
+    currents = Currents.read(fold.own(own, "currents.parquet"))
+    if currents.external_torque is None:
+        return pd.DataFrame()
+    signals, motion, torques = (kind.read(own.file(f"{n}.parquet")) for n, kind in TABLES.items())
+    record = current_record(own.name, signals, motion, torques, fold.arm)
+    state = motion_states(record, Smoother(*fold.study.lowpass))
+    error = currents.external_torque / torque_constants(fold.friction.fit_for(own.name))
+    columns = {"of_band": np.abs(error) / currents.current_band, "state": state}
+    every = max(1, round(INDEPENDENT_STEP / record.period))
+    rows = pd.DataFrame({name: values[::every].ravel() for name, values in columns.items()})
+    joint = np.tile(np.arange(1, state.shape[1] + 1), len(rows) // state.shape[1])
+    known = rows.assign(joint=joint, day=own.day or own.name).dropna()
+    return known.replace({"state": {one.value: one.name.lower() for one in MotionState}})
+
+
+def report_states(rows: pd.DataFrame) -> None:
+    """Print by state the share inside, that on the worst day, and the factor that would hold 95 %,
+    by joint.
+    """
+    for state, own in rows.groupby("state"):
+        inside = own["of_band"] <= 1.0
+        of_days = inside.groupby(own["day"]).mean()
+        factors = own["of_band"].groupby(own["joint"]).quantile(0.95).round(2).tolist()
+        print(
+            f"{state}: {inside.mean():.3f} inside, least {of_days.min():.3f} on "
+            f"{of_days.idxmin()}, 95 % within {factors} of the band",
+            flush=True,
+        )
 
 
 def friction_excess(currents: Currents, motion: Motion) -> Array:

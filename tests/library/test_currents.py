@@ -22,9 +22,8 @@ from tests.library.current_study import (
 )
 from ur5lib.identification.current_regression import (
     DOUBTFUL_DEVIATIONS,
-    MIN_RESTING_ERROR,
-    UNSEEN_MOVING_ERROR,
-    UNSEEN_RESTING_ERROR,
+    LEAST_ERRORS,
+    UNSEEN_ERRORS,
     expected_fit,
     fit_currents,
     fit_without_each_path,
@@ -65,8 +64,10 @@ from ur5lib.identification.regression import (
 from ur5lib.identification.samples import (
     INDEPENDENT_STEP,
     CurrentSamples,
+    MotionState,
     apart_from,
     joint_samples,
+    motion_states,
     record_paths,
 )
 from ur5lib.identification.validation import (
@@ -570,14 +571,56 @@ def test_a_band_covers_a_recording_left_out(
 
 def test_a_band_covers_another_day(fitted: CurrentFit) -> None:
     """Friction 17 % higher than in all recordings of a fit that leaves hardly anything."""
-    narrow = [replace(joint, band_moving=0.01, band_rest=0.01) for joint in fitted.joints]
-    fit, other = replace(fitted, joints=tuple(narrow)), make_record(99)
+    fit, other = with_bands(fitted, 0.01), make_record(99)
     friction = friction_current(fit, other)
     warm = replace(other, current=predict(fit, other) + 0.17 * friction)
     half = band(fit, warm, smooth)
     assert score(warm, predict(fit, warm), smooth, half).coverage.min() == 1.0
     within = np.full_like(friction, 0.01)
     assert score(warm, predict(fit, warm), smooth, within).coverage.max() < 0.5
+
+
+def with_bands(fit: CurrentFit, half: float) -> CurrentFit:
+    """A fit whose bands are of a width [A], the same in every state."""
+    bands = dict.fromkeys(("band_moving", "band_reversing", "band_standing"), half)
+    return replace(fit, joints=tuple(replace(joint, **bands) for joint in fit.joints))
+
+
+@pytest.mark.parametrize(
+    ("day", "std"),
+    [("2020-01-17", 0.006), ("2020-01-12", 0.0197), ("2020-03-01", 0.0424), ("", 0.0996)],
+)
+def test_a_band_widens_with_the_days_from_the_nearest_recording(
+    fitted: CurrentFit, day: str, std: float
+) -> None:
+    """Dates of the fit are 17 January and 5 February; a recording without one is a season apart."""
+    dates = ("2020-01-17", "2020-02-05")
+    fit = replace(with_bands(fitted, 0.0), dates=dates)
+    other = replace(make_record(99), day=day)
+    friction = np.abs(smooth(friction_current(fit, other), other))
+    np.testing.assert_allclose(
+        band(fit, other, smooth), NORMAL95 * std * friction, rtol=5e-3, atol=1e-9
+    )
+    undated = band(replace(fit, dates=()), other, smooth)
+    np.testing.assert_allclose(undated, NORMAL95 * 0.0996 * friction, rtol=5e-3, atol=1e-9)
+
+
+def test_a_fit_knows_the_dates_of_its_recordings(study: list[CurrentSamples]) -> None:
+    days = ["2020-02-05", "", "2020-01-17", *[""] * len(study)]
+    dated = [replace(record, day=day) for record, day in zip(study, days, strict=False)]
+    assert fit_currents(dated[:3], smooth, prior()).dates == ("2020-01-17", "2020-02-05")
+
+
+def test_what_errs_where_a_joint_turns_widens_that_band(study: list[CurrentSamples]) -> None:
+    turns = [motion_states(own, smooth) == MotionState.REVERSING for own in study]
+    turning = [
+        replace(own, current=own.current + 0.3 * rows)
+        for own, rows in zip(study, turns, strict=True)
+    ]
+    plain, shaken = (fit_currents(records, smooth, prior()).joints for records in (study, turning))
+    for before, after in zip(plain, shaken, strict=True):
+        widened = after.band_reversing / before.band_reversing
+        assert widened > 1.3 * after.band_moving / before.band_moving
 
 
 def test_one_short_recording_is_as_certain_as_its_blocks() -> None:
@@ -609,10 +652,12 @@ def test_bands_are_of_paths_left_out_and_usual_where_there_are_none(
     one = fit_currents(study[:1], smooth, prior())
     for alone, joint, true in zip(one.joints, fitted.joints, FRICTION, strict=True):
         coulomb = alone.estimate.coefficients[2]
-        assert 1 <= alone.band_moving / (NORMAL95 * UNSEEN_MOVING_ERROR * coulomb) < 1.5
-        assert alone.band_rest >= NORMAL95 * UNSEEN_RESTING_ERROR * coulomb
-        least = NORMAL95 * MIN_RESTING_ERROR * joint.estimate.coefficients[2]
-        assert joint.band_rest >= 0.999 * least
+        in_motion, turning, standing = NORMAL95 * np.array(UNSEEN_ERRORS) * coulomb
+        assert 1 <= alone.band_moving / in_motion < 1.5
+        assert 1 <= alone.band_reversing / turning < 1.5
+        assert alone.band_standing >= standing
+        least = NORMAL95 * LEAST_ERRORS[2] * joint.estimate.coefficients[2]
+        assert joint.band_standing >= 0.999 * least
         assert 0.01 < joint.band_moving * CONSTANT[0] < 2 * true[0]
         assert alone.doubt is not None
         assert joint.doubt is None
@@ -637,11 +682,20 @@ def wander(record: CurrentSamples, seed: int) -> Array:
 
 
 def test_a_mean_square_over_few_paths_counts_with_a_usual_error() -> None:
-    residual = np.full(200, 0.3)
-    few, many = (unseen_error(residual, np.arange(200) % paths, 0.8) for paths in (2, 100))
+    residual, once = np.full(200, 0.3), np.zeros(200, int)
+    few, many = (unseen_error(residual, np.arange(200) % paths, once, 0.8) for paths in (2, 100))
     assert few == pytest.approx(np.hypot(0.3, 0.8 / np.sqrt(2)))
-    assert 0.3 < many < 0.32
-    assert unseen_error(residual[:5], np.arange(5), 0.8) == 0.8
+    assert 0.3 < many < 0.305
+    assert unseen_error(residual[:5], np.arange(5), once[:5], 0.8) == 0.8
+
+
+def test_student_s_t_of_dates_replaces_a_usual_error_that_is_larger() -> None:
+    """Of twelve paths on three dates, t is 4.303 / 1.96; of those of one date, 2.201 / 1.96."""
+    residual, path = np.full(240, 0.3), np.arange(240) % 12
+    for days, t in ((3, 4.303), (1, 2.201)):
+        known = residual, path, path % days
+        assert unseen_error(*known, 9.0) == pytest.approx(0.3 * t / NORMAL95, rel=1e-3)
+        assert unseen_error(*known, 0.1) == pytest.approx(np.hypot(0.3, 0.1 / np.sqrt(12)))
 
 
 def test_without_a_recording_no_band_is_narrower_than_with_one(study: list[CurrentSamples]) -> None:

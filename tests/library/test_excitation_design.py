@@ -42,7 +42,7 @@ from ur5lib.excitation.problem import (
 from ur5lib.excitation.trajectory import Path, WorkCell
 from ur5lib.identification.current_regression import expected_fit
 from ur5lib.identification.current_samples import prior_of
-from ur5lib.identification.currents import SEASONAL_STD, parameters
+from ur5lib.identification.currents import SEASON, friction_std, parameters
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
@@ -269,7 +269,7 @@ def test_a_load_s_mass_is_weighed_by_each_current() -> None:
     slopes = np.stack([(currents(s) - currents(-s)) / 2e-6 for s in steps], axis=2)  # (N, n, 10)
     fit = expected_fit(prior_of(arm, []))
     within = np.array([joint.band_moving for joint in fit.joints]) / NORMAL95
-    variance = within**2 + (SEASONAL_STD * problem.friction_current(Y, qd)) ** 2
+    variance = within**2 + (friction_std(SEASON) * problem.friction_current(Y, qd)) ** 2
     rows = (slopes / np.sqrt(variance)[..., None]).reshape(-1, 10)
     told = np.diag(LOAD_WIDTH**-2.0) + rows.T @ rows * 20 / len(Y)
     known = own.bands(1e14 * np.eye(len(own.information)))

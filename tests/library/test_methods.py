@@ -82,12 +82,11 @@ def statements() -> Iterator[str]:
     yield f"s₀ = −{-joint_regression.HELD_FRICTION_SHARE:g} c"
     yield f"σ₀ = {percent(prior.CURRENT_NOISE_SHARE)} of the largest torque"
     yield f"counts as n₀ = {regression.USUAL_NOISE_BLOCKS:g} blocks"
-    yield f"{percent(currents.SEASONAL_STD)} of the predicted friction"
+    yield f"σ² = {currents.SAME_DAY_STD:g}² + {currents.DAILY_STD:g}² d"
+    yield f"{currents.SEASON:g} days where a date is unknown"
     yield f"less than {joint_regression.MIN_SAMPLES * samples.INDEPENDENT_STEP:g} s"
-    yield (
-        f"u = {current_regression.UNSEEN_MOVING_ERROR:g} c in motion and "
-        f"{current_regression.UNSEEN_RESTING_ERROR:g} c at rest"
-    )
+    moving, turning, standing = current_regression.UNSEEN_ERRORS
+    yield f"u = {moving:g} c in motion, {turning:g} c reversing and {standing:g} c at rest"
     yield f"with more than {COUNTED[current_regression.MAX_FOLDS]} paths"
     yield f"{percent(payload.GEAR_EFFICIENCY_STD)} of the mass for the gears"
     yield f"each {'third' if payload.RUN_PARTS == 3 else payload.RUN_PARTS} of the run"

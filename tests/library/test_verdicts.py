@@ -312,9 +312,12 @@ def test_equal_models_have_no_nearest() -> None:
 # Currents
 
 
-def predicted(error: float, held: float = 0.95, recording: str = "seen") -> list[dict]:
+def predicted(
+    error: float, held: float = 0.95, recording: str = "seen", factor: float = 1.0
+) -> list[dict]:
     """Errors beside a constant current's of 1 A, on every joint."""
     row = {"model": "fitted", "recording": recording, "rmse_2hz": error, "coverage95": held}
+    row |= {"band_factor95": factor}
     return [row | {"joint": joint, "r2": 1 - error**2} for joint in range(1, 7)]
 
 
@@ -329,6 +332,20 @@ def test_currents_are_judged_beside_a_constant(
     assert (verdict.state, "too narrow" in verdict.sentence) == (expected, narrow)
     assert percents(verdict.sentence) == [round(100 * error)]
     assert f"{error:.2f} A; a constant current: 1.00 A" in verdict.evidence
+
+
+@pytest.mark.parametrize(
+    ("held", "factor", "said"),
+    [(0.8, 1.52, "too narrow, by a factor of up to 1.5"), (1.0, 0.4, "by a factor of 2.5 or more")],
+)
+def test_currents_say_by_which_factor_a_band_is_too_narrow_or_too_wide(
+    held: float, factor: float, said: str
+) -> None:
+    rows = predicted(0.2, held, factor=factor)
+    rows[0] |= {"band_factor95": 0.2}
+    verdict = judge_currents(study(current_rmse=rows))
+    assert said in verdict.sentence
+    assert f"0.20\u00a0to\u00a0{factor:.2f} times the band" in verdict.evidence
 
 
 def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:

@@ -36,7 +36,8 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
 FORMATS = (*WRITERS, "json", "sensor")
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
-FITTED_FIELDS = ("terms", "held", "band_moving", "band_rest", "contradicted")
+BANDS = "band_moving", "band_reversing", "band_standing"
+FITTED_FIELDS = ("terms", "held", *BANDS, "contradicted")
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:

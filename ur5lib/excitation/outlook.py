@@ -27,7 +27,7 @@ from ur5lib.excitation.problem import (
     nominal_maps,
     random_states,
 )
-from ur5lib.identification.currents import SEASONAL_STD, CurrentFit, Parameter
+from ur5lib.identification.currents import SEASON, CurrentFit, Parameter, friction_std
 from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
@@ -178,7 +178,7 @@ class Outlook:
 
     def bands(self, information: Array, after: str = "now") -> Bands:
         """Return the bands by an information (P, P) on the parameters."""
-        residual_variance = self._within() ** 2 + (SEASONAL_STD * self._friction) ** 2
+        residual_variance = self._within() ** 2 + (friction_std(SEASON) * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
         # cov i = ∂i/∂θ M⁻¹ ∂i/∂θᵀ + what recordings and days differ in

@@ -33,11 +33,12 @@ from ur5lib.identification.joint_regression import (
     left_out_residuals,
 )
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.regression import REPLICATE_COUNT, spread
+from ur5lib.identification.regression import REPLICATE_COUNT, half_width, spread
 from ur5lib.identification.samples import (
     MIN_UNITS,
     CurrentSamples,
     JointSamples,
+    MotionState,
     Smooth,
     apart_from,
     joint_samples,
@@ -58,11 +59,10 @@ CONTRADICTING_RATIO = 1.75
 # The gain of a measured torque is 1, or that of another side, link or sign than the description's.
 GAIN_RANGE = 0.9, 1.1
 MAX_FOLDS = 10  # of cross-fitting
-# Usual errors of a current along a path that no fit has seen, in motion and at rest, relative to
-# Coulomb friction; at rest at least, since dry friction holds a joint anywhere within it.
-UNSEEN_MOVING_ERROR = 0.25
-UNSEEN_RESTING_ERROR = 1.25
-MIN_RESTING_ERROR = 1 / np.sqrt(3)
+# Usual errors of a current along a path that no fit has seen, by `MotionState`, and least ones,
+# relative to Coulomb friction: dry friction holds a joint at rest anywhere within it.
+UNSEEN_ERRORS = 0.25, 0.5, 1.25
+LEAST_ERRORS = 0.0, 0.0, 1 / np.sqrt(3)
 
 
 def fit_currents(
@@ -144,8 +144,7 @@ def _fit_without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit
         terms=BASE_TERMS,
         estimate=estimate,
         held=HELD_FRICTION_SHARE * coulomb,
-        band_moving=NORMAL95 * UNSEEN_MOVING_ERROR * coulomb,
-        band_rest=NORMAL95 * UNSEEN_RESTING_ERROR * coulomb,
+        **_bands(np.array(UNSEEN_ERRORS) * coulomb),
         unseen=np.zeros(len(estimate.coefficients)),
         remarks=(),
         doubt=doubt,
@@ -196,7 +195,8 @@ def _fit_with(
     estimates = [*map(with_fuller_errors, estimates, estimate_together(fuller, prior, seed)[0])]
     joint_priors = [prior.of_joint(joint) for joint in range(len(samples))]
     joints = tuple(map(_joint_fit, samples, joint_priors, estimates))
-    return CurrentFit(joints, units)
+    dates = sorted({record.day for record in records} - {""})
+    return CurrentFit(joints, units, tuple(dates))
 
 
 def fit_without_each_path(
@@ -226,35 +226,53 @@ def fit_without_each_path(
 def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimate) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
-    residual, path, moving = left_out_residuals(samples, prior), samples.path, samples.moving
-    # usual errors are relative to Coulomb friction [A]
-    coulomb = dry_friction(samples.terms, coefficients)
-    in_motion = unseen_error(residual[moving], path[moving], UNSEEN_MOVING_ERROR * coulomb)
-    at_rest = unseen_error(residual[~moving], path[~moving], UNSEEN_RESTING_ERROR * coulomb)
+    path, moving = samples.path, samples.moving
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     return JointFit(
-        samples.terms,
-        estimate,
-        held_current(samples, coefficients),
-        NORMAL95 * in_motion,
-        NORMAL95 * max(at_rest, MIN_RESTING_ERROR * coulomb),
-        unseen_difference(estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)),
-        _remarks(samples, estimate, prior),
-        None if is_left_out else np.cov(estimate.replicates.T),
+        terms=samples.terms,
+        estimate=estimate,
+        held=held_current(samples, coefficients),
+        **_bands(_unseen_errors(samples, prior, dry_friction(samples.terms, coefficients))),
+        unseen=unseen_difference(
+            estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)
+        ),
+        remarks=_remarks(samples, estimate, prior),
+        doubt=None if is_left_out else np.cov(estimate.replicates.T),
     )
 
 
-def unseen_error(residual: Array, path: Labels, usual: float) -> float:
-    """Return the error [A], a standard deviation, along one more path.
+def _bands(errors: Array) -> dict[str, float]:
+    """Return the bands of a `JointFit` by its errors (3,) [A], standard deviations by state."""
+    return {f"band_{state.name.lower()}": NORMAL95 * float(errors[state]) for state in MotionState}
 
-    s² = Σ r² / n + u² / P of residuals r (n,) along P paths, path: (n,) labels: a mean square over
-    few paths says little of another, of which a usual error u [A] is known. Too few residuals say
-    nothing.
+
+def _unseen_errors(samples: JointSamples, prior: Prior, coulomb: float) -> Array:
+    """Return the errors (3,) [A] along one more path by `MotionState`; coulomb: friction [A]."""
+    residual, errors = left_out_residuals(samples, prior), []
+    for state, usual in enumerate(UNSEEN_ERRORS):
+        rows = samples.state == state
+        known = residual[rows], samples.path[rows], samples.day[rows]
+        errors.append(unseen_error(*known, usual * coulomb))
+    return np.maximum(errors, np.array(LEAST_ERRORS) * coulomb)
+
+
+def unseen_error(residual: Array, path: Labels, day: Labels, usual: float) -> float:
+    """Return the error [A] along one more path, 1.96 of which hold 95 %.
+
+    Of residuals r (n,) along P paths, path: (n,) labels, a mean square m = Σ r² / n says little of
+    another path, of which a usual error u [A] is known: s² = m + u² / P, or t² m by Student's t of
+    the dates, day: (n,) labels, or of the paths of a single one, where that is less. Too few
+    residuals say nothing.
     """
     if len(residual) < MIN_SAMPLES:
         return usual
-    return float(np.sqrt(np.mean(residual**2) + usual**2 / len(np.unique(path))))
+    mean_square, paths, days = np.mean(residual**2), *(len({*own}) for own in (path, day))
+    with_usual = float(np.sqrt(mean_square + usual**2 / paths))
+    groups = days if days > 1 else paths
+    if groups == 1:
+        return with_usual
+    return min(with_usual, float(half_width(np.sqrt(mean_square), groups)) / NORMAL95)
 
 
 def _remarks(

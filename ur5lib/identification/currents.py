@@ -5,6 +5,7 @@ The current is predicted from it for motion without contact, with its band.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from datetime import date
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ur5lib.identification.samples import (
     CurrentSamples,
     Smooth,
     columns_of,
-    smoothed_moving,
+    motion_states,
 )
 from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficient_names
 from ur5lib.timeseries.arrays import Array
@@ -29,7 +30,11 @@ DAY_TO_DAY_STD = 0.07
 # The same from recording to recording of a day: median of the joints' Coulomb friction on nine
 # recordings of a UR5 0.046, on eight of a UR10e 0.008.
 RUN_TO_RUN_STD = 0.03
-SEASONAL_STD = 0.1  # by which friction differs in the bands of currents: of another season, too
+# Relative variance of a joint's friction on a date d days from one that is known, σ² = a² + b² d: a
+# prior by a UR10e, whose friction differs by 0.012 within a day, 0.02 within a week, and 0.046 after
+# 25 days.
+SAME_DAY_STD, DAILY_STD = 0.006, 0.0084
+SEASON = 140.0  # days, which count as between recordings without dates
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
 POSITIVE = "torque_constant", "rotor"
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
@@ -40,8 +45,9 @@ class JointFit:
     """One joint's map from motion to current.
 
     terms: of friction; held: [A], friction at rest beyond that in motion, may be negative;
-    band_moving, band_rest: half of the 95 % band [A] around the low-passed current of a recording
-    that was left out; unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
+    band_moving, band_reversing, band_standing: half of the 95 % band [A] around the low-passed
+    current of a recording that was left out, by its `MotionState`, without what days change;
+    unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
     (P, P), covariance of the coefficients where no motion that was left out shows their errors;
     alone: (P,), coefficients that the currents alone would give, None unless their torque constant
     contradicts the known one, which the estimate then keeps.
@@ -51,7 +57,8 @@ class JointFit:
     estimate: CoefficientEstimate
     held: float
     band_moving: float
-    band_rest: float
+    band_reversing: float
+    band_standing: float
     unseen: Array
     remarks: tuple[Remark, ...]
     doubt: Array | None = None
@@ -73,10 +80,13 @@ class JointFit:
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The maps of the joints; units: number of paths, or of stretches if paths are few."""
+    """The maps of the joints; units: number of paths, or of stretches if paths are few; dates: of
+    the recordings, ISO 8601, as far as they are known.
+    """
 
     joints: tuple[JointFit, ...]
     units: int
+    dates: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -179,12 +189,28 @@ def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
 
 
 def band(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Array:
-    """Return half the 95 % band (N, n) [A] of low-passed predictions on a day of its own."""
-    moving, at_rest = np.array([(joint.band_moving, joint.band_rest) for joint in fit.joints]).T
-    within = np.where(smoothed_moving(record, smooth), moving, at_rest)
-    between = SEASONAL_STD * smooth(friction_current(fit, record), record)
+    """Return half the 95 % band (N, n) [A] of low-passed predictions on the day of a record."""
+    by_state = [
+        (joint.band_moving, joint.band_reversing, joint.band_standing) for joint in fit.joints
+    ]
+    within = np.choose(motion_states(record, smooth), np.array(by_state).T[:, None])
+    differing = friction_std(days_apart(record.day, fit.dates))
+    between = differing * smooth(friction_current(fit, record), record)
     doubt = smooth(_coefficients_doubt(fit, record), record)
     return np.hypot(within, NORMAL95 * np.hypot(between, doubt))
+
+
+def friction_std(days: float) -> float:
+    """Return by how much friction differs after some days, a relative standard deviation."""
+    return float(np.sqrt(SAME_DAY_STD**2 + DAILY_STD**2 * days))
+
+
+def days_apart(day: str, others: Iterable[str]) -> float:
+    """Return the days from a date to the nearest of others, ISO 8601; a SEASON if unknown."""
+    known = [date.fromisoformat(other) for other in others if other and day]
+    return float(
+        min((abs(date.fromisoformat(day) - other).days for other in known), default=SEASON)
+    )
 
 
 def _coefficients_doubt(fit: CurrentFit, record: CurrentSamples) -> Array:

@@ -6,6 +6,7 @@ comparable; fast changes of the measured current are noise.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from enum import IntEnum
 from functools import cached_property, partial
 from typing import Any
 
@@ -27,9 +28,16 @@ from ur5lib.timeseries.segments import BLOCK_DURATION, DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 INDEPENDENT_STEP = 0.1  # s, between samples that count as independent
+WHOLLY = 0.9  # share of the low-pass's weight that counts as its whole reach
 MIN_UNITS = 5  # paths, or stretches; with fewer, smaller parts are resampled
 BLOCKS_PER_STRETCH = 5
 MIN_PATHS = 3  # as many as README asks for
+
+
+class MotionState(IntEnum):
+    """What a joint does throughout the reach of a low-pass, REVERSING: starts, stops and turns."""
+
+    MOVING, REVERSING, STANDING = range(3)
 
 
 @dataclass(frozen=True)
@@ -107,8 +115,8 @@ class JointSamples:
     """Samples of one joint from all recordings.
 
     columns: (n, P), of the torque, an offset, and the terms; held: (n,), direction of
-    the friction that holds a joint at rest; current: (n,) [A]; moving: (n,), false at rest and
-    while starting or stopping; block, record, path, day: (n,) labels; recordings of one trajectory
+    the friction that holds a joint at rest; current: (n,) [A]; state: (n,), a `MotionState`;
+    block, record, path, day: (n,) labels; recordings of one trajectory
     share a path and are left out together; unit: (n,) labels of the units of the bootstrap: paths,
     or stretches of 10 s if paths are few, or blocks if stretches are few, too.
     """
@@ -117,12 +125,17 @@ class JointSamples:
     columns: Array
     held: Array
     current: Array
-    moving: Mask
+    state: Labels
     block: Labels
     record: Labels
     path: Labels
     day: Labels
     unit: Labels
+
+    @property
+    def moving(self) -> Mask:
+        """Return which samples (n,) are in motion: not at rest, starting or stopping."""
+        return self.state == MotionState.MOVING
 
     @cached_property
     def stop(self) -> Labels:
@@ -139,7 +152,7 @@ class JointSamples:
 
     def where(self, rows: Mask) -> "JointSamples":
         """Return the samples in a mask."""
-        names = ("columns", "held", "current", "moving", "block", "record", "path", "day", "unit")
+        names = ("columns", "held", "current", "state", "block", "record", "path", "day", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
@@ -167,14 +180,14 @@ def joint_samples(
     for joint in range(len(thinned[0])):
         rows = [samples[joint] for samples in thinned]
         record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
-        columns, held, current, moving, block = (
+        columns, held, current, state, block = (
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
         path = paths[record]
         # the largest parts of which there are enough
         parts = (path, block // BLOCKS_PER_STRETCH)
         unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), block)
-        remaining = held, current, moving, block, record, path, days[record], unit
+        remaining = held, current, state, block, record, path, days[record], unit
         joints.append(JointSamples(tuple(terms), columns, *remaining))
     return joints
 
@@ -220,9 +233,16 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]
 
 def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
     """Return where each joint moves, (N, 6), throughout the reach of the low-pass."""
+    return motion_states(record, smooth) == MotionState.MOVING
+
+
+def motion_states(record: CurrentSamples, smooth: Smooth) -> Labels:
+    """Return the `MotionState` (N, 6) of each joint."""
     moving = (np.abs(record.qd) > DEAD_ZONE).astype(float)
     moving[~np.isfinite(record.qd)] = np.nan
-    return smooth(moving, record) > 0.9
+    share = smooth(moving, record)
+    moves_or_turns = np.where(share > WHOLLY, MotionState.MOVING, MotionState.REVERSING)
+    return np.where(share < 1 - WHOLLY, MotionState.STANDING, moves_or_turns)
 
 
 def _record_samples(
@@ -230,17 +250,17 @@ def _record_samples(
     smooth: Smooth,
     terms: tuple[str, ...],
     block: Labels,
-) -> list[tuple[Array, Array, Array, Mask, Labels]]:
-    """Return columns, held, current, moving and block of each joint, low-passed and thinned."""
+) -> list[tuple[Array, Array, Array, Labels, Labels]]:
+    """Return columns, held, current, state and block of each joint, low-passed and thinned."""
     stride = max(1, round(INDEPENDENT_STEP / record.period))
-    moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::stride].copy())
+    state = record.once(smooth, lambda: motion_states(record, smooth)[::stride].copy())
     joints = []
     for joint in range(record.q.shape[1]):
         key = smooth, terms, joint
         smoothed = record.once(key, partial(_smoothed_columns, record, *key, stride))
         finite = np.isfinite(smoothed).all(axis=1)
         columns, (held, current) = smoothed[finite, :-2], smoothed[finite, -2:].T
-        joints.append((columns, held, current, moving[finite, joint], block[::stride][finite]))
+        joints.append((columns, held, current, state[finite, joint], block[::stride][finite]))
     return joints
 
 

@@ -21,7 +21,8 @@ class Scores:
     """Scores of one recording, (6,) each.
 
     rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed, mae [A], r2, and
-    coverage, the share of samples inside the 95 % band.
+    coverage, the share of samples inside the 95 % band, and band_factor95, by which this would have
+    to be multiplied to hold 95 % of them.
     """
 
     rmse: Array
@@ -29,6 +30,7 @@ class Scores:
     mae: Array
     r2: Array
     coverage: Array
+    band_factor95: Array
 
 
 def coefficients_of_constants(
@@ -68,14 +70,21 @@ def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: A
     error = record.current - predicted
     slow = smooth(error, record)
     measured = smooth(record.current, record)
-    finite = np.isfinite(slow) & np.isfinite(half_band)
+    of_band = np.abs(slow) / np.where(half_band > 0, half_band, np.nan)
+    known = np.isfinite(of_band)
     return Scores(
         rmse=np.sqrt(_mean(error**2)),
         rmse_lowpassed=np.sqrt(_mean(slow**2)),
         mae=_mean(np.abs(slow)),
         # the share of the low-passed variance that is explained
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
-        coverage=_mean(np.where(finite, np.abs(slow) <= half_band, np.nan)),
+        coverage=_mean(np.where(known, of_band <= 1.0, np.nan)),
+        band_factor95=np.array(
+            [
+                np.quantile(own[rows], 0.95) if rows.any() else np.nan
+                for own, rows in zip(of_band.T, known.T, strict=True)
+            ]
+        ),
     )
 
 

@@ -65,14 +65,15 @@ def predict_currents(
     friction: Friction,
     arm: Robot,
     lowpass: Butterworth,
+    date: str = "",
     gravity: list[float] | None = None,
     untouched: tuple[float, float] | None = None,
 ) -> PredictedCurrents:
     """Return the current that motion without contact needs, and the torque left for a contact.
 
-    payload, unloaded: loads of the recording and of the arm's `fit` recordings; untouched: [s], in
-    which nothing touches the resting arm. Both are empty without currents or a fit, where the
-    recording contradicts the study or is slower than the fit.
+    payload, unloaded: loads of the recording and of the arm's `fit` recordings; date: ISO 8601, or
+    empty; untouched: [s], in which nothing touches the resting arm. Both are empty without currents
+    or a fit, where the recording contradicts the study or is slower than the fit.
     """
     summary = Prediction(recording in friction.from_)
     record = current_record(recording, signals, motion, torques, arm)
@@ -90,7 +91,7 @@ def predict_currents(
         if load.taken:
             states = arm.mounted(gravity), arm.fullest_model(), motion.q, motion.qd, motion.qdd
             load_torque = load_regressor(*states) @ payload.parameters
-    record, load_torque = with_load(record, load_torque, fit, smooth)
+    record, load_torque = with_load(replace(record, day=date), load_torque, fit, smooth)
     currents = predicted_currents(record, fit, load_torque, torques, smooth)
     if untouched is not None:
         currents = tared(currents, motion, untouched)
@@ -194,9 +195,7 @@ def scores(
     half = currents.current_band
     figures = {"fitted": score(record, currents.predicted_current, smooth, half)}
     for name, current in others:
-        figures[name] = replace(
-            score(record, current, smooth, half), coverage=np.full(half.shape[1], np.nan)
-        )
+        figures[name] = score(record, current, smooth, np.full_like(half, np.nan))
     return figures
 
 

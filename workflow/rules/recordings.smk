@@ -128,6 +128,7 @@ rule predict_currents:
         code=code("predict_currents"),
         recording="{recording}",
         role=lambda wildcards: RECORDINGS[wildcards.recording].role,
+        date=of_recording(SELECTION.date),
         gravity=of_recording(SELECTION.gravity),
         untouched=lambda wildcards: RECORDINGS[wildcards.recording].untouched,
         lowpass=design(SETTINGS.lowpass.currents),

@@ -293,7 +293,7 @@ def judge_currents(results: Results) -> Verdict:
         reason = "no friction" if results.tables["friction"].empty else reason
         return Verdict(spoken(CURRENTS_TOPIC), "not determined", say(f"currents.{reason}"))
     least = rows.loc[rows["coverage95"].idxmin()]
-    coverage = float(least["coverage95"])
+    coverage, factors = float(least["coverage95"]), rows["band_factor95"]
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * coverage, "%", place)
     cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
@@ -302,12 +302,20 @@ def judge_currents(results: Results) -> Verdict:
         against=against,
         hold=coverage >= MIN_GOOD_COVERAGE,
         wide=coverage >= WIDE_BAND_COVERAGE,
+        factor=factors.max(),
+    )
+    evidence = say(
+        "currents.evidence",
+        against=against,
+        least=least,
+        narrowest=factors.min(),
+        factor=factors.max(),
     )
     return Verdict(
         topic=spoken(CURRENTS_TOPIC),
         state=against.state(coverage, tested=rival.better.empty),
         sentence=rival.after(sentence, against.unit, 3),
-        evidence=say("currents.evidence", against=against, least=least),
+        evidence=evidence,
         drawing=against.drawing(),
         caption=say("error.bars", zero=against.zero, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
