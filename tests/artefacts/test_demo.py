@@ -21,6 +21,7 @@ from tests.artefacts.documents import (
 from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
 from tests.conftest import PROJECT, Workflow
+from tests.drawn_numbers import check_drawn_numbers
 from tests.library.test_benchmarks import run_benchmark
 from tests.rigid import check_rigid
 from ur5lib.cli import app
@@ -50,6 +51,13 @@ def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
     rows = truth[truth["quantity"] == quantity]
     assert len(rows)
     return (rows["estimate"] - rows["truth"]).abs()
+
+
+def test_figures_draw_what_their_tables_state(
+    results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compared = check_drawn_numbers(results, monkeypatch)
+    assert {*compared} == {"currents", "torques", "forces", "accelerations"}
 
 
 @pytest.mark.thorough

@@ -206,7 +206,7 @@ def test_every_word_in_braces_has_a_meaning() -> None:
     page = PROJECT / "ur5lib" / "report" / "page"
     for file in ("contents.yaml", "sentences.yaml"):
         braces = re.findall(r"(?<![{%])\{(\w+)\}(?!\})", (page / file).read_text())
-        assert {*braces} <= {"of", "leading", "floor", *names("currents")}, file
+        assert {*braces} <= {"of", "leading", "drawn", *names("currents")}, file
     assert names("currents").keys() == names("torques").keys()
 
 

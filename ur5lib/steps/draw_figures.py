@@ -23,12 +23,13 @@ def draw_figures(
     arm: Robot,
     threshold: dict[str, float],
     min_singular_value: float,
+    lowpass: tuple[int, float],
     gravity: list[float] | None = None,
 ) -> dict[str, Drawing | Scene]:
     """Return the figures of a recording, and the arm in motion for a closer look.
 
     threshold: of alarms, by estimate; min_singular_value: below it, no force is determined;
-    gravity: see `Robot.mounted`.
+    lowpass: of currents, order and cut-off [Hz]; gravity: see `Robot.mounted`.
     """
     felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
     hidden = kinematics.smallest_singular_value < min_singular_value
@@ -36,7 +37,7 @@ def draw_figures(
     return {
         "packets": figures.packet_figure(signals.anew()),
         "torques": figures.torque_figure(signals.anew(), torques, arm),
-        "currents": figures.current_figure(signals.anew(), currents, arm.senses_torque()),
+        "currents": figures.current_figure(signals.anew(), currents, arm.senses_torque(), lowpass),
         "accelerations": figures.acceleration_figure(accelerations),
         "accelerations_published": figures.euler_figure(accelerations, felt, modelled),
         "forces_estimated": figures.estimate_figure(forces, sensor, hidden),

@@ -56,12 +56,11 @@ def torque_mae(
         yield from by_joint(columns, motion="closed_loop", model=model)
 
 
-def slowly(torque: Array, signals: Signals) -> Array:
-    """Return a torque (N, n) [Nm] below CUTOFF."""
+def slowly(values: Array, signals: Signals, lowpass: tuple[int, float] = (ORDER, CUTOFF)) -> Array:
+    """Return torques or currents (N, n), low-passed; lowpass: order and cut-off [Hz]."""
     from ur5lib.timeseries.lowpass import zero_phase_lowpass  # slow to import
 
-    design = 1 / signals.period, ORDER, CUTOFF
-    return by_segment(zero_phase_lowpass, torque, signals.segment, *design)
+    return by_segment(zero_phase_lowpass, values, signals.segment, 1 / signals.period, *lowpass)
 
 
 def rotor_inertia(rotors: Rotors) -> Iterator[Row]:

@@ -19,11 +19,13 @@ from ur5lib.report.figures.traces import (
     ACCELERATION_PANELS,
     CURRENT_PANELS,
     TORQUE_PANELS,
+    UNFILTERED,
     WRENCH_PANELS,
     Traces,
     draw_traces,
 )
 from ur5lib.robots.description import Robot
+from ur5lib.tidy.models import CUTOFF, slowly
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import starts
@@ -75,17 +77,21 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state
 
 def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
     """Return Figures 5.11 and 5.12: the chosen model, and the fullest, with rotors, against the
-    controller's torque.
+    controller's torque, low-passed as for the table of their errors.
     """
+    if signals.target_moment is None:
+        return nothing_to_draw()
+    moment = slowly(signals.target_moment, signals)
     lines: dict[str, tuple[Array | None, str]] = {
-        "controller's target_moment": (signals.target_moment, "measured")
+        f"target_moment below {CUTOFF:g} Hz": (moment, "measured")
     }
     models = dict.fromkeys((robot.chosen_model, robot.fullest_model()))
     for model, style in zip(models, ("first", "second"), strict=False):
         motion = "target" if model in torques.target else "measured"
         name = f"Model {model}" if model[0].isupper() else model
-        lines[f"{name}, {motion} motion"] = getattr(torques, motion)[model], style
-    return draw_lines(signals, lines, TORQUE_PANELS)
+        torque = slowly(getattr(torques, motion)[model], signals)
+        lines[f"{name}, {motion} motion"] = torque, style
+    return draw_lines(signals, lines, TORQUE_PANELS, unfiltered=signals.target_moment)
 
 
 def older_torque_figure(
@@ -106,16 +112,32 @@ def older_torque_figure(
     return draw_lines(signals, lines, TORQUE_PANELS, {"[21], printed mean": (mean, "second")})
 
 
-def current_figure(signals: Signals, currents: Currents, sensed: bool) -> Drawing:
-    """Return the measured current and that predicted for motion without contact.
+def current_figure(
+    signals: Signals, currents: Currents, sensed: bool, lowpass: tuple[int, float]
+) -> Drawing:
+    """Return the measured current and that predicted for motion without contact with its band,
+    low-passed as for the table of their errors.
 
     sensed: whether they are torques that the joints sense.
     """
-    lines: OptionalLines = {
-        "actual_torque" if sensed else "actual_current": (signals.actual_current, "measured"),
-        "predicted without contact": (currents.predicted_current, "joint"),
+    name = "actual_torque" if sensed else "actual_current"
+    panels = TORQUE_PANELS if sensed else CURRENT_PANELS
+    measured, predicted = signals.actual_current, currents.predicted_current
+    lines: OptionalLines = {f"{name}, unfiltered": (measured, "pale")}
+    if measured is None or predicted is None:
+        return draw_lines(signals, lines, panels)
+    known = np.isfinite(measured + predicted).all(axis=1)
+
+    def smooth(values: Array) -> Array:
+        return slowly(np.where(known[:, None], values, np.nan), signals, lowpass)
+
+    slow, half = smooth(predicted), currents.current_band
+    lines = {
+        f"{name} below {lowpass[1]:g} Hz": (smooth(measured), "measured"),
+        "predicted without contact": (slow, "joint"),
     }
-    return draw_lines(signals, lines, TORQUE_PANELS if sensed else CURRENT_PANELS)
+    band = None if half is None else (slow - half, slow + half)
+    return draw_lines(signals, lines, panels, band=band, unfiltered=measured)
 
 
 def acceleration_figure(accelerations: Accelerations) -> Drawing:
@@ -173,11 +195,12 @@ def draw_lines(
     further: OptionalLines | None = None,
     band: tuple[Array, Array] | None = None,
     hidden: Mask | None = None,
+    unfiltered: Array | None = None,
 ) -> Drawing:
     """Draw the known lines over a table's time, and the errors of all others against the first.
 
     Without the first line there are no errors. further: errors of what is not drawn itself; band,
-    hidden: see Traces.
+    hidden: see Traces; unfiltered: the first line as recorded (N, n), drawn pale behind all.
     """
     first = next(iter(lines))
     series = _broken(lines, table.segment)
@@ -186,9 +209,10 @@ def draw_lines(
         measured, _ = series[first]
         others = ((label, line) for label, line in series.items() if label != first)
         errors = {label: (measured - values, style) for label, (values, style) in others}
+    behind = _broken({UNFILTERED: (unfiltered, "pale")}, table.segment)
     traces = Traces(
         time=with_breaks(table.time, table.segment),
-        series=series,
+        series=behind | series,
         errors=errors | _broken(further or {}, table.segment),
         band=band and (with_breaks(band[0], table.segment), with_breaks(band[1], table.segment)),
         hidden=None if hidden is None else with_breaks(hidden, table.segment) > 0,

@@ -2,6 +2,7 @@
 singular stretches shaded.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
@@ -33,7 +34,10 @@ StyledLines = Mapping[str, tuple[Array, str]]
 MAX_DRAWN_POINTS = 1400  # about two for each dot across a printed page
 MIN_PANEL_SPAN = 1e-3  # of a panel
 LEGEND_ROW_LETTERS = 60  # letters of six labels of a legend that fit side by side
-ERROR_LABEL = "error of {}"
+UNFILTERED = "unfiltered"  # label of what was recorded, behind what is judged
+ERROR = "error of "  # before the label of a line
+HIDDEN = "near a singularity"
+LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")  # of the numbers: line, panel and unit
 BAND_EDGES = ("95 % band, lower", "95 % band, upper")
 TORQUE_PANELS = joint_quantity(r"\tau", "Nm")
 CURRENT_PANELS = joint_quantity("i", "A")
@@ -49,8 +53,8 @@ class Traces:
 
     series, errors: by label, values (N, k) of k panels and a style; errors get panels under the
     values'.
-    band: lower and upper edge of a 95 % band, (N, 6) each; hidden: (N,), where a force is
-    undetermined.
+    band: lower and upper edge of a 95 % band, (N, 6) each, drawn about the first error's zero, too;
+    hidden: (N,), where a force is undetermined.
     """
 
     time: Array
@@ -66,14 +70,14 @@ def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
         return nothing_to_draw()
     width = next(iter(traces.series.values()))[0].shape[1]
     thin, panels = _decimated(traces), panels[:width]
-    spans = _shaded(traces)
+    spans, around_zero = _shaded(traces), _around_zero(traces)
     with matplotlib.rc_context(HOUSE_STYLE):
         figure, above, below = _grid(thin, panels)
         for i, axis in enumerate(above):
             _draw_panel(axis, thin, thin.series, i, thin.band)
             axis.set_ylabel(f"${panels[i].symbol}$ [{panels[i].unit}]")
             if below:
-                _draw_panel(below[i], thin, thin.errors, i)
+                _draw_panel(below[i], thin, thin.errors, i, around_zero)
                 below[i].set_ylabel(f"$\\Delta$ [{panels[i].unit}]")
         for starts, ends, style, _ in spans:
             for axis, (start, end) in product([*above, *below], zip(starts, ends, strict=True)):
@@ -95,7 +99,16 @@ def _decimated(traces: Traces) -> Traces:
     time, _ = decimate(traces.time, traces.time[:, None])
     series, errors = all_thin(traces.series), all_thin(traces.errors)
     band = (thin(traces.band[0]), thin(traces.band[1])) if traces.band else None
-    return replace(traces, time=time, series=series, errors=errors, band=band)
+    hidden = None if traces.hidden is None else thin(traces.hidden[:, None].astype(float))[:, 0] > 0
+    return replace(traces, time=time, series=series, errors=errors, band=band, hidden=hidden)
+
+
+def _around_zero(traces: Traces) -> tuple[Array, Array] | None:
+    """Return the band of an error: as wide as that of the values."""
+    if traces.band is None:
+        return None
+    _, half = decimate(traces.time, (traces.band[1] - traces.band[0]) / 2)
+    return -half, half
 
 
 def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], list[Axes]]:
@@ -158,7 +171,7 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
 def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
     """Return the drawn numbers, a column for each line."""
     lines = {label: values for label, (values, _) in traces.series.items()}
-    lines |= {ERROR_LABEL.format(label): values for label, (values, _) in traces.errors.items()}
+    lines |= {ERROR + label: values for label, (values, _) in traces.errors.items()}
     if traces.band:
         lines |= zip(BAND_EDGES, traces.band, strict=True)
     columns = {
@@ -166,6 +179,8 @@ def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
         for label, values in lines.items()
         for i, panel in enumerate(panels)
     }
+    if traces.hidden is not None and traces.hidden.any():
+        columns[HIDDEN] = traces.hidden
     return pd.DataFrame({"time [s]": traces.time, **columns})
 
 
@@ -181,7 +196,7 @@ def _shaded(traces: Traces) -> list[tuple[Array, Array, Any, str]]:
     shaded = [(time[gaps - 1], time[gaps + 1], GAP_STYLE, "gap")]
     if traces.hidden is not None:
         first, end = runs(np.isfinite(time) & (traces.hidden == 1)).T
-        shaded.append((time[first], time[end - 1], SHADE_STYLE, "near a singularity"))
+        shaded.append((time[first], time[end - 1], SHADE_STYLE, HIDDEN))
     return shaded
 
 

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from ur5lib.records.scene import Scene
 from ur5lib.report.figures.house_style import LINE_STYLES
-from ur5lib.report.figures.traces import BAND_EDGES, column_name
+from ur5lib.report.figures.traces import BAND_EDGES, LINE_COLUMN, column_name
 from ur5lib.tables import read_csv, read_record
 from ur5lib.timeseries.arrays import Array
 
@@ -24,7 +24,6 @@ LEVELS = 256  # to which values are rounded: about two for each dot of a panel o
 MILLI = 1e-3  # s and rad, to which times and angles are rounded
 CENTI = 1e-2  # N and Nm, to which what is measured is rounded
 JOINT_DASHES = (4, 1.5)
-LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 
 
 def styles() -> Markup:

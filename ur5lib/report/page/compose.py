@@ -1,5 +1,6 @@
 """The report of a study: its contents, filled from its results."""
 
+import csv
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
@@ -9,6 +10,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from ur5lib.force.estimators import ESTIMATES, LEADING
+from ur5lib.report.figures.traces import BAND_EDGES, ERROR, HIDDEN, LINE_COLUMN, UNFILTERED
 from ur5lib.report.page.document import (
     MOST_ROWS,
     MOST_SHOWN,
@@ -56,8 +58,8 @@ VIEWS: dict[str, ModuleType] = {
 REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
-    r"\{(thesis|ur|other)\|(.*?)\}"
-)  # of that study, or of such arms, alone
+    r"\{([\w ]+)\|(.*?)\}"
+)  # of the thesis's study, of ur or other arms, of a table with that column alone
 SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
@@ -231,11 +233,12 @@ def _single(
         case Picture():
             path = results.figures / name / f"{declared.figure}.svg"
             if _has_numbers(path):
+                shown = drawn_in_words(path.with_suffix(".csv"))
                 yield replace(
                     declared,
-                    caption=_filled(declared.caption, results, name),
+                    caption=_filled(declared.caption, results, name, drawn=shown),
                     path=path,
-                    alternative=_filled(declared.alternative, results, name),
+                    alternative=_filled(declared.alternative, results, name, drawn=shown),
                     label=_label(declared.figure, name),
                     source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
                     of=name,
@@ -252,14 +255,17 @@ def _label(block: str, name: str) -> str:
     return f"{block}-{name}" if name else block
 
 
-def _filled(text: str, results: Results, name: str) -> str:
+def _filled(
+    text: str, results: Results, name: str, columns: Sequence[str] = (), drawn: str = ""
+) -> str:
     """Return a text with the names of its recording or arm and of the leading estimate, and with
-    the remarks that concern it.
+    the remarks that concern it; columns: of its table; drawn: what its figure shows.
     """
-    other = name in results.other_arms
-    conditions = {"thesis": results.of_thesis, "other": other, "ur": not other}
-    text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] if conditions[remark[1]] else "", text)
-    known = {"{leading}": ESTIMATES[LEADING], "{of}": name}
+    kinds = {"thesis": results.of_thesis, "other": name in results.other_arms}
+    kinds["ur"] = not kinds["other"]
+    concerned = {*columns, *(kind for kind, holds in kinds.items() if holds)}
+    text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] * (remark[1] in concerned), text)
+    known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{drawn}": drawn}
     return reduce(lambda said, key: said.replace(key, known[key]), known, spoken(text))
 
 
@@ -282,7 +288,8 @@ def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
 
 
 def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> TableBlock:
-    caption, rows = _filled(declared.caption, results, name), body.rows
+    titles, rows = [title.partition(" [")[0] for title in body.header], body.rows
+    caption = _filled(declared.caption, results, name, titles)
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
     pages = {name: f"runs/{name}.html" for name in results.roles()} if results.many else {}
@@ -301,6 +308,20 @@ def _has_numbers(path: Path) -> bool:
         return False
     with numbers.open(encoding="utf-8") as lines:
         return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
+
+
+def drawn_in_words(numbers: Path) -> str:
+    """Return what a figure over time shows, by the names of its numbers; empty of other figures."""
+    with numbers.open(encoding="utf-8", newline="") as lines:
+        header = next(csv.reader(lines))
+    labels = dict.fromkeys(match[1] for match in map(LINE_COLUMN.fullmatch, header) if match)
+    errors = [label.removeprefix(ERROR) for label in labels if label.startswith(ERROR)]
+    shown = [
+        label for label in labels if label not in (*BAND_EDGES, UNFILTERED) and ERROR not in label
+    ]
+    words = {"lines": shown, "errors": errors, "band": BAND_EDGES[0] in labels}
+    words |= {"pale": UNFILTERED in labels, "hidden": HIDDEN in header}
+    return say("figure.drawn", **words) if shown else ""
 
 
 def _is_evidence(block: DeclaredBlock | DraftedText) -> bool:

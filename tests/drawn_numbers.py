@@ -1,0 +1,134 @@
+"""What the figures of a built study draw, beside what its tables state."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from ur5lib.force.detection import in_contact
+from ur5lib.force.estimators import NEW
+from ur5lib.jobs.files import arguments
+from ur5lib.records.accelerations import COMPONENTS
+from ur5lib.records.table import WRENCH
+from ur5lib.report.figures import traces
+from ur5lib.report.figures.house_style import Drawing
+from ur5lib.steps.draw_figures import draw_figures
+from ur5lib.tables import read_csv
+
+TABLES = ("signals", "torques", "accelerations", "currents", "kinematics", "sensor", "forces")
+JUDGED = ("current_rmse", "torque_mae", "force_mae", "acceleration_mae")
+ERROR, BAND = "error of ", "95 % band, "
+
+
+class Drawn:
+    """A figure's lines (N, n) by label, without the breaks between segments."""
+
+    def __init__(self, drawing: Drawing, rows: np.ndarray | None = None) -> None:
+        data = drawing.data.dropna(subset="time [s]") if len(drawing.data) else drawing.data
+        labels = [column.rpartition(", ")[0] for column in data.columns]
+        self.lines = {
+            label: data.loc[:, [own == label for own in labels]].to_numpy()
+            for label in dict.fromkeys(labels)
+            if label
+        }
+        if rows is not None:
+            self.lines = {label: line[rows] for label, line in self.lines.items()}
+
+    def error(self, label: str) -> np.ndarray:
+        """The error below the line of a label."""
+        (own,) = (line for name, line in self.lines.items() if name.startswith(ERROR + label))
+        return own
+
+
+def by_place(rows: pd.DataFrame, value: str, places: list) -> np.ndarray:
+    column = "joint" if "joint" in rows else "component"
+    return rows.drop_duplicates(column).set_index(column)[value].reindex(places).to_numpy(float)
+
+
+def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Compare all recordings of a study; return the sections that were compared."""
+    monkeypatch.setattr(traces, "decimate", lambda time, values: (time, values))
+    study = yaml.safe_load((results / "configuration.yaml").read_text())
+    told = {name: read_csv(results / "tables" / f"{name}.csv") for name in JUDGED}
+    compared, known = list[str](), study["settings"]
+    lowpass = known["lowpass"]["currents"]
+    settings = {"lowpass": (lowpass["order"], lowpass["cutoff_hz"]), **known["singularities"]}
+    for entry in study["recordings"]:
+        name, arm = entry["name"], entry["robot"]
+        folder, fitted = results / "recordings" / name, results / "parameters" / arm
+        if not (folder / "forces.parquet").is_file():
+            continue
+        files = {key: str(folder / f"{key}.parquet") for key in TABLES}
+        files |= {key: str(fitted / key) for key in ("arm.yaml", "threshold.json")}
+        given = arguments(
+            draw_figures, {Path(key).stem: path for key, path in files.items()}, settings
+        )
+        figures, received = draw_figures(**given), ~given["signals"].interpolated
+        own = {
+            table: rows[rows["recording"] == name]
+            for table, rows in told.items()
+            if "recording" in rows
+        }
+        compared += check_currents(figures["currents"], own["current_rmse"])
+        compared += check_torques(figures["torques"], own["torque_mae"], received)
+        compared += check_forces(figures["forces_estimated"], own["force_mae"])
+        compared += check_accelerations(figures["accelerations"], own["acceleration_mae"])
+    return compared
+
+
+def check_currents(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
+    rows, drawn = rows[rows["model"] == "fitted"], Drawn(drawing)
+    if rows.empty:
+        return []
+    joints = sorted(rows["joint"])
+    error = drawn.error("predicted")
+    measured = next(line for label, line in drawn.lines.items() if " below " in label)
+    rmse = np.sqrt(np.nanmean(error**2, axis=0))
+    np.testing.assert_allclose(rmse, by_place(rows, "rmse_2hz", joints), rtol=1e-4)
+    low, high = (drawn.lines[BAND + edge] for edge in ("lower", "upper"))
+    known = np.isfinite(error + low)
+    inside = np.where(known, (measured >= low) & (measured <= high), np.nan)
+    np.testing.assert_allclose(
+        np.nanmean(inside, axis=0), by_place(rows, "coverage95", joints), atol=1e-4
+    )
+    return ["currents"]
+
+
+def check_torques(drawing: Drawing, rows: pd.DataFrame, received: np.ndarray) -> list[str]:
+    if rows.dropna(subset="mae_2hz").empty:
+        return []
+    drawn = Drawn(drawing, received)
+    for label in (label for label in drawn.lines if label.startswith(ERROR)):
+        model, motion = (
+            label.removeprefix(ERROR).removeprefix("Model ").removesuffix(" motion").split(", ")
+        )
+        known = rows[(rows["model"] == model) & (rows["motion"] == motion)]
+        mae = np.nanmean(np.abs(drawn.lines[label]), axis=0)
+        np.testing.assert_allclose(
+            mae, by_place(known, "mae_2hz", sorted(known["joint"])), rtol=1e-4
+        )
+    return ["torques"]
+
+
+def check_forces(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
+    rows = rows[(rows["kind"] == "compensated") & (rows["during"] == "contact")]
+    drawn = Drawn(drawing)
+    for name in {*rows["estimate"]} & {*NEW}:
+        touched = in_contact(np.linalg.norm(drawn.lines["force sensor"][:, :3], axis=1))
+        error = drawn.error(NEW[name])
+        known = touched & np.isfinite(error).all(axis=1)
+        mae = np.abs(error[known]).mean(axis=0)
+        own = by_place(rows[rows["estimate"] == name], "mae", [*WRENCH])
+        np.testing.assert_allclose(mae, own, rtol=1e-4)
+    return ["forces"] if len(rows) else []
+
+
+def check_accelerations(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
+    rows = rows[rows["estimate"] == "encoders"]
+    if rows.empty:
+        return []
+    mae = np.nanmean(np.abs(Drawn(drawing).error("from the joints")), axis=0)
+    np.testing.assert_allclose(mae, by_place(rows, "mae", [*COMPONENTS]), rtol=1e-4)
+    return ["accelerations"]
