@@ -21,7 +21,6 @@ import pandas as pd
 
 from benchmarks.harness.options import options_of
 from benchmarks.harness.right_logs import RightLog, real_logs, simulated_logs, wrongly_described
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.arm import Pair
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import moving_joints
@@ -35,7 +34,6 @@ from ur5lib.timeseries.arrays import Array
 
 SEEDS = 8
 DELAYS, SCALE, UNIT = (0.05, 0.3), 0.6, 1000.0  # s; of one joint's efforts; of all
-MOVED = ("actual_q", "actual_qd", MEASURED_CURRENT)
 DOUBT = "links in doubt"
 
 
@@ -106,16 +104,21 @@ def is_told(fault: Fault, sign: Finding) -> bool:
     return right and any(word in sign.code for word in fault.words)
 
 
+def moved(own: Checked) -> tuple[str, ...]:
+    """Return the channels of which joints may be exchanged."""
+    return "actual_q", "actual_qd", own.arm.measured.channel
+
+
 def bare(own: Checked) -> Checked:
     """Return a log with its positions, velocities and efforts alone."""
-    kept = ("time", "segment", "interpolated", *MOVED)
+    kept = ("time", "segment", "interpolated", *moved(own))
     names = [name for name in own.robot if name.startswith(kept)]
     return Checked(own.robot[names], own.arm, own.configured, own.declared, own.fitted)
 
 
 def faults(own: Checked) -> Iterator[Fault]:
     """Yield a log with each kind of fault; none where nothing moves or no effort was recorded."""
-    if f"{MEASURED_CURRENT}_0" not in own.robot or len(own.means.q) < MIN_BLOCKS:
+    if f"{own.arm.measured.channel}_0" not in own.robot or len(own.means.q) < MIN_BLOCKS:
         return
     moving = np.flatnonzero(moving_joints(own.means)).tolist()
     random = np.random.default_rng(len(own.robot))
@@ -136,10 +139,10 @@ def exchanged(own: Checked, pair: Pair, other: Pair) -> Iterator[Fault]:
     """Yield a log with efforts of two joints exchanged, and with all channels of another two."""
     order, order_of_all = ([*exchanged_order(in_order(own.arm), *two)] for two in (pair, other))
     words = ("exchanged currents", "exchanged torques")
-    efforts = spoilt(own, channel(own.robot, MEASURED_CURRENT)[:, order])
+    efforts = spoilt(own, channel(own.robot, own.arm.measured.channel)[:, order])
     yield Fault("efforts of two joints exchanged", efforts, {j + 1 for j in pair}, words)
     table = own.robot.copy()
-    for name in MOVED:
+    for name in moved(own):
         if f"{name}_0" in table:
             table = table.assign(**named(channel(own.robot, name)[:, order_of_all], name))
     all_of_them = replace(own, robot=table)
@@ -150,7 +153,7 @@ def exchanged(own: Checked, pair: Pair, other: Pair) -> Iterator[Fault]:
 
 def of_a_joint(own: Checked, joint: int) -> Iterator[Fault]:
     """Yield a log with the effort of a joint turned, and scaled."""
-    effort, factor = channel(own.robot, MEASURED_CURRENT), np.ones(len(own.arm.joints))
+    effort, factor = channel(own.robot, own.arm.measured.channel), np.ones(len(own.arm.joints))
     for kind, size, words in (
         ("sign of a joint", -1, ("turned", "opposite")),
         (f"{SCALE} of a joint's effort", SCALE, ("foreign constant", "scaled")),
@@ -161,7 +164,7 @@ def of_a_joint(own: Checked, joint: int) -> Iterator[Fault]:
 
 def of_all_joints(own: Checked) -> Iterator[Fault]:
     """Yield a log with efforts turned, in another unit, and late."""
-    effort = channel(own.robot, MEASURED_CURRENT)
+    effort = channel(own.robot, own.arm.measured.channel)
     words = ("turned", "opposite", "mounting or sign")
     yield Fault("sign of all joints", spoilt(own, -effort), set(), words)
     words = ("mA", "no current", "foreign size", "foreign constant")
@@ -173,7 +176,7 @@ def of_all_joints(own: Checked) -> Iterator[Fault]:
 
 def spoilt(own: Checked, efforts: Array) -> Checked:
     """Return a log with other efforts."""
-    return replace(own, robot=own.robot.assign(**named(efforts, MEASURED_CURRENT)))
+    return replace(own, robot=own.robot.assign(**named(efforts, own.arm.measured.channel)))
 
 
 if __name__ == "__main__":

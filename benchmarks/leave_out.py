@@ -415,7 +415,7 @@ def held_by_state(fold: Fold, own: Recording) -> pd.DataFrame:
     record = current_record(own.name, signals, motion, torques, fold.arm)
     state = motion_states(record, Smoother(*fold.study.lowpass))
     error = currents.external_torque / torque_constants(fold.friction.fit_for(own.name))
-    columns = {"of_band": np.abs(error) / currents.current_band, "state": state}
+    columns = {"of_band": np.abs(error) / currents.band, "state": state}
     every = max(1, round(INDEPENDENT_STEP / record.period))
     rows = pd.DataFrame({name: values[::every].ravel() for name, values in columns.items()})
     joint = np.tile(np.arange(1, state.shape[1] + 1), len(rows) // state.shape[1])

@@ -25,7 +25,7 @@ from ur5lib.identification.measured_torques import BASE_TERMS, ArmFit
 from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
 from ur5lib.leaderboard.tables import markdown
 from ur5lib.recordings.counting import at_the_joints
-from ur5lib.recordings.intake import with_currents
+from ur5lib.recordings.intake import with_efforts
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.robots.drives import shaft_matrix
@@ -103,7 +103,7 @@ def recorded(arm: Robot, folder: Path, seconds: float | None) -> MeasuredRun:
     channels = named(mean_q, "actual_q") | named(mean_torque, "actual_torque")
     time = np.arange(count) * MEAN_OF / RATE
     table = pd.DataFrame({"time": time, "segment": 0, "interpolated": False, **channels})
-    signals = Signals.from_table(with_currents(at_the_joints(table, arm), arm, []))
+    signals = Signals.from_table(with_efforts(at_the_joints(table, arm), arm, []))
     motion = smooth_encoders(signals.time, signals.segment, *measured(signals))
     moved = motion_record(signals, motion)
     samples = measured_samples("tx40", signals, moved, arm, 0 * moved.q)

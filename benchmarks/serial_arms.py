@@ -68,7 +68,7 @@ def with_motors(robot: Robot) -> Robot:
     """Return an arm with currents of motors behind gears in place of torque sensors."""
     known = {"torque_constant": CONSTANT, "gear_ratio": GEAR, "rotor_inertia": ROTOR}
     motors = {n: Motor.model_validate(own.model_dump() | known) for n, own in robot.motors.items()}
-    return robot.model_copy(update={"motors": motors}).with_rotors()
+    return robot.model_copy(update={"motors": motors, "effort": "current"}).with_rotors()
 
 
 def plans(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:

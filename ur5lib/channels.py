@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Container
 from difflib import get_close_matches
 from functools import lru_cache
 from typing import NamedTuple, Self
@@ -127,6 +127,34 @@ THESIS_FILES = {  # name after log_ of the thesis's files, and RTDE name
 }
 SENSED_TORQUE = "actual_torque"
 MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current")
+
+
+class Effort(NamedTuple):
+    """What tells the efforts of an arm's joints: the motors' currents, or torques.
+
+    channel: of the measured ones; constant: what turns one into the torque of the joint.
+    """
+
+    quantity: str
+    channel: str
+    unit: str
+    constant: str
+    constant_unit: str
+
+    @classmethod
+    def measured_in(cls, names: Container[str]) -> "Effort":
+        """Return that of a table with these columns; that of motors where it has none."""
+        return TORQUE if f"{TORQUE.channel}_0" in names else CURRENT
+
+    def parameter(self, name: str) -> str:
+        """Return the name in tables of a fitted parameter, a gain where it is one."""
+        return self.constant.replace(" ", "_") if name == "torque_constant" else name
+
+
+CURRENT = Effort("current", MEASURED_CURRENT, "A", "torque constant", "Nm/A")
+TORQUE = Effort("torque", SENSED_TORQUE, "Nm", "gain", "Nm/Nm")
+EFFORTS = {own.quantity: own for own in (CURRENT, TORQUE)}
+EFFORT_CHANNELS = (*CURRENTS, SENSED_TORQUE)
 INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # of repaired frames
 RECORDED_CHANNELS = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL_CHANNELS}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}

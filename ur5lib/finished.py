@@ -116,7 +116,8 @@ class FinishedStudy:
 
     def currents(self, recording: str) -> pd.DataFrame:
         """Return predicted currents with half of their 95 % band, `predicted_current_0` ...,
-        `current_band_0` ... [A], and the external torque, `tau_ext_0` ... [Nm].
+        `current_band_0` ... [A], of an arm that measures torques `predicted_torque_0` ...,
+        `torque_band_0` ... [Nm], and the external torque, `tau_ext_0` ... [Nm].
         """
         return self.frame(recording, "currents")
 

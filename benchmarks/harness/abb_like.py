@@ -132,12 +132,11 @@ class MadeUpArm:
             motors[name]["gear_ratio"] = gear
         drives = {
             "positions": "motor",
-            "torques": "motor",
             "directions": counts.directions.astype(int).tolist(),
             "home_deg": np.degrees(counts.home).round().tolist(),
             "coupling": [{"motor": 6, "joint": 5, "ratio": counts.ratio}],
         }
-        return description | {"weight": WEIGHT, "drives": drives}
+        return description | {"weight": WEIGHT, "effort": "motor_torque", "drives": drives}
 
 
 def arm_file(random: np.random.Generator, known: bool) -> Element:

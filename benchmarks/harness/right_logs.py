@@ -174,7 +174,7 @@ def unknown(arm: Robot) -> Robot:
 def of_seven(name: str, offsets: tuple[float, ...], turns: tuple[int, ...]) -> Robot:
     """Return an arm with torque sensors in its seven joints; its links are guesses."""
     axes = zip(offsets, np.deg2rad(turns), strict=True)
-    motor = {"position_max": 3.1, "velocity_max": 3.0, "torque_max": 200.0, "torque_constant": 1.0}
+    motor = {"position_max": 3.1, "velocity_max": 3.0, "torque_max": 200.0}
     centers = [[0.0, 0.0, -length / 2] for length in offsets]
     sizes = [[0.03, 0.03, 0.01, 0.0, 0.0, 0.0]] * len(offsets)
     links = {"description": "", "centers_of_mass": centers, "inertias": sizes}
@@ -184,6 +184,7 @@ def of_seven(name: str, offsets: tuple[float, ...], turns: tuple[int, ...]) -> R
             "gravity": (0, 0, -9.81),
             "denavit_hartenberg": [{"a": 0.0, "d": d, "alpha": turn} for d, turn in axes],
             "joints": ["any"] * len(offsets),
+            "effort": "torque",
             "motors": {"any": motor},
             "masses": MASSES,
             "models": {"guess": links},

@@ -53,8 +53,8 @@ class Run:
     @cached_property
     def torque(self) -> Array:
         """The measured torque (N, n) [Nm] of the joints."""
-        assert self.signals.actual_current is not None
-        return self.signals.actual_current
+        assert self.signals.effort is not None
+        return self.signals.effort
 
     @cached_property
     def by_spline(self) -> tuple[Array, Array, Array]:

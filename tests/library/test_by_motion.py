@@ -14,6 +14,7 @@ import pytest
 
 from tests.conftest import said
 from tests.stored_files import made_up_channels
+from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
 from ur5lib.checks.by_motion import MotionChecks
 from ur5lib.checks.checked import Checked
@@ -30,7 +31,6 @@ from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
 
 STEP, SECONDS, HOME = 0.02, 24.0, np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
-EFFORT = "actual_current"
 Spoil = Callable[[Array], Array]
 
 
@@ -57,13 +57,13 @@ def log(arm: Robot, seed: int = 0, spring: float = 0.0) -> Checked:
     qdd = -size * (pace[:, None] ** 2 * np.sin(angle)).sum(0)
     links = torque(arm, arm.fullest_model(), q, qd, qdd)
     largest = np.array([150, 150, 150, 28, 28, 28])
-    effort = 1.05 * links if not arm.senses_torque() else links
+    effort = 1.05 * links if arm.measured == CURRENT else links
     effort = effort + largest * (0.04 * np.tanh(qd / 0.02) + 0.02 * qd)
     effort[:, 1] += spring * (q[:, 1] - HOME[1])
     effort += 0.005 * largest * random.normal(size=q.shape)
     effort = effort / arm.maker_torque_constants()
     table = pd.DataFrame({"time": time, "segment": 0, "interpolated": False})
-    for name, values in {"actual_q": q, "actual_qd": qd, EFFORT: effort}.items():
+    for name, values in {"actual_q": q, "actual_qd": qd, arm.measured.channel: effort}.items():
         table = table.assign(**named(values, name))
     return Checked(table, arm, None, None, fitted=True)
 
@@ -97,9 +97,9 @@ def test_right_logs_are_not_stopped(ur5e: Robot, sensed: Robot, seed: int) -> No
 def test_exchanged_efforts_and_joints_are_told_apart(ur5e: Robot, sensed: Robot) -> None:
     order = [0, 3, 2, 1, 4, 5]
     for own in (log(ur5e), log(sensed), replace(log(sensed), arm=unknown(sensed))):
-        (efforts,) = signs(spoilt(own, order, EFFORT))
+        (efforts,) = signs(spoilt(own, order, own.arm.measured.channel))
         assert "of joints 2 and 4 are exchanged: each follows" in efforts
-        (joints,) = signs(spoilt(own, order, "actual_q", "actual_qd", EFFORT))
+        (joints,) = signs(spoilt(own, order, "actual_q", "actual_qd", own.arm.measured.channel))
         assert "joints 2 and 4 are exchanged: their motion" in joints
 
 
@@ -108,21 +108,23 @@ def test_a_turned_torque_is_told_by_links(sensed: Robot, known: bool) -> None:
     """As sensors beyond gears feel no friction; the entry's remedy mends it."""
     arm = sensed if known else unknown(sensed)
     turned = np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
-    (sign,) = signs(spoilt(replace(log(sensed), arm=arm), [*range(6)], EFFORT, sign=turned))
+    (sign,) = signs(
+        spoilt(replace(log(sensed), arm=arm), [*range(6)], "actual_torque", sign=turned)
+    )
     assert "is reversed on these joints: 3;" in sign
     assert "`units: {actual_torque: [1, 1, -1, 1, 1, 1]}`" in sign
 
 
 def test_a_turned_current_is_told(ur5e: Robot) -> None:
     turned = np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
-    (sign,) = signs(spoilt(log(ur5e), [*range(6)], EFFORT, sign=turned))
+    (sign,) = signs(spoilt(log(ur5e), [*range(6)], "actual_current", sign=turned))
     assert "the sign of the current of joint 5 is reversed" in sign
 
 
 def test_a_current_too_small_for_what_it_holds_is_told(ur5e: Robot) -> None:
     """Gears lose torque, so that no motor's current holds more than its constant allows."""
     weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
-    (sign,) = signs(spoilt(log(ur5e), [*range(6)], EFFORT, sign=weak))
+    (sign,) = signs(spoilt(log(ur5e), [*range(6)], "actual_current", sign=weak))
     assert "gravity's torque on joint 2 is" in sign
 
 

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
+from ur5lib.channels import CURRENT, TORQUE
 from ur5lib.report.page.compose import (
     MENTION,
     SENTENCE_END,
@@ -30,7 +31,6 @@ from ur5lib.report.page.document import (
     TableBlock,
     contents,
 )
-from ur5lib.report.page.sentences import names
 from ur5lib.report.results import Results
 from ur5lib.thesis.reference import Erratum
 from ur5lib.tidy import columns
@@ -174,31 +174,33 @@ def test_arms_that_sense_torque_have_no_currents() -> None:
     """Texts, headers and units say torque and Nm; what a user named keeps its currents."""
     rows = pd.DataFrame({"recording": ["current-2"], "duration_s": [60.0], "current": [0.3]})
     part = {
-        "title": "{Current}s",
+        "title": "{Quantity}s",
         "blocks": [
-            {"text": "@noise has the {current}s."},
-            {"table": "noise", "caption": "Errors [{ampere}].",
-             "columns": {"run": "recording", "{current} [{ampere}]": "current"}},
+            {"text": "@noise has the {quantity}s."},
+            {"table": "noise", "caption": "Errors [{unit}].",
+             "columns": {"run": "recording", "{quantity} [{unit}]": "current"}},
             {"sentences": "recordings.commit"},
         ],
     }  # fmt: skip
     parts = [DeclaredSection.model_validate({"title": "First", "blocks": []} | one)
              for one in ({}, part)]  # fmt: skip
-    study = {"study": "s", "title": "No {current} of A", "recordings": [
+    study = {"study": "s", "title": "No {quantity} of A", "recordings": [
         {"name": "current-2", "robot": "ur5", "role": "fit"}]}  # fmt: skip
     tables = {"noise": rows, "recordings": rows}
-    results = Results(study=study, tables=tables, figures=Path(), commit="{current}", sensed=True)
+    results = Results(
+        study=study, tables=tables, figures=Path(), commit="{quantity}", effort=TORQUE
+    )
     document = compose(parts, results)
     (section,) = document.sections
     text, table, made = section.blocks
-    assert (section.title, document.title) == ("Torques", "No {current} of A")
+    assert (section.title, document.title) == ("Torques", "No {quantity} of A")
     assert isinstance(text, Paragraph)
     assert isinstance(table, TableBlock)
     assert isinstance(made, Paragraph)
-    assert (text.spans[-1], made.spans) == (" has the torques.", ["Made by commit {current}."])
+    assert (text.spans[-1], made.spans) == (" has the torques.", ["Made by commit {quantity}."])
     assert (table.caption, table.header) == ("Errors [Nm].", ["run", "torque [Nm]"])
     assert [cell.text for cell in table.rows[0]] == ["current-2", "0.3"]
-    (currents,) = compose(parts, replace(results, sensed=False)).sections
+    (currents,) = compose(parts, replace(results, effort=CURRENT)).sections
     assert currents.title == "Currents"
 
 
@@ -206,8 +208,8 @@ def test_every_word_in_braces_has_a_meaning() -> None:
     page = PROJECT / "ur5lib" / "report" / "page"
     for file in ("contents.yaml", "sentences.yaml"):
         braces = re.findall(r"(?<![{%])\{(\w+)\}(?!\})", (page / file).read_text())
-        assert {*braces} <= {"of", "leading", "drawn", *names("currents")}, file
-    assert names("currents").keys() == names("torques").keys()
+        words = [*CURRENT._asdict(), *map(str.capitalize, CURRENT._asdict())]
+        assert {*braces} <= {"of", "leading", "drawn", *words}, file
 
 
 @pytest.mark.parametrize(("other", "said"), [(False, "of ur5, upright"), (True, "of ur5, at zero")])

@@ -23,12 +23,13 @@ def arm(ur5: Robot) -> Robot:
     }
     drives = Drives(
         positions="motor",
-        torques="motor",
         directions=(1, -1, 1, -1, 1, 1),
         home_deg=(0, -90, 90, 0, 0, 10),
         coupling=[CoupledMotor(motor=6, joint=5)],
     )
-    return ur5.model_copy(update={"joints": (*motors,), "motors": motors, "drives": drives})
+    return ur5.model_copy(
+        update={"joints": (*motors,), "motors": motors, "drives": drives, "effort": "motor_torque"}
+    )
 
 
 def test_motors_do_the_work_of_the_joints(arm: Robot) -> None:
@@ -77,13 +78,10 @@ def test_each_joint_of_a_coupled_wrist_has_the_shaft_that_turns_with_it(arm: Rob
 
 def test_measured_torques_of_the_joints_are_no_currents_of_geared_motors(arm: Robot) -> None:
     """Whether the motors' gears are told, as of counted positions, or not."""
-    of_joints = {
-        name: motor.model_copy(update={"torque_constant": 1.0})
-        for name, motor in arm.motors.items()
-    }
-    sensed = arm.model_copy(update={"drives": Drives(positions="motor"), "motors": of_joints})
-    assert sensed.senses_torque()
-    assert not arm.model_copy(update={"drives": Drives(positions="motor")}).senses_torque()
+    sensed = arm.model_copy(update={"drives": Drives(positions="motor"), "effort": "torque"})
+    assert sensed.maker_torque_constants() == [1.0] * 6
+    of_motors = sensed.model_copy(update={"effort": "current"})
+    assert min(of_motors.maker_torque_constants()) > 1
 
 
 def test_a_coupling_is_of_two_joints_of_the_arm(ur5: Robot) -> None:

@@ -164,7 +164,7 @@ def test_friction_is_that_of_all_joints() -> None:
     records = {
         Motion: SimpleNamespace(qd=qd),
         Torques: SimpleNamespace(measured={"maker": torque}, payload_torque=torque),
-        Currents: SimpleNamespace(predicted_current=0.1 * (2 * torque + friction) + 0.2),
+        Currents: SimpleNamespace(predicted=0.1 * (2 * torque + friction) + 0.2),
     }
     found = SimpleNamespace(from_=["run"], fit=SimpleNamespace(joints=joints))
     study = SimpleNamespace(parameters=lambda *_: found, record=lambda kind, _: records[kind])

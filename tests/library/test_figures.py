@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.dynamics.flange import link_frames
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.signals import Signals
@@ -131,10 +132,10 @@ def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
             np.testing.assert_allclose(slopes, [1 / fitted[joint], 1 / known[joint]])
 
 
-@pytest.mark.parametrize(("sensed", "unit"), [(False, "[A]"), (True, "[Nm]")])
-def test_what_a_joint_measures_has_its_unit(sensed: bool, unit: str) -> None:
+@pytest.mark.parametrize(("effort", "unit"), [(CURRENT, "[A]"), (TORQUE, "[Nm]")])
+def test_what_a_joint_measures_has_its_unit(effort: Effort, unit: str) -> None:
     samples = MovingSamples(*np.random.default_rng(0).normal(size=(6, 50, 6)))
-    figures = friction_figures(samples, np.ones(6), np.ones(6), sensed)
+    figures = friction_figures(samples, np.ones(6), np.ones(6), effort)
     assert figures["current_torque"].figure.axes[0].get_ylabel().endswith(unit)
     assert figures["residuals"].figure.axes[0].get_ylabel().endswith(unit)
 

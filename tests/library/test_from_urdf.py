@@ -328,8 +328,8 @@ def test_limits_of_effort_and_velocity_that_lack_are_said(tmp_path: Path) -> Non
 def test_gears_and_rotors_that_no_urdf_has_are_told_in_one_line(tmp_path: Path) -> None:
     robot, remarks = robot_from_urdf(saved(planar(2), tmp_path))
     (told,) = (remark for remark in remarks if "rotor" in remark)
-    assert all(words in told for words in (", ".join(robot.joints), "gear_ratio", "drives"))
-    assert robot.drives.torques is None  # nobody said on which side they are
+    assert all(words in told for words in (", ".join(robot.joints), "gear_ratio", "effort"))
+    assert robot.effort == "torque"  # nobody said on which side they are
 
 
 def test_two_arms_ask_for_one(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from tests.library.current_study import (
     smooth,
 )
 from tests.made_tables import gathered
+from ur5lib.channels import TORQUE
 from ur5lib.identification.condition import QUANTITY_UNITS, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import CurrentFit
@@ -251,7 +252,8 @@ def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     assert len(drawing.figure.axes) == 36
     assert {*drawing.data["quantity"]} == {*QUANTITY_UNITS, "temperature"}
     assert "[A]" in "".join(axis.get_ylabel() for axis in drawing.figure.axes)
-    sensed = health_figure(*results.tables.values(), sensed=True).figure
+    of_torques = (own.replace("torque_constant", "gain") for own in results.tables.values())
+    sensed = health_figure(*of_torques, effort=TORQUE).figure
     assert not any("A]" in axis.get_ylabel() for axis in sensed.axes)
 
 

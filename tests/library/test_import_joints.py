@@ -100,7 +100,7 @@ def test_turns_of_motors_are_no_degrees_of_joints(log: dict[str, Array], tmp_pat
     arm = yaml.safe_load(Path("robots/mine.yaml").read_text())
     for motor in arm["motors"].values():
         motor["gear_ratio"] = 100.0
-    arm |= {"name": "geared", "drives": {"positions": "motor", "torques": "motor"}}
+    arm |= {"name": "geared", "drives": {"positions": "motor"}, "effort": "motor_torque"}
     Path("robots/geared.yaml").write_text(yaml.safe_dump(arm))
     names = [f"motor_{kind}_{k}" for kind in ("angle", "torque") for k in range(1, 8)]
     rows = np.column_stack([100 * log["q"], log["tau_J"] / 100])

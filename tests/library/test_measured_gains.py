@@ -15,7 +15,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.wording import in_words
-from ur5lib.robots.description import Drives, Robot, load_robot, robot_path
+from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
@@ -31,10 +31,9 @@ def arm() -> Robot:
     """A UR10e whose torques are measured, and whose rotors nobody described."""
     known = load_robot(robot_path("ur10e"))
     rigid = known.models[known.chosen_model].model_copy(update={"rotor_inertias": ()})
-    changes = {"torque_constant": 1.0, "gear_ratio": 1.0, "family_torque_constant": None}
-    motors = {f"any {name}": own.model_copy(update=changes) for name, own in known.motors.items()}
+    motors = {f"any {name}": own for name, own in known.motors.items()}
     joints = tuple(f"any {name}" for name in known.joints)  # friction is not known to be a UR's
-    links = {"models": {"maker": rigid}, "chosen_model": "maker"}
+    links = {"models": {"maker": rigid}, "chosen_model": "maker", "effort": "torque"}
     return known.model_copy(update={"joints": joints, "motors": motors} | links)
 
 
@@ -46,7 +45,7 @@ def fitted(arm: Robot, gains: Array | float = 1.0, rotors: Array | float = 0.0) 
         own, time = run.samples, run.samples.period * np.arange(len(run.qdd))
         pose = own.q.copy(), own.qd.copy(), run.qdd.copy()
         measured = (own.current + rotors * run.qdd) / gains
-        signals[name] = signals_of(time, pose[0], actual_current=measured)
+        signals[name] = signals_of(time, pose[0], actual_torque=measured)
         motion[name] = motion_of(time, *pose)
         rigid = run.regressor(*pose) @ LinkModel(arm, arm.chosen_model).parameters
         torques[name] = torques_of(time, {}, {"maker": rigid})
@@ -126,7 +125,7 @@ def test_gains_of_right_torques_are_no_stop_sign(arm: Robot) -> None:
 
 @pytest.mark.parametrize(
     ("told", "stops"),
-    [({}, True), ({"drives": Drives(torques="joint")}, False), ({"weight": 40.0}, False)],
+    [({}, True), ({"effort": "joint_torque"}, False), ({"weight": 40.0}, False)],
 )
 def test_links_found_from_torques_need_the_side_of_these(
     arm: Robot, told: dict[str, object], stops: bool
@@ -135,4 +134,4 @@ def test_links_found_from_torques_need_the_side_of_these(
     friction = fitted(arm.model_copy(update={"links": "fitted", "weight": None} | told))
     assert (friction.stopped is not None) == stops
     if stops:
-        assert "`drives`" in in_words(stop_sign(friction))
+        assert "`effort: " in in_words(stop_sign(friction))

@@ -48,8 +48,7 @@ def sensing(count: int) -> Robot:
         for name, values in own.items():
             if isinstance(values, tuple | list) and len(values) == 7:
                 own[name] = values[:count]
-    described["motors"]["one"] |= {"torque_constant": 1.0, "gear_ratio": 1.0}
-    return Robot.model_validate(described)
+    return Robot.model_validate(described | {"effort": "torque"})
 
 
 def recorded(count: int, folder: Path) -> Intake:
@@ -71,7 +70,7 @@ def recorded(count: int, folder: Path) -> Intake:
 def test_a_recording_has_the_joints_of_its_arm(count: int, tmp_path: Path) -> None:
     """Measured torque takes the place of currents; nothing contradicts the arm."""
     found, robot = recorded(count, tmp_path), sensing(count)
-    for name in ("actual_q", "actual_qd", "actual_current", "actual_torque"):
+    for name in ("actual_q", "actual_qd", "actual_torque"):
         assert channel(found.robot, name).shape[1] == count
     assert not check_robot(found.robot, PERIOD, [(-10.0, 10.0)] * count, [10.0] * count)
     assert not stop_signs(Checked(found.robot, robot, None, None, True))
@@ -129,7 +128,7 @@ def test_bring_your_own_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     known = parse_study(yaml.safe_load(dedent("    study: " + study)), "the page")
     for recording in known.recordings:
         intake = read_and_repair(recording, recording.arm.description(), 0.1)
-        np.testing.assert_allclose(channel(intake.robot, "actual_current"), q, atol=1e-9)
+        np.testing.assert_allclose(channel(intake.robot, "actual_torque"), q, atol=1e-9)
 
 
 def test_an_arm_with_other_joints_is_refused(tmp_path: Path) -> None:

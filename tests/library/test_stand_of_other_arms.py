@@ -61,7 +61,7 @@ def test_sensors_read_the_torque_of_the_links(count: int, tmp_path: Path) -> Non
     folder = tmp_path / "raw"
     simulate(robot, plan(count, noise=False), "rtde-csv", folder, tmp_path / "truth")
     entry = RtdeFiles(format="rtde-csv", folder=str(folder), file="robot.csv")
-    read = read_and_repair(entry, robot, 0.1).robot.filter(like="actual_current_").to_numpy()
+    read = read_and_repair(entry, robot, 0.1).robot.filter(like="actual_torque_").to_numpy()
     true, sensors = Truth.read(tmp_path / "truth.parquet"), TorqueSensors.of(robot)
     felt = true.motor_torque - (1 - FRICTION_SHARE_BEHIND_SENSOR) * true.friction_torque
     np.testing.assert_allclose(read, sensors.gain * felt + sensors.bias, atol=1e-5)

@@ -43,9 +43,9 @@ class Cell:
         self.description = self.made.as_described(plain)
         self.log = pd.read_csv(folder / "log.csv")
 
-    def arm(self, **drives: Any) -> Robot:
-        """Return the arm as described, but for some of its drives."""
-        changed = {"drives": self.description["drives"] | drives}
+    def arm(self, effort: str = "motor_torque", **drives: Any) -> Robot:
+        """Return the arm as described, but for its effort or some of its drives."""
+        changed = {"drives": self.description["drives"] | drives, "effort": effort}
         return robot_of(self.description | changed)
 
     def read(self, spoil: Spoil, arm: Robot, part: int = 0, **stated: Any) -> Intake:
@@ -137,7 +137,7 @@ def test_torques_in_another_unit_are_no_arms_of_that_weight(cell: Cell, factor: 
 
 
 def test_motors_torques_are_not_those_of_the_joints(cell: Cell) -> None:
-    (sign,) = cell.stops(right, cell.arm(torques="joint"))
+    (sign,) = cell.stops(right, cell.arm(effort="joint_torque"))
     assert "times what would hold" in sign
 
 

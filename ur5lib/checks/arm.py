@@ -7,12 +7,11 @@ that constant but for the gears' losses.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import (
     MAX_SHARE_UNEXPLAINED,
@@ -67,8 +66,8 @@ def likeliest(causes: Iterable[Cause]) -> Iterator[Finding]:
 
 
 def of_measured(means: BlockMeans) -> BlockMeans:
-    """Return the means with the measured current as the only effort."""
-    return replace(means, currents={MEASURED_CURRENT: means.currents[MEASURED_CURRENT]})
+    """Return the means with the measured effort as the only one."""
+    return means.with_efforts(means.effort)
 
 
 def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dict[str, float]:
@@ -95,7 +94,7 @@ def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[C
         by_sign = turned and not any(one > MIN_ERRORS_OF_FRICTION for one in friction)
         code = "other mounting or sign" if by_sign else "other mounting"
         fitting = [remark("mounting as cause", value=[*one]) for one in likely]
-        finding = contradiction(code, causes=fitting, name=MEASURED_CURRENT)
+        finding = contradiction(code, causes=fitting, **means.measured._asdict())
         yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
 
 
@@ -134,15 +133,17 @@ class Constants:
         return abs(math.log(self.ratio[joint]))
 
 
-def torque_constants(means: BlockMeans, arm: Robot, name: str = MEASURED_CURRENT) -> Constants:
+def torque_constants(means: BlockMeans, arm: Robot, name: str = "") -> Constants:
     """Return the torque constants by gravity of the joints that bear something.
 
-    At rest, friction may hold a part of gravity; name: of the channel that holds currents.
+    At rest, friction may hold a part of gravity; name: of the channel that holds efforts, by
+    default the measured one.
     """
+    efforts = means.currents[name] if name else means.effort
     gravity, moves = means.gravity(arm), moving_joints(means)
     makers, ratios = np.array(arm.maker_torque_constants()), dict[int, list[float]]()
     for joint, size in enumerate(np.sqrt((gravity**2).mean(axis=0))):
-        held = held_gravity(means, gravity, means.currents[name], joint)
+        held = held_gravity(means, gravity, efforts, joint)
         shown = size > MIN_GRAVITY_TORQUE and held.unexplained < MAX_SHARE_UNEXPLAINED
         if shown and np.isfinite(makers[joint]):
             sticking = 0.0 if moves[joint] else STICTION_SHARE * arm.torque_limits()[joint] / size

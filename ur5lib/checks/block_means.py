@@ -1,13 +1,13 @@
 """Means of a robot table's channels over short blocks, for checks of the arm's statics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import CURRENTS
+from ur5lib.channels import EFFORT_CHANNELS, Effort
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
@@ -29,10 +29,10 @@ class BlockMeans:
     """Means over M blocks of a recording.
 
     q, qd, qdd: (M, 6) [rad, rad/s, rad/s²]; torque: `target_moment` (M, 6) [Nm], None if it was not
-    recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded;
-    offset: whether each may have an offset, so that only their changes are evidence; independent:
-    errors per block that count as independent; time: (M,) of their starts [s], and segment: (M,)
-    labels, None where they are no blocks of a recording.
+    recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded, or
+    `actual_torque` [Nm]; offset: whether each may have an offset, so that only their changes are
+    evidence; independent: errors per block that count as independent; time: (M,) of their starts
+    [s], and segment: (M,) labels, None where they are no blocks of a recording.
     """
 
     q: Array
@@ -53,6 +53,24 @@ class BlockMeans:
         q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
         currents = {name: values[rows][:, columns] for name, values in self.currents.items()}
         return type(self)(q, qd, qdd, None, currents, self.offset)
+
+    @property
+    def measured(self) -> Effort:
+        """Return what tells the measured efforts."""
+        return Effort.measured_in({f"{name}_0" for name in self.currents})
+
+    @property
+    def effort(self) -> Array:
+        """Return the measured efforts (M, n), currents [A] or torques [Nm]."""
+        return self.currents[self.measured.channel]
+
+    def has_efforts(self) -> bool:
+        """Return whether efforts were measured."""
+        return self.measured.channel in self.currents
+
+    def with_efforts(self, efforts: Array) -> Self:
+        """Return the means with these measured efforts (M, n), and no targets of them."""
+        return replace(self, currents={self.measured.channel: efforts})
 
     def gravity(self, arm: Robot) -> Array:
         """Return the torque (M, 6) [Nm] that holds an arm, payload included."""
@@ -78,11 +96,11 @@ class BlockMeans:
 
 
 def block_means(
-    robot: pd.DataFrame, period: float, currents: Sequence[str] = CURRENTS
+    robot: pd.DataFrame, period: float, currents: Sequence[str] = EFFORT_CHANNELS
 ) -> BlockMeans:
     """Return the means over blocks without a split, mostly of received frames.
 
-    robot: repaired, on a uniform grid with this period [s]; currents: channels that hold currents.
+    robot: repaired, on a uniform grid with this period [s]; currents: channels that hold efforts.
     """
     names = ("actual_q", "actual_qd", "target_moment", *currents)
     channels = {name: channel(robot, name) for name in names if f"{name}_0" in robot}

@@ -7,14 +7,13 @@ limit on its other side is what it can show.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.channels import CURRENT, TORQUE
 from ur5lib.checks.arm import Cause, Pair, torque_constants
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import moving_joints, rubbing_joints
@@ -128,11 +127,11 @@ class MotionChecks:
 
     def exchanges_of_efforts(self) -> Iterator[Cause]:
         """Yield pairs of joints whose motion explains each other's efforts better."""
-        code = "exchanged torques" if self.arm.senses_torque() else "exchanged currents"
+        code = "exchanged torques" if self.arm.measured == TORQUE else "exchanged currents"
         for pair, other in self.exchanged_efforts.items():
             if is_likelier(other, self.declared, pair, OF_EFFORTS):
-                efforts = self.means.currents[MEASURED_CURRENT][:, self._order(pair)]
-                yield self._change(code, other, self._with_efforts(efforts), pair)
+                efforts = self.means.effort[:, self._order(pair)]
+                yield self._change(code, other, self.means.with_efforts(efforts), pair)
 
     def turned_by_links(self) -> Iterator[Cause]:
         """Yield the joints whose turned efforts the declared links explain better, or, where nobody
@@ -144,7 +143,7 @@ class MotionChecks:
         if joints:
             signs = self._signs(joints)
             other = self.motion.explained(self.motion.torque * signs)
-            means = self._with_efforts(self.means.currents[MEASURED_CURRENT] * signs)
+            means = self.means.with_efforts(self.means.effort * signs)
             codes = "turned torques by links", "turned current by links"
             yield Cause(self._as_turned(joints, *codes), self.gain(other), means, self.arm)
 
@@ -228,7 +227,7 @@ class MotionChecks:
         return known and own is not None and is_turned(self.declared, own, joint)
 
     def _as_turned(self, joints: list[int], of_torques: str, of_current: str) -> Finding:
-        if not self.arm.senses_torque():
+        if self.arm.measured == CURRENT:
             return contradiction(of_current, joint=joints[0] + 1)
         numbers, signs = [joint + 1 for joint in joints], self._signs(joints).astype(int).tolist()
         return contradiction(of_torques, joints=numbers, signs=str(signs))
@@ -236,9 +235,6 @@ class MotionChecks:
     def _signs(self, joints: list[int]) -> Array:
         """Return -1 for some joints, 1 for others (n,)."""
         return np.where(np.isin(np.arange(len(self.arm.joints)), joints), -1.0, 1.0)
-
-    def _with_efforts(self, efforts: Array) -> BlockMeans:
-        return replace(self.means, currents={MEASURED_CURRENT: efforts})
 
     def _gain_of_sign(self, joint: int) -> float:
         return self.gain(self.turned[joint])

@@ -7,7 +7,7 @@ from functools import cache, cached_property
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.channels import TORQUE
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.by_motion import MotionChecks
 from ur5lib.checks.contacts import felt_contact
@@ -76,7 +76,7 @@ class Checked:
 
         A torque sensor beyond the gear shows no friction, by which motions explain a current.
         """
-        if not self.shows_currents() or self.arm.senses_torque():
+        if not self.shows_currents() or self.arm.measured == TORQUE:
             return None
         if moving_joints(self.means).sum() < (1 if self.driven else MIN_JOINTS_LED_BY_HAND):
             return None
@@ -87,7 +87,7 @@ class Checked:
         """Return how likely delays of currents, or of motors' torques, are; None as `answers`."""
         if self.answers is not None:
             return self.answers.delays
-        by_motors = self.arm.senses_torque() and self.tells_signs_by_friction()
+        by_motors = self.arm.effort == "motor_torque" and self.driven
         if not self.shows_currents() or not by_motors or not moving_joints(self.means).any():
             return None
         return delays_by_motion(self.robot, self.loaded, self.step)
@@ -118,18 +118,18 @@ class Checked:
 
     def shows_currents(self) -> bool:
         """Return whether it has enough blocks of currents, or of torques in their place."""
-        return len(self.means.q) >= MIN_BLOCKS and MEASURED_CURRENT in self.means.currents
+        return len(self.means.q) >= MIN_BLOCKS and self.means.has_efforts()
 
     def tells_signs_by_friction(self) -> bool:
         """Return whether friction brakes what efforts drive; sensors beyond gears feel none."""
-        return self.driven and (not self.arm.senses_torque() or self.arm.drives.torques == "motor")
+        return self.driven and self.arm.effort in ("current", "motor_torque")
 
     def tells_by_gravity(self) -> bool:
         """Return whether gravity tells arm, joints and motors by the currents.
 
         A push against an arm at rest looks like gravity.
         """
-        if MEASURED_CURRENT not in self.means.currents or not self.arm.tells_gravity():
+        if not self.means.has_efforts() or not self.arm.tells_gravity():
             return False
         return bool(moving_joints(self.means).any()) or (self.fitted and self.contact is None)
 

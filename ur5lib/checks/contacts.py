@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.records.quality import Finding
@@ -76,7 +75,7 @@ def deviations(means: BlockMeans, arm: Robot) -> Array:
     """
     assert means.time is not None
     assert means.segment is not None
-    gravity, current = means.gravity(arm), means.currents[MEASURED_CURRENT]
+    gravity, current = means.gravity(arm), means.effort
     steps = np.diff(means.time, prepend=means.time[0])
     same = np.diff(means.segment, prepend=means.segment[0]) == 0
     follows = same & (steps < 1.5 * np.median(steps))  # directly after the block before
@@ -105,7 +104,7 @@ def _unexplained_current(means: BlockMeans, gravity: Array, joint: int, moving: 
     friction, speed = means.friction(joint), means.qd[:, joint]
     terms = [gravity, friction, np.abs(gravity) * friction[:, 0], np.abs(speed) * speed, means.qdd]
     columns = np.column_stack([*terms, np.ones(len(gravity))])
-    current = means.currents[MEASURED_CURRENT][:, joint]
+    current = means.effort[:, joint]
     weight = moving.astype(float)
     residual = current
     for _ in range(REGRESSION_ROUNDS):

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
+from ur5lib.channels import CURRENT, MEASURED_CURRENT, TARGET_CURRENT, TORQUE
 from ur5lib.checks.block_means import BlockMeans, combination, fitted_load, size
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.delays import CURRENT_NOISE, Delays, delays_by_motion
@@ -104,7 +104,7 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
 
 def rubbing_joints(arm: Robot) -> Mask:
     """Return which joints (n,) have friction that motors feel: of a torque, those behind a gear."""
-    return (np.array(arm.gear_ratios()) >= MIN_GEAR_RATIO) | (not arm.senses_torque())
+    return (np.array(arm.gear_ratios()) >= MIN_GEAR_RATIO) | (arm.measured == CURRENT)
 
 
 def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
@@ -116,9 +116,7 @@ def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
     speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
     for joint in np.flatnonzero(moving_joints(means) & rubbing_joints(arm)).tolist():
         columns = np.column_stack([means.friction(joint), gravity[joint], *rest])
-        value, error = combination(
-            columns, means.currents[MEASURED_CURRENT][:, joint], [1.0, speed[joint]]
-        )
+        value, error = combination(columns, means.effort[:, joint], [1.0, speed[joint]])
         errors[joint] = value / (error + 1e-9)
     return errors
 
@@ -147,7 +145,7 @@ def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:
     """
     targets = means.currents.get("target_current")
     expected = means.gravity(arm) if targets is None else targets
-    current = means.currents[MEASURED_CURRENT]
+    current = means.effort
     joints = range(current.shape[1])
     columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in joints]
     sizes = np.array([[nnls(column, current[:, j])[1] for column in columns] for j in joints])
@@ -173,7 +171,7 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
     arm: with what it carries.
     """
-    if arm.senses_torque():
+    if arm.measured == TORQUE:
         return
     gravity = means.gravity(arm)
     joint = int(np.argmax((gravity**2).mean(axis=0)))

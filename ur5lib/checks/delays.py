@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import DECORRELATION_TIME
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.records.quality import Finding, contradiction
@@ -73,7 +72,8 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float) -> Delays:
     most = round(MAX_DELAY / (count * step))
     lags = np.arange(-most, most + 1)
     # means over blocks, from positions and currents alone
-    q, current = (_means(channel(robot, name), count) for name in ("actual_q", MEASURED_CURRENT))
+    names = "actual_q", arm.measured.channel
+    q, current = (_means(channel(robot, name), count) for name in names)
     received = 1 - _means(robot[["interpolated"]].to_numpy(float), count)[:, 0]
     step *= count
     qd = np.gradient(q, step, axis=0)

@@ -8,7 +8,7 @@ changes of its own joint's position and velocity more than from those of any oth
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.channels import Effort
 from ur5lib.checks.block_means import SMALLEST_SIZE
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -39,7 +39,7 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
     most = max(RESPONSE_FRAMES, *np.abs(shifts))
     rows = np.flatnonzero(_received(robot)[most : len(robot) - most]) + most
     rows = rows[:: 1 + len(rows) // MAX_FRAMES]
-    changes = _changes(channel(robot, MEASURED_CURRENT))
+    changes = _changes(channel(robot, Effort.measured_in(robot).channel))
     count = changes.shape[1]
     innovations = _innovations(changes)
     too_few = len(rows) < MIN_FRAMES or step > MAX_STEP

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import CURRENTS, MEASURED_CURRENT
+from ur5lib.channels import EFFORT_CHANNELS
 from ur5lib.checks.arm import MIN_LEAD_OF_ARM, gains_of_arms, of_measured
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
@@ -38,7 +38,9 @@ def posture_means(postures: pd.DataFrame) -> BlockMeans:
     """Return postures as blocks without motion; friction at rest may have a mean."""
     q = channel(postures, "actual_q")
     moment = channel(postures, "target_moment") if "target_moment_0" in postures else None
-    currents = {name: channel(postures, name) for name in CURRENTS if f"{name}_0" in postures}
+    currents = {
+        name: channel(postures, name) for name in EFFORT_CHANNELS if f"{name}_0" in postures
+    }
     still = np.zeros_like(q)
     return BlockMeans(q, still, still, moment, currents, offset=True, independent=1.0)
 
@@ -70,14 +72,14 @@ def _contradictions(
     # of a smaller correlation, friction may be the cause
     turned = _correlation(means, loaded) < -np.sqrt(MAX_VARIANCE_UNEXPLAINED)
     for joint in np.flatnonzero(turned).tolist():
-        yield contradiction("turned current at rest", joint=joint + 1)
+        yield contradiction("turned current at rest", joint=joint + 1, **means.measured._asdict())
     yield from foreign_currents(means, loaded)
     yield from _exchanged_joints(means, loaded)
     yield from _unexplained(means, loaded)
     yield from _foreign_arm(means, loaded, arms_alike(arm, declared))
     small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
     if small:
-        yield contradiction("contradicting constants", each=small)
+        yield contradiction("contradicting constants", each=small, **means.measured._asdict())
 
 
 def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
@@ -89,7 +91,8 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     best = max(pairs, key=lambda pair: scores[exchanged_order(in_place, *pair)])
     gain = scores[exchanged_order(in_place, *best)] - scores[in_place]
     if gain > MIN_LEAD_OF_EXCHANGED_JOINTS:
-        yield contradiction("exchanged joints at rest", joint=best[0] + 1, other=best[1] + 1)
+        joints = {"joint": best[0] + 1, "other": best[1] + 1}
+        yield contradiction("exchanged joints at rest", **joints, **means.measured._asdict())
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
@@ -97,7 +100,8 @@ def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iter
     gains = gains_of_arms(of_measured(means), arm, others)
     best = max(gains, key=lambda name: gains[name], default=arm.name)
     if best in gains and gains[best] > MIN_LEAD_OF_ARM:
-        yield contradiction("other arm's currents at rest", arm=arm.name, other=best)
+        names = {"arm": arm.name, "other": best}
+        yield contradiction("other arm's currents at rest", **names, **means.measured._asdict())
 
 
 def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:
@@ -114,6 +118,7 @@ def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -
         "shares": shares,
         "joints": [remark("unchecked joints", joints=others)] if others else [],
         "arms": [remark("arms alike", arms=alike)] if alike else [],
+        **means.measured._asdict(),
     }
     code = "postures" if shares else "postures without gravity"
     few = "few postures" if len(means.q) < MIN_BLOCKS else ""
@@ -123,7 +128,8 @@ def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -
 def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
     """Return a warning of torque constants far above the known ones; arm: with what it carries."""
     each = [one for smaller, one in _unlike_constants(means, arm) if not smaller]
-    warning = Finding("robot", "torque constants", "warning", len(each), {"each": each})
+    values = {"each": each, **means.measured._asdict()}
+    warning = Finding("robot", "torque constants", "warning", len(each), values)
     return [warning] if each else []
 
 
@@ -137,7 +143,7 @@ def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[
 
 def _correlation(means: BlockMeans, arm: Robot) -> Array:
     """Return the correlation (n,) of each current with gravity, NaN where chance would do."""
-    pairs = zip(means.gravity(arm).T, means.currents[MEASURED_CURRENT].T, strict=True)
+    pairs = zip(means.gravity(arm).T, means.effort.T, strict=True)
     correlation = np.array([_pair_correlation(*pair) for pair in pairs])
     error = np.sqrt((1 - correlation**2) / max(1, len(means.q) - 2))
     return np.where(np.abs(correlation) > MIN_ERRORS_OF_CORRELATION * error, correlation, np.nan)
@@ -157,7 +163,8 @@ def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     joint = int(np.argmax(heavy))
     share = np.nan_to_num(_correlation(means, arm)[joint]) ** 2
     if heavy[joint] > MIN_GRAVITY_SHARE and share < 1 - MAX_VARIANCE_UNEXPLAINED:
-        yield contradiction("gravity unexplained", joint=joint + 1, share=float(share))
+        values = {"joint": joint + 1, "share": float(share)}
+        yield contradiction("gravity unexplained", **values, **means.measured._asdict())
 
 
 def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Remark]]:
@@ -169,7 +176,7 @@ def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Rem
     """
     if len(means.q) < MIN_BLOCKS:
         return
-    torque, current = means.gravity(arm), means.currents[MEASURED_CURRENT]
+    torque, current = means.gravity(arm), means.effort
     correlation, makers = _correlation(means, arm), np.array(arm.family_torque_constants())
     bears = torque.std(axis=0) > STATIC_FRICTION_SHARE * np.array(arm.torque_limits())
     for joint in np.flatnonzero(bears & np.isfinite(correlation * makers)).tolist():
@@ -179,4 +186,5 @@ def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Rem
         ratio = 1 / slope / makers[joint]
         if error < MAX_CONSTANT_ERROR and not 1 / MAX_CONSTANT_RATIO < ratio < MAX_CONSTANT_RATIO:
             values = {"fitted": float(1 / slope), "known": float(makers[joint])}
-            yield ratio < 1, remark("other constant", joint=joint + 1, **values)
+            unit = means.measured.constant_unit
+            yield ratio < 1, remark("other constant", joint=joint + 1, unit=unit, **values)

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.delays import CURRENT_NOISE
@@ -21,7 +20,7 @@ MIN_UNSIGNED_JOINTS = 2  # one alone may be its offset
 
 def rectified_efforts(means: BlockMeans, arm: Robot, name: str) -> Iterator[Finding]:
     """Find efforts without sign. arm: with what it carries; name: of their channel."""
-    if joints := unsigned_joints(means, means.currents[MEASURED_CURRENT], arm):
+    if joints := unsigned_joints(means, means.effort, arm):
         numbers = [joint + 1 for joint in joints]
         yield contradiction("rectified efforts", name=name, joints=numbers)
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.block_means import BlockMeans, size
 from ur5lib.checks.currents import moving_joints
 from ur5lib.records.quality import Finding, contradiction
@@ -38,7 +37,7 @@ def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
     them, half of its weight in equal links with their centres midway; None where these bear little,
     or its weight is unknown.
     """
-    torque = means.currents[MEASURED_CURRENT]
+    torque = means.effort
     if arm.tells_gravity():
         return float(np.linalg.norm(torque) / size(means.gravity(arm)))
     if arm.weight is None:
@@ -54,6 +53,6 @@ def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
 
 def constant_torques(means: BlockMeans) -> Iterator[Finding]:
     """Find torques that stay the same while their joints move."""
-    changes = np.ptp(means.currents[MEASURED_CURRENT], axis=0) > SMALLEST_CHANGE
+    changes = np.ptp(means.effort, axis=0) > SMALLEST_CHANGE
     if still := (1 + np.flatnonzero(moving_joints(means) & ~changes)).tolist():
         yield contradiction("constant torques", joints=still)

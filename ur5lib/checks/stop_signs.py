@@ -2,7 +2,7 @@
 
 from collections.abc import Container, Iterator
 
-from ur5lib.channels import MEASURED_CURRENT, MOST_JOINTS, SENSED_TORQUE, columns
+from ur5lib.channels import CURRENT, MOST_JOINTS, TORQUE, columns
 from ur5lib.checks.arm import (
     Cause,
     foreign_constants,
@@ -38,7 +38,7 @@ from ur5lib.tables import channel
 
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
-    *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
+    *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "torque")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
     (f"filled_{kind}_{name}" for kind in ("actual", "target") for name in ("q", "current")),
 )
@@ -74,14 +74,14 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         return
     yield from foreign_torque(means, arm, checked.payloads)
     yield from tool_off_flange(robot, arm)
-    name = SENSED_TORQUE if arm.senses_torque() else MEASURED_CURRENT
+    name = arm.measured.channel
     if checked.shows_currents() and checked.tells_signs_by_friction():
         yield from rectified_efforts(means, loaded, name)
     if checked.delays is not None:  # whatever arm and units are
         yield from delayed_currents(checked.delays, checked.driven, name)
     if checked.answers is not None:
         yield from exchanged_currents(checked.answers)
-    if arm.senses_torque() and MEASURED_CURRENT in means.currents:
+    if arm.measured == TORQUE and means.has_efforts():
         yield from constant_torques(means)
         yield from foreign_size(means, loaded)
     yield from _of_efforts(checked)
@@ -105,7 +105,7 @@ def _of_efforts(checked: Checked) -> Iterator[Finding]:
     yield from units
     if motion is not None:
         yield from motion.turned_by_friction()
-    if checked.tells_by_gravity() and means.torque is None and not loaded.senses_torque():
+    if checked.tells_by_gravity() and means.torque is None and loaded.measured == CURRENT:
         yield from foreign_constants(means, loaded, checked.others, checked.fitted)
 
 
@@ -139,10 +139,10 @@ def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -
 def _mountings(checked: Checked) -> Iterator[Cause]:
     """Yield another mounting; a push at rest is like one, but for constants that no motor has."""
     means, loaded, motion = checked.means, checked.loaded, checked.motion
-    if MEASURED_CURRENT not in means.currents or not loaded.tells_gravity():
+    if not means.has_efforts() or not loaded.tells_gravity():
         return
     if checked.tells_by_gravity() or (
-        not loaded.senses_torque() and torque_constants(means, loaded).foreign()
+        loaded.measured == CURRENT and torque_constants(means, loaded).foreign()
     ):
         for own in foreign_mountings(means, loaded, checked.driven):
             yield own if motion is None else own._replace(gain=motion.gain_of_arm(own.arm))

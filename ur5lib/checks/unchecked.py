@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
+from ur5lib.channels import TARGET_CURRENT, TORQUE
 from ur5lib.checks.arm import Pair, fitting_arms, torque_constants
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import MIN_GRAVITY_TORQUE, MIN_LEAD_OF_EXCHANGE
@@ -20,7 +20,7 @@ from ur5lib.checks.tool import (
 from ur5lib.checks.torques import is_foreign
 from ur5lib.records.quality import Finding, Severity
 
-POSE, TORQUE = "actual_TCP_pose", "target_moment"
+POSE, MOMENT = "actual_TCP_pose", "target_moment"
 MAX_NAMED = 3  # other arms
 
 
@@ -53,9 +53,8 @@ def _arm(checked: Checked) -> Iterator[Finding]:
         fitting = fitting_arms(checked.means, checked.loaded, others)
         others = [one for one in others if one.name in fitting]
     if others:
-        absent = [
-            name for name in (TORQUE, POSE, MEASURED_CURRENT) if f"{name}_0" not in checked.robot
-        ]
+        telling = MOMENT, POSE, checked.arm.measured.channel
+        absent = [name for name in telling if f"{name}_0" not in checked.robot]
         names, more = [one.name for one in others[:MAX_NAMED]], len(others[MAX_NAMED:])
         names += [f"{more} more"] * bool(more)
         yield _note("arm not checked", arm=checked.arm.name, others=names, absent=absent)
@@ -110,11 +109,12 @@ def _pairs_shown_by_motion(checked: Checked) -> Iterator[Pair]:
 def _currents(checked: Checked) -> Iterator[Finding]:
     """Yield what is open about the columns of currents, their units, signs and clock."""
     means, motion = checked.means, checked.motion
-    if MEASURED_CURRENT not in means.currents:
+    if not means.has_efforts():
         severity: Severity = "warning" if checked.fitted else "note"
-        yield Finding("robot", "no currents", severity, 1, {}, "currents missing")
+        values = checked.arm.measured._asdict()
+        yield Finding("robot", "no currents", severity, 1, values, "currents missing")
         return
-    told, sensed = checked.arm.tells_gravity(), checked.arm.senses_torque()
+    told, sensed = checked.arm.tells_gravity(), checked.arm.measured == TORQUE
     bearing = torque_constants(means, checked.loaded).ratio if told and not sensed else {}
     if told and not sensed and not bearing and TARGET_CURRENT not in means.currents:
         yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)

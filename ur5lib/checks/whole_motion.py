@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import MEASURED_CURRENT
+from ur5lib.channels import TORQUE
 from ur5lib.checks.arm import MAX_CONSTANT_RATIO
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.robots.description import Robot
@@ -126,7 +126,7 @@ class WholeMotion:
     @cached_property
     def torque(self) -> Array:
         """Return the efforts (M, n) [Nm], currents by the maker's torque constants."""
-        return self.means.currents[MEASURED_CURRENT] * self.arm.maker_torque_constants()
+        return self.means.effort * self.arm.maker_torque_constants()
 
     @cached_property
     def regressor(self) -> Array:
@@ -167,7 +167,7 @@ class WholeMotion:
         """Return by how much a torque (M, n) is larger than that of the described links, (n,):
         measured torques are not; currents may be, as far as motors' constants allow.
         """
-        if self.arm.senses_torque():
+        if self.arm.measured == TORQUE:
             return np.ones(len(self.joints))
         return np.clip(self.slopes(torque), 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO)
 

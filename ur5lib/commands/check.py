@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.channels import fast_between_samples, slow_samples, too_short
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts, unfelt_contacts
@@ -192,7 +191,7 @@ def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
 
     sensed: whether a force sensor shows weaker ones.
     """
-    if not checked.fitted or MEASURED_CURRENT not in checked.means.currents:
+    if not checked.fitted or not checked.means.has_efforts():
         return
     if checked.contact is not None:
         yield checked.contact

@@ -16,7 +16,9 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 ERROR_CHANCE = 0.05  # of any false change in a topic, and of a miss of a single interval
 CHANGED_RATIO = 1.1  # ratio of two errors without interval from which they count as different
-PARAMETER_UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
+PARAMETER_UNITS = {  # others: Nm
+    **{"torque_constant": "Nm/A", "gain": "Nm/Nm", "viscous": "Nm s/rad", "load": ""}
+}
 COMPARED_SEVERITIES = ["stop", "error", "warning"]
 StudyPair = tuple[FinishedStudy, FinishedStudy]  # before and after
 PAIR_COLUMNS = ("value_a", "value_b", "half_a", "half_b")  # estimates, half of their intervals

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from rich.console import Console
 from rich.progress import Progress
 
+from ur5lib import channels
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError, unknown
@@ -34,7 +35,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.page.excitation import LOAD_ADVICE, excitation_figure, excitation_page
 from ur5lib.report.page.render import html_page
-from ur5lib.report.page.sentences import speaking_of_torques
+from ur5lib.report.page.sentences import speaking_of
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.strict import read_yaml
@@ -82,17 +83,17 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL_EFFORT) 
     drawing, drawn = excitation_figure(designed), folder / "excitation.svg"
     write_files(folder, asked, options.payload, designed)
     save(drawing, drawn)
-    ur, sensed = arm.is_ur(), arm.senses_torque()
+    ur = arm.is_ur()
     command = f"{RECORD_COMMAND} {folder}/trajectory.csv --speed 1" if ur else ""
     before = [] if options.payload is None else [_mounting(options.payload, len(arm.joints))]
     outlook = outlook_of(arm, earlier_study, designed)
     steps = [*before, SAFETY_ADVICE, *([] if ur else [DRIVER_ADVICE])]
-    with speaking_of_torques(sensed):
+    with speaking_of(arm.measured):
         page = excitation_page(asked, steps, command, designed, outlook, drawn)
     write_text(html_page(page), folder / "excitation.html")
     yield from designed.margins.lines()
     yield from _worth_lines(designed.task.problem, designed.worth)
-    yield from _band_lines(outlook, sensed)
+    yield from _band_lines(outlook, arm.measured)
     yield from before
     yield f"{folder} written; next: {command or DRIVER_ADVICE}"
 
@@ -211,13 +212,14 @@ def _worth_lines(problem: DesignProblem, worth: Worth) -> Iterator[str]:
         yield f"this motion would hardly lower the first of these errors: {LOAD_ADVICE}"
 
 
-def _band_lines(outlook: Sequence[Bands], sensed: bool) -> Iterator[str]:
-    """Yield the bands before and after recordings; sensed: of torques in place of currents."""
-    name, unit = ("torque", "Nm") if sensed else ("current", "A")
+def _band_lines(outlook: Sequence[Bands], effort: channels.Effort) -> Iterator[str]:
+    """Yield the bands before and after recordings, of a force, an effort and a load."""
     if outlook:
-        yield f"half of the 95 % bands of a force in contact, a {name} and a load, on average:"
+        kinds = f"a force in contact, a {effort.quantity} and a load"
+        yield f"half of the 95 % bands of {kinds}, on average:"
     for row in outlook:
-        yield f"  {row.after:<46}{row.force:>7.2f} N {row.current:>7.4f} {unit} {row.mass:>6.3f} kg"
+        current = f"{row.current:>7.4f} {effort.unit}"
+        yield f"  {row.after:<46}{row.force:>7.2f} N {current} {row.mass:>6.3f} kg"
 
 
 def _recorded(arm: Robot, study: FinishedStudy, name: str) -> RecordedStates:

@@ -114,7 +114,7 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
 
 def friction_torque(fit: CurrentFit, study: FinishedStudy, recording: str, model: str) -> Array:
     """Return the predicted torque of friction (N, n) [Nm] in a recording, k i + b - τ."""
-    current = study.record(Currents, recording).predicted_current
+    current = study.record(Currents, recording).predicted
     torques = study.record(Torques, recording)
     assert current is not None
     return motor_torque(fit, current) - torques.measured[model] - torques.payload_torque

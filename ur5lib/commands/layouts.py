@@ -15,6 +15,7 @@ PLOTS: dict[str, list[tuple[str, str]]] = {
     "moment [Nm]": [("forces", f"{LEADING}_n"), ("sensor", "compensated_n")],
     "log-odds of contact": [("forces", f"log_odds_{LEADING}")],
     "current [A]": [("signals", "actual_current_"), ("currents", "predicted_current_")],
+    "torque [Nm]": [("signals", "actual_torque_"), ("currents", "predicted_torque_")],
     "angle [rad]": [("signals", "actual_q_")],
 }
 

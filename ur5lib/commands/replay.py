@@ -43,10 +43,10 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     torques, currents = study.record(Torques, name), study.record(Currents, name)
-    if currents.predicted_current is None or signals.actual_current is None:
+    if currents.predicted is None or signals.effort is None:
         raise InputError(f"no current was predicted on {name}; see the report of {results}")
     fit = friction.fit_for(name)
-    measured = motor_torque(fit, signals.actual_current)
+    measured = motor_torque(fit, signals.effort)
     loaded = arm.carrying(study.payload(name)).mounted(recording.known_gravity())
     described = "fitted" if arm.links == "fitted" else "maker's"
     gravity, maker = np.array(loaded.gravity), f"{described} model ({arm.chosen_model})"
@@ -54,7 +54,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     compared = {
         file.name: inverse_dynamics(model, motion),
         maker: torques.measured[arm.chosen_model] + torques.payload_torque,
-        "this study's prediction": motor_torque(fit, currents.predicted_current),
+        "this study's prediction": motor_torque(fit, currents.predicted),
         "zero": np.zeros_like(measured),
     }
     rate, moving = 1 / signals.period, np.abs(motion.qd) >= DEAD_ZONE

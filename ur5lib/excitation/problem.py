@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import block_diag
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.identification.base_parameters import (
@@ -91,8 +92,8 @@ class DesignProblem:
     """The parameters θ = (β, the joints' a b c v l in turn, p) and their measurement.
 
     base: β, (B,); theta: (P,), nominal values; prior: (P, P), the information before any recording;
-    has_payload: whether p, whose nominal value is zero, is among the parameters; senses_torque:
-    whether torque sensors take the place of currents.
+    has_payload: whether p, whose nominal value is zero, is among the parameters; effort: that
+    is measured.
     """
 
     base: BaseParameters
@@ -100,7 +101,7 @@ class DesignProblem:
     noise: MeasurementNoise
     prior: Array
     has_payload: bool
-    senses_torque: bool = False
+    effort: Effort = CURRENT
 
     @property
     def joints(self) -> int:
@@ -135,7 +136,7 @@ class DesignProblem:
     def names(self) -> list[str]:
         """Return the parameters' names, in physical terms."""
         links = [self.base.parameters[column] for column in self.base.columns]
-        names_per_joint = SENSED_JOINT_PARAMETERS if self.senses_torque else JOINT_PARAMETERS
+        names_per_joint = JOINT_PARAMETERS if self.effort == CURRENT else SENSED_JOINT_PARAMETERS
         joints = [
             f"{name} of joint {k + 1}" for k in range(self.joints) for name in names_per_joint
         ]
@@ -282,7 +283,7 @@ def nominal_maps(robot: Robot) -> Maps:
     if not np.isfinite(constants).any():
         raise InputError(
             f"{robot.name} has no torque constants: write its motors' `torque_constant` and "
-            "`gear_ratio` into its description, 1 and 1 where its joints sense torque"
+            "`gear_ratio` into its description, or `effort` where its joints sense torque"
         )
     constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
     largest = np.array(robot.torque_limits())
@@ -291,7 +292,7 @@ def nominal_maps(robot: Robot) -> Maps:
     coulomb, viscous, load = (friction_share * share for share in NOMINAL_FRICTION)
     torques = [ones, 0 * ones, coulomb * largest, viscous * largest, load * ones]
     slow = np.sqrt(CORRELATION_TIME / INDEPENDENT_STEP)
-    relative = SENSOR_NOISE if robot.senses_torque() else CURRENT_NOISE
+    relative = CURRENT_NOISE if robot.measured == CURRENT else SENSOR_NOISE
     targets = slow * TORQUE_NOISE if robot.is_ur() else np.inf
     noise = MeasurementNoise(targets * ones, slow * relative * largest / constants)
     return Maps(np.stack(torques, axis=1) / constants[:, None], noise)
@@ -299,7 +300,7 @@ def nominal_maps(robot: Robot) -> Maps:
 
 def _friction_share(robot: Robot) -> float:
     """Return the share of the joints' friction that currents or torque sensors contain."""
-    return SENSED_FRICTION_SHARE if robot.senses_torque() else 1.0
+    return 1.0 if robot.measured == CURRENT else SENSED_FRICTION_SHARE
 
 
 def random_states(robot: Robot, speed: float, acceleration: float) -> tuple[Array, Array, Array]:
@@ -329,7 +330,7 @@ def build_problem(
     blocks = [np.linalg.inv(spread @ spread.T), _prior_of_maps(robot, maps, typical)]
     blocks += [np.diag(LOAD_WIDTH**-2.0)] * has_payload
     prior = np.asarray(block_diag(*blocks))
-    return DesignProblem(base, theta, maps.noise, prior, has_payload, robot.senses_torque())
+    return DesignProblem(base, theta, maps.noise, prior, has_payload, robot.measured)
 
 
 def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
@@ -338,7 +339,7 @@ def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
     That of torque sensors is narrower: their gains are calibrated, and they see little friction.
     """
     torque_max, inverse = np.array(robot.torque_limits()), maps.coefficients[:, 0]
-    width, friction = GAIN_WIDTH if robot.senses_torque() else CONSTANT_WIDTH, {}
+    width, friction = CONSTANT_WIDTH if robot.measured == CURRENT else GAIN_WIDTH, {}
     if typical and robot.has_ur_motors():
         width, friction = UR_CONSTANT_WIDTH, typical_friction(torque_max)
     constants = Normal(inverse, np.diag((width * inverse) ** -2.0))

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ur5lib.channels import TORQUE
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.currents import (
     CurrentFit,
@@ -88,7 +89,7 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
     known of them, since a fit that keeps to it takes what contradicts it for noise: those that are
     known better before keep it, too.
     """
-    sensed = prior.senses_torque()
+    sensed = prior.measured == TORQUE
     fit = fitted(prior.with_wide_gains() if sensed else prior)
     lost = beyond_range(fit) if sensed else too_large(fit, prior)
     if not (sensed or lost.any()):
@@ -283,12 +284,13 @@ def _remarks(
     remarks = []
     if moved < MIN_UNITS:
         code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
-        remarks.append(remark(code, paths=moved))
+        remarks.append(remark(code, paths=moved, constant=prior.measured.constant))
     inverse, known_inverse = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
     deviations = abs(inverse - known_inverse) / float(prior.std()[0])
     if (
         deviations > DOUBTFUL_DEVIATIONS
         and not known_inverse / DOUBTFUL_RATIO < inverse < known_inverse * DOUBTFUL_RATIO
     ):
-        remarks.append(remark("unlikely constant", deviations=deviations))
+        values = {"deviations": deviations, "constant": prior.measured.constant}
+        remarks.append(remark("unlikely constant", **values))
     return tuple(remarks)

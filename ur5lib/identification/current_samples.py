@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ur5lib.channels import CURRENT
 from ur5lib.identification.prior import (
     Prior,
     Typical,
@@ -50,7 +51,7 @@ def measured_samples(
 
     None where no currents were recorded.
     """
-    if signals.actual_current is None:
+    if signals.effort is None:
         return None
     return CurrentSamples(
         name=name,
@@ -59,7 +60,7 @@ def measured_samples(
         q=motion.q,
         qd=motion.motor_qd,
         torque=torque,
-        current=signals.actual_current,
+        current=signals.effort,
         temperature=signals.joint_temperatures,
         shafts=shafts_of(arm, motion),
         balanced=[joint - 1 for joint in arm.balanced_joints],
@@ -121,7 +122,7 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
     ]
     controller = np.array([np.median(column) if column else np.nan for column in columns])
     torque_max, known = np.array(robot.torque_limits()), np.array(robot.maker_torque_constants())
-    typical, spreads = dict[str, Typical](), OF_TORQUES if robot.senses_torque() else MAKERS
+    typical, spreads = dict[str, Typical](), MAKERS if robot.measured == CURRENT else OF_TORQUES
     if robot.has_ur_motors():
         typical, spreads = typical_friction(torque_max), OF_URS
         family = np.array(robot.family_torque_constants())
@@ -129,7 +130,7 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
     covariance = makers_covariance(known, controller, robot.joints, *spreads)
     constants = torque_constant_prior(known, covariance, controller, CONTROLLERS)
     terms = *FITTED_TERMS, *arm_terms(robot)
-    return Prior(constants, torque_max, terms, typical=typical)
+    return Prior(constants, torque_max, terms, typical=typical, measured=robot.measured)
 
 
 def arm_terms(robot: Robot) -> list[str]:

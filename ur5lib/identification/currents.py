@@ -9,6 +9,7 @@ from datetime import date
 
 import numpy as np
 
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import Remark
 from ur5lib.identification.estimation import CoefficientEstimate, physical_values
 from ur5lib.identification.regression import half_width
@@ -242,13 +243,13 @@ def unseen_difference(
     return unseen
 
 
-def parameters(fit: CurrentFit, senses_torque: bool = False) -> list[Parameter]:
+def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    senses_torque: of measured torques, of which friction and rotors are determined where their
-    sign is.
+    measured: of torques, gains [Nm/Nm] in place of constants, and friction and rotors are
+    determined where their sign is.
     """
-    signed = ["torque_constant", *(coefficient_names([*TERMS]) if senses_torque else ())]
+    signed = ["torque_constant", *(coefficient_names([*TERMS]) if measured == TORQUE else ())]
     rows = []
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate

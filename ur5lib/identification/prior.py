@@ -6,6 +6,7 @@ from itertools import chain
 
 import numpy as np
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.regression import Normal
@@ -55,7 +56,8 @@ def typical_friction(torque_max: Array) -> dict[str, Typical]:
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm].
+    """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: what is
+    predicted; of torques, k is the gain [Nm/Nm].
 
     terms: of friction, that are fitted; pinned: joints from 0 whose 1/k keeps the prior's mean,
     regardless of the data; typical:
@@ -69,10 +71,7 @@ class Prior:
     pinned: tuple[int, ...] = ()
     typical: Mapping[str, Typical] = field(default_factory=dict)
     at_rest: AtRest | None = None
-
-    def senses_torque(self) -> bool:
-        """Return whether measured torques take the currents' place, with gains of 1 Nm/Nm."""
-        return bool((self.inverse_constant.mean == 1.0).all())
+    measured: Effort = CURRENT
 
     def with_wide_gains(self) -> "Prior":
         """Return the prior under which data alone tell the gains of torques."""
@@ -103,7 +102,9 @@ class Prior:
             name: Typical(coefficient.mean[rows], coefficient.std[rows])
             for name, coefficient in self.typical.items()
         }
-        return Prior(inverse, self.torque_max[rows], self.terms, typical=typical)
+        return Prior(
+            inverse, self.torque_max[rows], self.terms, typical=typical, measured=self.measured
+        )
 
     def over(self, terms: Sequence[str]) -> Normal:
         """Return the prior of all joints' coefficients.

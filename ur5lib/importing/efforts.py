@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import CHANNELS, MEASURED_CURRENT, TARGET_CURRENT
+from ur5lib.channels import CHANNELS, MEASURED_CURRENT, TARGET_CURRENT, TORQUE
 from ur5lib.checks.arm import MAX_CONSTANT_RATIO, torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
 from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT, follows_its_model
@@ -149,7 +149,7 @@ def lead_of_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> flo
         force, error = combination(terms, effort[:, column], [1.0, float(speed)])
         brakes.append(force / max(error, SMALLEST_SIZE))
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
-    fits = [torque_constants(ways[1], arm, name) for arm in arms if arm.senses_torque()]
+    fits = [torque_constants(ways[1], arm, name) for arm in arms if arm.measured == TORQUE]
     if sum(brakes) >= 0 and not any(fit.ratio and not fit.foreign() for fit in fits):
         return 0.0
     orders = usual_orders(effort.shape[1])
@@ -181,7 +181,7 @@ def name_efforts(
     for name, unit in known_units.items():
         block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
-        if channel == TORQUE_CHANNEL and arm and (arm.senses_torque() or not arm.is_ur()):
+        if channel == TORQUE_CHANNEL and arm and (arm.measured == TORQUE or not arm.is_ur()):
             channel = "actual_torque"
         if channel == "target_moment" and arm and not arm.is_ur():
             commanded = "a torque that the controller of another arm commanded"
@@ -260,7 +260,7 @@ def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) ->
     shown = {joint: ratio for joint, ratio in fit.ratio.items() if ratio < MAX_SHOWN_RATIO}
     constants = {joint: ratio * fit.known[joint] for joint, ratio in shown.items()}
     scores = unit_scores(means, name, arm)
-    if arm.senses_torque():  # which has no amperes
+    if arm.measured == TORQUE:  # which has no amperes
         scores = {unit: scores[unit] for unit in ("Nm", LESS_GRAVITY)}
         return GravityShown(scores, constants, ())
     return GravityShown(scores, constants, fit.known)

@@ -124,8 +124,8 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
         return None
     fit = fitted.fit_for(folder.name)
     constant = torque_constants(fit)
-    assert currents.predicted_current is not None
-    torque = constant * (currents.predicted_current - record.current)
+    assert currents.predicted is not None
+    torque = constant * (currents.predicted - record.current)
     payload = read_record(Premises, folder / "premises.json").load.payload
     weightless = LinkModel(robot.mounted([0, 0, 0]).carrying(payload), robot.fullest_model())
     return Run(
@@ -138,7 +138,7 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
         qd=motion.qd,
         qdd=motion.qdd,
         model=record.torque,
-        friction=constant * currents.predicted_current - record.torque,
+        friction=constant * currents.predicted - record.torque,
         jacobian=Kinematics.read(folder / "kinematics.parquet").jacobian,
         torque=torque,
         smoothed=currents.external_torque,

@@ -1,6 +1,6 @@
 """One run in two recordings, found by its contents, whatever its format, name and length.
 
-Positions come again where a motion is repeated, but the noise of the currents beside them does not.
+Positions come again where a motion is repeated, but the noise of the efforts beside them does not.
 """
 
 from collections import defaultdict
@@ -10,11 +10,11 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import MEASURED_CURRENT, columns, joint_count
+from ur5lib.channels import Effort, columns, joint_count
 from ur5lib.timeseries.arrays import Array, Labels
 
-# rad, A; coarser than formats write, finer than noise, with borders between decimals
-RESOLUTION = {"actual_q": np.pi / 3000, MEASURED_CURRENT: np.pi / 300}
+# rad; A or Nm; coarser than formats write, finer than noise, with borders between decimals
+RESOLUTION, RESOLUTION_OF_EFFORTS = np.pi / 3000, np.pi / 300
 MAX_ROWS_KEPT = 256  # rows that are kept
 MIN_ROWS_COMPARED = 8  # rows from which on two recordings are compared
 MIN_COMMON_SHARE = 0.5  # share of common rows; of copies nearly all, of other runs hardly one
@@ -26,10 +26,12 @@ def fingerprint(frames: pd.DataFrame) -> list[int]:
     """Return the least hashes of the rows: a sample of these that two copies share.
 
     A bottom-k sketch (A. Broder, On the resemblance and containment of documents, 1997). frames:
-    channels of the robot; none where currents were not recorded.
+    channels of the robot; none where efforts were not recorded.
     """
     joints = joint_count(frames)
-    steps = {column: step for name, step in RESOLUTION.items() for column in columns(name, joints)}
+    steps = dict.fromkeys(columns("actual_q", joints), RESOLUTION)
+    efforts = columns(Effort.measured_in(frames).channel, joints)
+    steps |= dict.fromkeys(efforts, RESOLUTION_OF_EFFORTS)
     if not {*steps} <= {*frames}:
         return []
     complete = np.all([frames[name].notna() for name in steps], axis=0)

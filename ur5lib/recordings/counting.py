@@ -2,14 +2,12 @@
 
 import pandas as pd
 
-from ur5lib.channels import SIGNED_CHANNELS
+from ur5lib.channels import MEASURED_CURRENT, SIGNED_CHANNELS
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import Files
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import of_the_joints
 from ur5lib.tables import channel, named
-
-CURRENT = "actual_current"
 
 
 def counted_as(recording: Files, arm: Robot) -> Robot:
@@ -36,10 +34,11 @@ def at_the_joints(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
     """
     if not arm.is_counted():
         return table
-    if arm.drives.coupling and f"{CURRENT}_0" in table:
+    if arm.drives.coupling and f"{MEASURED_CURRENT}_0" in table:
         raise InputError(
             f"the motors of {arm.name} are coupled, so that no current belongs to one joint; log "
-            "their torques (actual_torque) instead, or leave actual_current out"
+            "their torques instead (actual_torque, `effort: motor_torque` of the arm), or leave "
+            "actual_current out"
         )
     counts = {
         name: channel(table, name, len(arm.joints))

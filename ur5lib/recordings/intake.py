@@ -9,7 +9,18 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import CHANNELS, MEASURED_CURRENT, SENSED_TORQUE, is_unused, joint_count, meant
+from ur5lib.channels import (
+    CHANNELS,
+    EFFORT_CHANNELS,
+    MEASURED_CURRENT,
+    MOST_JOINTS,
+    SENSED_TORQUE,
+    TORQUE,
+    columns,
+    is_unused,
+    joint_count,
+    meant,
+)
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.counting import at_the_joints, counted_as
@@ -33,6 +44,7 @@ from ur5lib.timeseries.arrays import Array
 RAW_WRENCH, TCP_FORCE = "ft_raw_wrench", "actual_TCP_force"
 MOTOR_TORQUE = "actual_current_as_torque"
 TORQUE_LESS_GRAVITY = "actual_torque_less_gravity"
+NAMES_OF_TORQUES = (SENSED_TORQUE, MOTOR_TORQUE, MEASURED_CURRENT)  # of arms that measure them
 TIMES_POSSIBLE = 2.0  # times what a joint can reach; beyond it, a value is no joint's
 
 # Every column is a block of its own, so that it can be freed; pandas expects few blocks.
@@ -99,7 +111,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
 
 
 def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return the robot's rows with the channels that are known, currents among them, and findings.
+    """Return the robot's rows with the channels that are known, efforts among them, and findings.
 
     Raises InputError where they have not the positions of the arm's joints.
     """
@@ -108,7 +120,8 @@ def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Find
     _expect_joints(written, arm)
     frames, findings = _known_channels(written.table, "force" in raw.sensors)
     findings += unwritten
-    return with_currents(at_the_joints(frames, arm), arm, findings), findings
+    frames = _with_torques_named(frames, arm, findings)
+    return with_efforts(at_the_joints(frames, arm), arm, findings), findings
 
 
 def _on_one_zero(
@@ -147,16 +160,15 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
 def bounds_of(arm: Robot) -> dict[str, float]:
     """Return the impossible magnitudes of columns by an arm's own limits.
 
-    Positions and speeds as of URs, unless an arm turns as far or as fast itself. Torques, and the
-    currents whose place they take, other makers' arms have without the bounds of URs.
+    Positions and speeds as of URs, unless an arm turns as far or as fast itself. Measured torques
+    have none, as those of other makers' arms.
     """
     farthest = [TIMES_POSSIBLE * max(map(abs, ends)) for ends in arm.position_limits()]
     fastest = [TIMES_POSSIBLE * speed for speed in arm.velocity_limits()]
     limits = {f"{kind}_q": farthest for kind in ("actual", "target")}
     limits |= {f"{kind}_qd": fastest for kind in ("actual", "target")}
-    if arm.senses_torque():
-        torques = (MEASURED_CURRENT, SENSED_TORQUE)
-        limits |= dict.fromkeys(torques, [math.inf] * len(arm.joints))
+    if arm.measured == TORQUE:
+        limits[SENSED_TORQUE] = [math.inf] * len(arm.joints)
     return {
         f"{name}_{joint}": max(bound, CHANNELS[name].bound)
         for name, bounds in limits.items()
@@ -247,26 +259,52 @@ def _varies(robot: pd.DataFrame, name: str) -> bool:
     return bool((np.nanmax(values, axis=0) > np.nanmin(values, axis=0)).any())
 
 
-def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
-    """Return a table with currents [A] where it has only motor torques [Nm].
-
-    They are divided by the torque constants of the arm's joints. A fit of friction finds the
-    constants anew, so that errors of these cancel where currents become torques again. To torques
-    less gravity, that of the arm is added before. Of joints that sense their torque,
-    the constants are 1: for A, read Nm.
+def _with_torques_named(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
+    """Return a table with the torques of an arm that measures them under their own name, if it has
+    them under that of currents, without what else it has of motors. Others remain as they are.
     """
-    if f"{TORQUE_LESS_GRAVITY}_0" in table and f"{MOTOR_TORQUE}_0" not in table:
+    if arm.measured != TORQUE:
+        return table
+    found = [name for name in (*EFFORT_CHANNELS, MOTOR_TORQUE) if f"{name}_0" in table]
+    given = next((name for name in NAMES_OF_TORQUES if name in found), SENSED_TORQUE)
+    add_finding(
+        findings, "robot", "torques by another name", "note", given != SENSED_TORQUE, name=given
+    )
+    others = [own for name in found if name != given for own in columns(name, MOST_JOINTS)]
+    renamed = dict(
+        zip(columns(given, MOST_JOINTS), columns(SENSED_TORQUE, MOST_JOINTS), strict=True)
+    )
+    return table.drop(columns=[own for own in others if own in table]).rename(columns=renamed)
+
+
+def with_efforts(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
+    """Return a table with the efforts that its arm measures: torques [Nm], or currents [A].
+
+    To torques less gravity, that of the arm is added. Where it has only torques of a motor whose
+    current is measured, they are divided by the torque constants of the arm's joints. A fit of
+    friction finds the constants anew, so that errors of these cancel where currents become torques
+    again.
+    """
+    whole = SENSED_TORQUE if arm.measured == TORQUE else MOTOR_TORQUE
+    if f"{TORQUE_LESS_GRAVITY}_0" in table and f"{whole}_0" not in table:
         gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
-        table = table.assign(**named(channel(table, TORQUE_LESS_GRAVITY) + gravity, MOTOR_TORQUE))
+        table = table.assign(**named(channel(table, TORQUE_LESS_GRAVITY) + gravity, whole))
         add_finding(findings, "robot", "gravity added", "note", len(table), arm=arm.name)
+    return table if arm.measured == TORQUE else _with_currents(table, arm, findings)
+
+
+def _with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
+    """Return a table with currents [A] where it has only torques [Nm], which no sensor measured."""
+    sensed = [name for name in columns(SENSED_TORQUE, MOST_JOINTS) if name in table]
     name = next((name for name in (MOTOR_TORQUE, SENSED_TORQUE) if f"{name}_0" in table), None)
     if name is None or f"{MEASURED_CURRENT}_0" in table:
-        return table
+        return table.drop(columns=sensed)
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
         add_finding(findings, "robot", "no currents", "warning", len(table), arm=arm.name)
-        return table
+        return table.drop(columns=sensed)
     if name == MOTOR_TORQUE:
         values = {"constants": constants.tolist(), "arm": arm.name}
         add_finding(findings, "robot", "currents from torques", "note", len(table), **values)
-    return table.assign(**named(channel(table, name) / constants, MEASURED_CURRENT))
+    currents = named(channel(table, name) / constants, MEASURED_CURRENT)
+    return table.assign(**currents).drop(columns=sensed)

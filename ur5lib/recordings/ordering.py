@@ -110,15 +110,15 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
 
 
 def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Drop frames whose data equal those of the previous frame, noisy currents included."""
-    currents = frames.filter(like="actual_current_").columns
-    if currents.empty:
+    """Drop frames whose data equal those of the previous frame, noisy efforts included."""
+    efforts = frames.filter(regex=r"actual_current_|actual_torque_\d").columns
+    if efforts.empty:
         return frames  # without a noisy channel, an arm at rest repeats itself legitimately
     channels = frames.columns.difference(["time", "epoch", "received"])
     same = np.ones(len(frames), dtype=bool)
     for channel in channels:  # one after the other, for the memory of long recordings
         same &= np.diff(frames[channel].to_numpy(float), prepend=np.nan) == 0
-    noisy = (frames[currents].diff().abs() > 0).any(axis="columns").mean() > 0.9
+    noisy = (frames[efforts].diff().abs() > 0).any(axis="columns").mean() > 0.9
     if not (same.any() and noisy):
         return frames
     add_finding(findings, "robot", "stale data", "warning", same.sum())

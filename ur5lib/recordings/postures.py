@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import CURRENTS, MEASURED_CURRENT, columns
+from ur5lib.channels import EFFORT_CHANNELS, columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.counting import counted_as
@@ -19,7 +19,7 @@ from ur5lib.timeseries.arrays import Array, Labels
 # rad; consecutive rows that differ by less in each joint are one posture
 MAX_POSTURE_CHANGE = 0.005
 CHANNELS_AT_REST = (  # channels that are used
-    *("actual_q", "target_q", "target_moment", *CURRENTS),
+    *("actual_q", "target_q", "target_moment", *EFFORT_CHANNELS),
     *("payload", "payload_cog", "payload_inertia", "tcp_offset"),
 )
 
@@ -27,7 +27,7 @@ CHANNELS_AT_REST = (  # channels that are used
 def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
     """Read a recording of postures; return the means over the rows of each, and its quality.
 
-    Raises InputError where it has no currents, or cannot be used.
+    Raises InputError where it has no efforts, or cannot be used.
     """
     raw = read_recording(recording)
     frames, findings = known_frames(raw, counted_as(recording, arm))
@@ -54,18 +54,19 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
 def _complete(
     frames: pd.DataFrame, source: str, arm: Robot, findings: list[Finding]
 ) -> pd.DataFrame:
-    """Return the rows with all positions and currents; there must be two."""
-    joints = len(arm.joints)
-    needed = columns("actual_q", joints) + columns(MEASURED_CURRENT, joints)
+    """Return the rows with all positions and efforts; there must be two."""
+    joints, effort = len(arm.joints), arm.measured
+    needed = columns("actual_q", joints) + columns(effort.channel, joints)
     if not {*needed} <= {*frames}:
         raise InputError(
-            f"{source}: has no {MEASURED_CURRENT}_0 to {MEASURED_CURRENT}_{joints - 1}, "
+            f"{source}: has no {effort.channel}_0 to {effort.channel}_{joints - 1}, "
             "without which postures at rest tell nothing; name their columns in the study"
         )
     whole = np.isfinite(frames[needed].to_numpy(float)).all(axis=1)
     if whole.sum() < 2:
         raise InputError(
-            f"{source}: contains only {whole.sum()} rows with positions and currents; record more"
+            f"{source}: contains only {whole.sum()} rows with positions and {effort.quantity}s; "
+            "record more"
         )
     add_finding(findings, "robot", "missing cells", "warning", (~whole).sum(), "incomplete rows")
     return frames[whole].reset_index(drop=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import MEASURED_CURRENT, columns
+from ur5lib.channels import columns
 from ur5lib.errors import remark
 from ur5lib.recordings.starts import MAX_CLOCK_DRIFT
 from ur5lib.records.quality import Finding, StartOffset
@@ -142,7 +142,7 @@ def _step(before: Array, after: Array) -> ReadingStep:
 
 def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: StartOffset) -> bool:
     """Return whether the currents show that a contact ends; start: of the sensor's clock."""
-    if f"{MEASURED_CURRENT}_0" not in robot:
+    if f"{arm.measured.channel}_0" not in robot:
         return False
     unsure = start.std + (MAX_CLOCK_DRIFT * zeroing.time if start.drift_std is None else 0.0)
     since = robot["time"].to_numpy() - zeroing.time
@@ -154,9 +154,9 @@ def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: Star
     if count < 3:
         return False
     beside = robot.iloc[[*before[-count:], *after[:count]]]
-    q, current = channel(beside, "actual_q"), channel(beside, MEASURED_CURRENT)
+    q, effort = channel(beside, "actual_q"), channel(beside, arm.measured.channel)
     constants = np.array(arm.family_torque_constants())
-    torque = constants * current - gravity_torque(arm, arm.chosen_model, q)
+    torque = constants * effort - gravity_torque(arm, arm.chosen_model, q)
     step = _step(*np.split(np.nan_to_num(torque), 2))
     expected = _torque(arm, q[count - 1 : count], zeroing.change[:3]) * np.isfinite(constants)
     shown, noise = expected @ step.size, np.linalg.norm(expected * step.std_error)

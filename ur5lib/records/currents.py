@@ -10,9 +10,10 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Currents(SegmentedTable):
-    """The current that motion without contact needs, and the external torque, (N, 6) each.
+    """The effort that motion without contact needs, and the external torque, (N, 6) each.
 
-    predicted_current and current_band, half its 95 % band [A]; external_torque:
+    predicted_current and current_band, half its 95 % band [A], or, where torques are measured,
+    predicted_torque and torque_band [Nm]; external_torque:
     the environment acting on the arm [Nm]; causal_torque: the same, low-passed from past samples
     only [Nm]; load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque,
     friction_torque: what the gears transmit, and their friction, in that motion without contact
@@ -23,6 +24,8 @@ class Currents(SegmentedTable):
 
     predicted_current: Array | None = channel("predicted_current", "A", JOINTS, optional=True)
     current_band: Array | None = channel("current_band", "A", JOINTS, optional=True)
+    predicted_torque: Array | None = channel("predicted_torque", "Nm", JOINTS, optional=True)
+    torque_band: Array | None = channel("torque_band", "Nm", JOINTS, optional=True)
     external_torque: Array | None = channel("tau_ext", "Nm", JOINTS, optional=True)
     load_doubt: Array | None = channel("load_doubt", "Nm", JOINTS, optional=True)
     causal_torque: Array | None = channel("tau_causal", "Nm", JOINTS, optional=True)
@@ -30,3 +33,13 @@ class Currents(SegmentedTable):
     friction_torque: Array | None = channel("tau_friction", "Nm", JOINTS, optional=True)
     load_loss: Array | None = channel("load_loss", "Nm/Nm", JOINTS, optional=True)
     tared: Mask | None = channel("tared", "1", dtype=np.bool_, optional=True)
+
+    @property
+    def predicted(self) -> Array | None:
+        """Return the predicted efforts (N, n), torques [Nm] or currents [A]."""
+        return self.predicted_current if self.predicted_torque is None else self.predicted_torque
+
+    @property
+    def band(self) -> Array | None:
+        """Return half the 95 % band (N, n) of the predicted efforts."""
+        return self.current_band if self.torque_band is None else self.torque_band

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ur5lib.channels import CURRENT, EFFORTS, Effort
 from ur5lib.errors import Remark
 from ur5lib.identification.currents import CurrentFit, Parameter
 from ur5lib.tables import BY_KEY
@@ -39,7 +40,8 @@ class Friction:
     variance that these explain, None of a single path; least_squares: (6, 4), the baseline's
     coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on
     another; model: link model of the torques; stopped: how the recordings contradict the arm;
-    refused: why else there is no fit; remarks: what the fit contradicts, but the study accepts.
+    refused: why else there is no fit; remarks: what the fit contradicts, but the study accepts;
+    effort: the quantity of `channels.Effort` that is predicted.
     """
 
     __pydantic_config__ = BY_KEY
@@ -59,11 +61,12 @@ class Friction:
     stopped: Remark | None = None
     refused: Remark | None = None
     remarks: list[Remark] = field(default_factory=list)
+    effort: str = CURRENT.quantity
 
-    def senses_torque(self) -> bool:
-        """Return whether sensed torques take the currents' place, with a constant of 1 Nm/A."""
-        known = self.known_constants
-        return known is not None and bool((known.value == 1.0).all())
+    @property
+    def measured(self) -> Effort:
+        """Return what is predicted: currents, or torques, whose torque constants are gains."""
+        return EFFORTS[self.effort]
 
     def fit_for(self, recording: str) -> CurrentFit:
         """Return the fit without a recording's path, or the only one there is."""

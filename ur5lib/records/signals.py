@@ -30,6 +30,7 @@ def recorded(name: str, optional: bool = True) -> Any:
 class Signals(SegmentedTable):
     """All devices on the robot's clock, under RTDE's names; None where not recorded.
 
+    actual_torque: (N, n) [Nm], where torques are measured, whose actual_current is None;
     interpolated: (N,), whether a frame was lost and filled in. Joint channels are (N, 6);
     actual_TCP_force: (N, 6), the controller's estimate, base frame; ft_raw_wrench: (N, 6), of a
     wrist sensor, axes of frame 6, with bias and tool; wrench_calc_from_currents: (N, 6), the
@@ -44,6 +45,7 @@ class Signals(SegmentedTable):
     actual_q: Array = recorded("actual_q", optional=False)
     actual_qd: Array | None = recorded("actual_qd")
     actual_current: Array | None = recorded("actual_current")
+    actual_torque: Array | None = recorded("actual_torque")
     target_q: Array | None = recorded("target_q")
     target_qd: Array | None = recorded("target_qd")
     target_qdd: Array | None = recorded("target_qdd")
@@ -60,6 +62,11 @@ class Signals(SegmentedTable):
     force_sensor: Array | None = recorded("ft")
     accelerometer: Array | None = recorded("imu_a")
     gyroscope: Array | None = recorded("imu_g")
+
+    @property
+    def effort(self) -> Array | None:
+        """Return the measured efforts (N, n), torques [Nm] or currents [A]."""
+        return self.actual_current if self.actual_torque is None else self.actual_torque
 
     @property
     def imu(self) -> Array:

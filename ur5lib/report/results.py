@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
 from ur5lib.records.arm_state import Repeated
 from ur5lib.records.quality import UNREADABLE
@@ -54,7 +55,7 @@ class Results:
     study: the configuration; tables: by name; figures: the folder of figures; drawn: recordings
     with figures; left_out: for each omitted section, a sentence with the reason; other_arms: those
     that are no UR arms; placeholders: those whose links are found from their measured torques;
-    sensed: whether torques that all arms sense take the currents' place.
+    effort: that is measured, of torques where all arms measure these.
     """
 
     study: Mapping[str, Any]
@@ -67,7 +68,7 @@ class Results:
     left_out: Sequence[str] = ()
     other_arms: frozenset[str] = frozenset()
     placeholders: frozenset[str] = frozenset()
-    sensed: bool = False
+    effort: Effort = CURRENT
 
     @classmethod
     def read(
@@ -93,7 +94,7 @@ class Results:
             versions=versions(),
             other_arms=frozenset(arm.name for arm in arms if not arm.denavit_hartenberg),
             placeholders=frozenset(arm.name for arm in arms if arm.links == "unknown"),
-            sensed=bool(arms) and all(arm.senses_torque() for arm in arms),
+            effort=TORQUE if {arm.measured for arm in arms} == {TORQUE} else CURRENT,
         )
 
     def of_run(self, name: str) -> "Results":

@@ -18,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
 from ur5lib.strict import Strict, explain, read_yaml
 from ur5lib.timeseries.arrays import Array
@@ -249,14 +250,13 @@ class CoupledMotor(Described):
 class Drives(Described):
     """How a controller counts, against the joints of the description.
 
-    positions, torques: on which side of the gears they are logged, with `gear_ratio` of the motors
-    between; torques of which that is not said count as the joints'; directions: -1 of a joint that
-    is counted against its axis; home_deg: the joint's angle where the controller's is zero [°];
-    coupling: of motors that turn with two joints, in the controller's counts.
+    positions: on which side of the gears they are logged, with `gear_ratio` of the motors between;
+    directions: -1 of a joint that is counted against its axis; home_deg: the joint's angle where
+    the controller's is zero [°]; coupling: of motors that turn with two joints, in the controller's
+    counts.
     """
 
     positions: Literal["joint", "motor"] = "joint"
-    torques: Literal["joint", "motor"] | None = None
     directions: PerLink[Direction] = ()
     home_deg: PerJoint = ()
     coupling: list[CoupledMotor] = Field(default_factory=list)
@@ -266,7 +266,9 @@ class Robot(Described):
     """An arm of n revolute joints: geometry, masses, link models and published constants.
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
-    limit, 1 to n; drives: how its controller counts; links: `unknown` where masses, centres and
+    limit, 1 to n; effort: what is measured of its joints' efforts, torques before the gears or
+    behind them, or of a side that nobody said, which count as the joints'; drives: how its
+    controller counts; links: `unknown` where masses, centres and
     inertias are placeholders, which the recordings replace, `fitted` where they have; weight: of
     all links together, at most [kg]; friction_terms: of its gears, beside the usual ones
     (`ur5lib.robots.friction`); presliding: [rad], over which their friction reverses, None: as a
@@ -283,6 +285,7 @@ class Robot(Described):
     joints: PerLink[str]
     motors: dict[str, Motor]
     endless_joints: list[int] | None = None
+    effort: Literal["current", "torque", "joint_torque", "motor_torque"] = "current"
     drives: Drives = Drives()
     links: Literal["known", "unknown", "fitted"] = "known"
     weight: Positive | None = None
@@ -297,6 +300,11 @@ class Robot(Described):
     current_to_torque: CurrentToTorque | None = None
     friction: DeadZoneFriction | None = None
     closed_loop_gains: dict[str, Gains] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _effort_by_older_keys(cls, described: Any) -> Any:
+        return described if not isinstance(described, dict) else _without_older_keys(described)
 
     @model_validator(mode="after")
     def _names_are_described(self) -> Self:
@@ -342,10 +350,10 @@ class Robot(Described):
     @model_validator(mode="after")
     def _counted_motors_have_gears(self) -> Self:
         without = [name for name in self.joints if self.motors[name].gear_ratio is None]
-        if without and "motor" in (self.drives.positions, self.drives.torques):
+        if without and (self.drives.positions == "motor" or self.effort == "motor_torque"):
             raise ValueError(
-                f"`drives` counts motors, but {', '.join(without)} has no `gear_ratio`; give it "
-                "in `motors`, 1 where there is no gear"
+                f"`drives` or `effort` counts motors, but {', '.join(without)} has no "
+                "`gear_ratio`; give it in `motors`, 1 where there is no gear"
             )
         return self
 
@@ -376,38 +384,34 @@ class Robot(Described):
     def maker_torque_constants(self) -> list[float]:
         """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
 
-        Measured torques take the place of currents once they are those of the joints: 1.
+        Of measured torques, which are those of the joints, the gain: 1 Nm/Nm.
         """
-        if self.drives.torques == "motor":
+        if self.measured == TORQUE:
             return [1.0 for _ in self.joints]
         motors = map(self.motor, self.joint_numbers)
-        return [
-            1.0
-            if m.torque_constant == 1
-            else (m.torque_constant or math.nan) * (m.gear_ratio or math.nan)
-            for m in motors
-        ]
+        return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
     def is_counted(self) -> bool:
         """Return whether its controller counts otherwise than its joints turn."""
-        return self.drives != Drives()
+        return self.drives != Drives() or self.effort == "motor_torque"
 
-    def senses_torque(self) -> bool:
-        """Return whether its joints' torques [Nm] are measured, in place of motor currents."""
-        return all(constant == 1.0 for constant in self.maker_torque_constants())
+    @property
+    def measured(self) -> Effort:
+        """Return the channel and unit of its joints' measured efforts, and their words."""
+        return CURRENT if self.effort == "current" else TORQUE
 
     def knows_rotors(self) -> bool:
         """Return whether no rotors are to be fitted: its fullest model has them, or its torques are
         those of motor currents.
         """
-        return bool(self.models[self.fullest_model()].rotor_inertias) or not self.senses_torque()
+        return bool(self.models[self.fullest_model()].rotor_inertias) or self.measured == CURRENT
 
     def family_torque_constants(self) -> list[float]:
         """Return Nm/A after the gears as by the e-Series motors of these sizes; NaN if unknown."""
         motors = map(self.motor, self.joint_numbers)
         return [
             m.family_torque_constant * (m.gear_ratio or math.nan)
-            if m.family_torque_constant
+            if m.family_torque_constant and self.measured == CURRENT
             else maker
             for m, maker in zip(motors, self.maker_torque_constants(), strict=True)
         ]
@@ -488,6 +492,24 @@ class Robot(Described):
             return self
         x, y, z = map(float, gravity)
         return self.model_copy(update={"gravity": (x, y, z)})
+
+
+def _without_older_keys(described: dict[str, Any]) -> dict[str, Any]:
+    """Return a description with `effort` in place of `torques` of its drives, and of the torque
+    constant 1 of all motors, by which older descriptions say that torques are measured.
+    """
+    drives, motors = described.get("drives"), described.get("motors")
+    if isinstance(drives, dict) and "torques" in drives:
+        rest = {key: value for key, value in drives.items() if key != "torques"}
+        side = {"effort": f"{drives['torques']}_torque"} if drives["torques"] else {}
+        if side and described.get("effort") not in (None, "torque", side["effort"]):
+            raise ValueError("`effort` and `torques` of `drives` differ; remove the latter")
+        described = described | {"drives": rest} | side
+    if "effort" in described or not isinstance(motors, dict):
+        return described
+    named = [motors.get(str(name)) for name in described.get("joints") or ()]
+    ones = [isinstance(motor, dict) and motor.get("torque_constant") == 1 for motor in named]
+    return described | {"effort": "torque"} if ones and all(ones) else described
 
 
 def _is_by_joint(kind: Any) -> bool:

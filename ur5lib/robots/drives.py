@@ -40,7 +40,7 @@ def turns_matrix(arm: Robot) -> Array:
 
 def torque_matrix(arm: Robot) -> Array:
     """Return M (n, n) of τᵀ = τ_countedᵀ M: N C d, or d for torques of the joints."""
-    turns = motor_matrix(arm) if arm.drives.torques == "motor" else np.eye(len(arm.joints))
+    turns = motor_matrix(arm) if arm.effort == "motor_torque" else np.eye(len(arm.joints))
     return turns * directions(arm)
 
 

@@ -77,6 +77,7 @@ def robot_from_urdf(
         "gravity": (start[:3, :3].T @ GRAVITY + 0.0).tolist(),
         "calibration": [pose_of(tail) for tail in tails],
         "joints": [joint.name for joint in joints],
+        "effort": "torque",
         "motors": {joint.name: _motor(joint) for joint in joints},
         "endless_joints": [k for k, j in enumerate(joints, 1) if j.type == "continuous"] or None,
         "links": "unknown" if unknown else "known",
@@ -359,7 +360,6 @@ def _motor(joint: Any) -> dict[str, float | None]:
         "position_max": high,
         "velocity_max": _stated(joint, "velocity") or ASSUMED_VELOCITY,
         "torque_max": _stated(joint, "effort") or ASSUMED_TORQUE,
-        "torque_constant": 1.0,  # measured torques take the place of currents
     }
 
 
@@ -422,12 +422,12 @@ def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
         yield (
             f"{unknown}: links, rotors and friction are found from recordings with actual_torque "
             "(`links: unknown`); write the arm's `weight` [kg] of its data sheet into the file, or "
-            "the side of the gears on which its torques are logged (`torques` of `drives`)"
+            "the side of the gears on which its torques are logged (`effort`)"
         )
     yield (
         f"a URDF has no gear and no rotor of {', '.join(joint.name for joint in joints)}: "
         "actual_torque counts as the joints', and rotors are fitted to it; where it is the "
-        "motors', write `torques: motor` under `drives`, and each `gear_ratio`"
+        "motors', write `effort: motor_torque`, and each `gear_ratio`"
     )
     for key, value, unit, setting in (
         ("effort", ASSUMED_TORQUE, "Nm", "torque_max"),

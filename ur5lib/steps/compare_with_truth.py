@@ -295,7 +295,7 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
     Fitted terms that the stand's friction does not have are left out.
     """
     truths = {
-        "torque_constant": ("1" if friction.senses_torque() else "Nm/A", drive.torque_constant),
+        "torque_constant": (friction.measured.constant_unit, drive.torque_constant),
         "offset": ("Nm", 0 * drive.torque_constant if drive.offset is None else drive.offset),
         "coulomb": ("Nm", true["coulomb"]),
         "viscous": ("Nm s/rad", true["viscous"]),
@@ -307,7 +307,8 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
             value, (low, high) = float(of_joints[row.joint - 1]), row.interval
             inside = "yes" if low <= value <= high else "no"
             numbers = [value], [row.value], [row.std_error]
-            for compared in values(row.name, [row.joint], unit, *numbers):
+            name = friction.measured.parameter(row.name)
+            for compared in values(name, [row.joint], unit, *numbers):
                 yield compared | {"within95": inside}
 
 

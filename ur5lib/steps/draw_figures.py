@@ -37,7 +37,7 @@ def draw_figures(
     return {
         "packets": figures.packet_figure(signals.anew()),
         "torques": figures.torque_figure(signals.anew(), torques, arm),
-        "currents": figures.current_figure(signals.anew(), currents, arm.senses_torque(), lowpass),
+        "currents": figures.effort_figure(signals.anew(), currents, arm.measured, lowpass),
         "accelerations": figures.acceleration_figure(accelerations),
         "accelerations_published": figures.euler_figure(accelerations, felt, modelled),
         "forces_estimated": figures.estimate_figure(forces, sensor, hidden),

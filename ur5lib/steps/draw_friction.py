@@ -35,5 +35,5 @@ def draw_friction(
             if record is not None:
                 parts.append(MovingSamples.from_record(record, fit, smooth))
     samples = MovingSamples.joined(parts, len(constant))
-    drawn = friction_figures(samples, constant, known, friction.senses_torque())
+    drawn = friction_figures(samples, constant, known, arm.measured)
     return {"knowledge": knowledge_bars(friction.parameters), **drawn}

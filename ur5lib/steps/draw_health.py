@@ -9,4 +9,4 @@ from ur5lib.robots.description import Robot
 
 def draw_health(arm: Robot, health: pd.DataFrame, changes: pd.DataFrame) -> dict[str, Drawing]:
     """Return the figure of an arm's health; health, changes: its tables."""
-    return {"health": health_figure(health, changes, arm.senses_torque())}
+    return {"health": health_figure(health, changes, arm.measured)}

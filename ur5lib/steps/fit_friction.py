@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
+from ur5lib.channels import TORQUE
 from ur5lib.errors import RefusalError, Remark, reason, remark
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import (
@@ -84,7 +85,7 @@ def fit_friction(
             require_known_side(arm)
         prior = replace(prior_of(arm, ratios), at_rest=AtRest.of(held))
         fitted = fitted_friction(records, prior, smooth, model, accepted)
-        return replace(fitted, at_rest=[*at_rest])
+        return replace(fitted, at_rest=[*at_rest], effort=arm.measured.quantity)
     except ContradictionError as sign:
         return Friction(stopped=sign.remark)
     except ValueError as error:
@@ -121,7 +122,7 @@ def fitted_friction(
         fit=fit,
         left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
         explained=explained_by_others(records, left_out, smooth),
-        parameters=parameters(fit, prior.senses_torque()),
+        parameters=parameters(fit, prior.measured),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
         cross_validation=fitted_on_tested_on(records, smooth, prior),
@@ -133,7 +134,7 @@ def fitted_friction(
 def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) -> Friction:
     """Return what is known without motion: without typical friction, torque constants alone."""
     if not prior.typical and prior.at_rest is None:
-        raise RefusalError("no fit recording")
+        raise RefusalError("no fit recording", channel=prior.measured.channel)
     fit = fit_postures(prior)
     doubts = accepted_doubts(fit, prior, accepted)
     found, known = parameters(fit), known_constants(prior)
@@ -146,7 +147,7 @@ def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) ->
         parameters=[row for row in found if row.name == "torque_constant"],
         known_constants=known,
         model=model,
-        refused=remark("no fit in motion"),
+        refused=remark("no fit in motion", constant=prior.measured.constant),
     )
 
 
@@ -200,7 +201,7 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
     Raises ContradictionError where it does not.
     """
     try:
-        if prior.senses_torque():
+        if prior.measured == TORQUE:
             require_gains_of_one(fit)
         else:
             require_known_constants(fit, prior)
@@ -216,7 +217,7 @@ def require_known_side(arm: Robot) -> None:
     the side of the gears is described, nor a weight that would contradict it.
     """
     is_scaled = arm.links == "known" or arm.weight is not None
-    if arm.senses_torque() and arm.drives.torques is None and not is_scaled:
+    if arm.effort == "torque" and not is_scaled:
         raise ContradictionError("unknown side", arm=arm.name)
 
 
@@ -249,7 +250,14 @@ def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
         fitted = np.where(lost, np.array(found, dtype=float), torque_constants(fit))
         known = 1 / prior.inverse_constant.mean
         each = [
-            remark("other constant", joint=j + 1, fitted=float(fitted[j]), known=float(known[j]))
+            remark(
+                "other constant",
+                joint=j + 1,
+                fitted=float(fitted[j]),
+                known=float(known[j]),
+                unit=prior.measured.constant_unit,
+            )
             for j in np.flatnonzero(wrong).tolist()
         ]
-        raise ContradictionError("contradicting constants", each=each)
+        constant = prior.measured.constant
+        raise ContradictionError("contradicting constants", each=each, constant=constant)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ur5lib.channels import CURRENT, TORQUE
 from ur5lib.errors import RefusalError, Remark, remark
 from ur5lib.force.external_torque import (
     RELAXATION_TIME,
@@ -85,7 +86,7 @@ def residual_models(
             models[name] = _residual_model(runs, friction, cutoff).wider(margin)
         except RefusalError as refusal:
             refused = refusal.remark
-    if refused and "tau_ext" not in models and not friction.senses_torque():
+    if refused and "tau_ext" not in models and friction.measured == CURRENT:
         return replace(usual_residuals(friction.fit, cutoff), remarks=(refused,))
     remarks = () if refused else tuple(_remarks(friction.paths, recordings))
     return Residuals(**models, refused=refused, remarks=remarks)
@@ -147,7 +148,7 @@ def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: floa
         for one in runs
         for rows in unbroken(one.segment)
     ]
-    fit, sensed = friction.fit, friction.senses_torque()
+    fit, sensed = friction.fit, friction.measured == TORQUE
     model = fit_residual_model(stretches, cutoff, breakaway_torque(fit))
     # the errors of other arms are those of motor currents
     missing = 0 if sensed else max(0, MIN_PATHS - friction.paths)

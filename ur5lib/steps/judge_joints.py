@@ -4,6 +4,7 @@ from datetime import UTC, date, datetime
 
 import numpy as np
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.identification.condition import joint_conditions
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import CurrentSamples, Smooth
@@ -13,14 +14,20 @@ from ur5lib.records.quality import Quality
 
 
 def checkup(
-    record: CurrentSamples, smooth: Smooth, fit: CurrentFit, day: date, quality: Quality
+    record: CurrentSamples,
+    smooth: Smooth,
+    fit: CurrentFit,
+    day: date,
+    quality: Quality,
+    measured: Effort = CURRENT,
 ) -> Checkup:
-    """Return the condition by one recording; fit: of its arm."""
+    """Return the condition by one recording; fit, measured: of its arm."""
     lost = sum(one.count for one in quality.findings if one.finding == "lost frames")
     warmth = np.full(record.q.shape[1], np.nan)
     if record.temperature is not None:
         warmth = np.nanmean(record.temperature, axis=0)
-    joints = joint_conditions(record, smooth, fit)
+    found = joint_conditions(record, smooth, fit)
+    joints = [{measured.parameter(name): own for name, own in one.items()} for one in found]
     return Checkup(day.isoformat(), joints, warmth, lost / quality.frames)
 
 

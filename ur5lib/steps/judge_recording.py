@@ -110,7 +110,8 @@ def examine_joints(evidence: Evidence) -> Checkup:
     if day is None or record is None:
         return Checkup()
     smooth = Smoother(*evidence.currents_lowpass)
-    return checkup(record, smooth, evidence.friction.fit, day, evidence.quality)
+    measured = evidence.arm.measured
+    return checkup(record, smooth, evidence.friction.fit, day, evidence.quality, measured)
 
 
 def findings_of(evidence: Evidence, beside_sensor: Compared) -> list[Finding]:

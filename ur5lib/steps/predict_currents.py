@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.checks.channels import slow_samples
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.external_torque import external_torque, without_edges
@@ -92,7 +93,7 @@ def predict_currents(
             states = arm.mounted(gravity), arm.fullest_model(), motion.q, motion.qd, motion.qdd
             load_torque = load_regressor(*states) @ payload.parameters
     record, load_torque = with_load(replace(record, day=date), load_torque, fit, smooth)
-    currents = predicted_currents(record, fit, load_torque, torques, smooth)
+    currents = predicted_currents(record, fit, load_torque, torques, smooth, arm.measured)
     if untouched is not None:
         currents = tared(currents, motion, untouched)
     rivals = baselines(record, arm, friction.least_squares, signals)
@@ -112,19 +113,26 @@ def slower_than_fit(signals: Signals, friction: Friction, cutoff: float) -> list
 
 
 def predicted_currents(
-    record: CurrentSamples, fit: CurrentFit, load_torque: Array, torques: Torques, smooth: Smoother
+    record: CurrentSamples,
+    fit: CurrentFit,
+    load_torque: Array,
+    torques: Torques,
+    smooth: Smoother,
+    effort: Effort = CURRENT,
 ) -> Currents:
     """Return prediction, band, external torques and friction of a recording.
 
-    record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated.
+    record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated; effort:
+    that is predicted.
     """
     predicted, constant = predict(fit, record), torque_constants(fit)
     external = external_torque(constant, record.current, predicted)
+    half, name = band(fit, record, smooth), effort.quantity
+    of_efforts: dict[str, Any] = {f"predicted_{name}": predicted, f"{name}_band": half}
     return Currents(
         time=torques.time,
         segment=torques.segment,
-        predicted_current=predicted,
-        current_band=band(fit, record, smooth),
+        **of_efforts,
         external_torque=inner(smooth(external, record), record, smooth.cutoff),
         causal_torque=causally_smoothed(external, record, smooth.cutoff),
         load_doubt=SCALED_TORQUE_ERROR * np.abs(smooth(load_torque, record)),
@@ -190,10 +198,10 @@ def scores(
     smooth: Smoother,
 ) -> dict[str, Scores]:
     """Return how well each current is predicted; a band is stated for ours alone."""
-    assert currents.predicted_current is not None
-    assert currents.current_band is not None
-    half = currents.current_band
-    figures = {"fitted": score(record, currents.predicted_current, smooth, half)}
+    assert currents.predicted is not None
+    assert currents.band is not None
+    half = currents.band
+    figures = {"fitted": score(record, currents.predicted, smooth, half)}
     for name, current in others:
         figures[name] = score(record, current, smooth, np.full_like(half, np.nan))
     return figures

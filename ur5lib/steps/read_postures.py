@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import MEASURED_CURRENT
 from ur5lib.checks.channels import check_robot
 from ur5lib.checks.postures import (
     large_constants,
@@ -87,7 +86,7 @@ def checked_postures(
     doubts = disagreements(declared, tcp, signals)
     postures = Postures(
         q=means.q,
-        current=means.currents[MEASURED_CURRENT],
+        current=means.effort,
         gravity=[*arm.gravity],
         payload=load.payload,
         contradictions=accepting(Contradictions(stops, doubts), reasons),

@@ -46,8 +46,8 @@ def tare_doubts(
         values |= {"unknown_s": unknown * period}
         yield Finding("robot", "unusable tare", "error", 1, values)
         return
-    if signals.actual_current is not None:
-        yield from _touched_by_currents(span, time, signals.actual_current, arm)
+    if signals.effort is not None:
+        yield from _touched_by_currents(span, time, signals.effort, arm)
     if signals.force_sensor is not None:
         yield from touched_by_sensor(span, time, signals.force_sensor)
 

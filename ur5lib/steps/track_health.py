@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.identification.condition import QUANTITY_UNITS
 from ur5lib.identification.samples import path_of
 from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.records.judgement import Judgement
@@ -73,7 +72,7 @@ def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Cond
     for joint in range(len(checkups[0].joints)):
         warmth = float(np.mean([one.temperature[joint] for one in checkups]))
         here = partial(Condition, date=day, joint=joint + 1, temperature_c=warmth, group=group)
-        for quantity in QUANTITY_UNITS:
+        for quantity in checkups[0].joints[joint]:
             found = np.array([one.joints[joint][quantity] for one in checkups])
             found = found[np.isfinite(found).all(axis=1)]
             if len(found):

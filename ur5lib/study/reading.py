@@ -18,6 +18,7 @@ import yaml
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from ur5lib.channels import TORQUE
 from ur5lib.errors import InputError, some
 from ur5lib.lab.stand import layout
 from ur5lib.robots.description import PROJECT_FOLDER, load_robot, robot_path
@@ -328,7 +329,7 @@ def _misfits(study: Study) -> Iterator[str]:
         misfits = plan.misfits(recording.arm.known_as, len(robot.joints), robot.models)
         yield from (f"{place}.simulate.{misfit}" for misfit in misfits)
         of_ur = recording.format in layout.FORMATS_OF_UR
-        if of_ur and (len(robot.joints) != 6 or robot.senses_torque()):
+        if of_ur and (len(robot.joints) != 6 or robot.measured == TORQUE):
             yield f"{place}.format` is {recording.format}, of UR arms alone; give rtde-csv"
 
 

@@ -23,7 +23,7 @@ def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
 
 
 def torque_constants(friction: Friction, arm: Robot) -> Iterator[Row]:
-    """Yield the torque constants of these alone, a row for each joint."""
+    """Yield the torque constants of these alone, a row for each joint of motors with currents."""
     for row in _parameters(friction, arm):
         if row["parameter"] == "torque_constant":
             yield row | {"torque_constant": row["value"]}
@@ -39,7 +39,8 @@ def _parameters(fitted: Friction, arm: Robot) -> Iterator[Row]:
     for row in fitted.parameters:
         (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
         thesis = published[row.name][joint] if row.name in published else None
-        found = asdict(row) | {"parameter": row.name, "thesis": thesis, "low": low, "high": high}
+        name = arm.measured.parameter(row.name)
+        found = asdict(row) | {"parameter": name, "thesis": thesis, "low": low, "high": high}
         if row.name == "torque_constant" and known is not None:
             found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
             joints = fitted.fit.joints

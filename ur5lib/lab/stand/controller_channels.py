@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.signal import butter, lfilter
 
-from ur5lib.channels import SIGNED_CHANNELS
+from ur5lib.channels import SIGNED_CHANNELS, TORQUE
 from ur5lib.lab.stand.drive import Drive, current_noise, motion_share
 from ur5lib.lab.stand.friction import along_chain
 from ur5lib.lab.stand.rig import STEP, Experiment, Rig, States, step_times
@@ -54,7 +54,7 @@ def frames(
     targets = Targets(*(part[sent] for part in experiment.targets))
     measured = Measurement(*(part[sent] for part in measured))
     values = channels(rig, states[sent], measured, targets, estimate)
-    if rig.robot.senses_torque():
+    if rig.robot.measured == TORQUE:
         values = TorqueSensors.of(rig.robot).channels(values, states[sent], random)
     temperature = rounded_temperature(experiment.plan.temperature(time))
     values["joint_temperatures"] = np.repeat(temperature[:, None], q.shape[1], axis=1)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from ur5lib.channels import CURRENT
 from ur5lib.lab.stand import controller_channels, sensors
 from ur5lib.lab.stand import drive as drives
 from ur5lib.lab.stand.plan import SimulatedRecording
@@ -75,7 +76,7 @@ def _torque_sensor_parameters(rig: Rig) -> dict[str, object]:
 
     With the reading y = gain τ + bias, K y = τ − offset; K is the `torque_constant` [1].
     """
-    if not rig.robot.senses_torque():
+    if rig.robot.measured == CURRENT:
         return {}
     sensor, friction = TorqueSensors.of(rig.robot), rig.friction
     behind = {

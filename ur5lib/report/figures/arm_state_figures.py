@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.ticker import FuncFormatter
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.report.figures.house_style import (
     JOINT_COLOURS,
     SHADE_STYLE,
@@ -25,14 +26,11 @@ PANEL_LABELS = {
     "coulomb": "Coulomb friction [Nm]",
     "viscous": "viscous friction [Nm s/rad]",
     "torque_constant": "torque constant [Nm/A]",
+    "gain": "gain [Nm/Nm]",
     "offset": "offset [Nm]",
-    "noise": "noise [A]",
+    "noise": "noise",
     "temperature": "temperature [°C]",
 }
-SENSED_TORQUE_LABELS = {
-    "torque_constant": "gain [Nm/Nm]",
-    "noise": "noise [Nm]",
-}  # of torques, not currents
 FIGURE_HEIGHT = 7.4  # inches, of six rows of panels
 JOINT_MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 TEXT_SIZES: Any = {"axes.titlesize": 7.5, "xtick.labelsize": 6.5}
@@ -40,12 +38,12 @@ MIN_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
 DRIFT_STYLE: Any = SHADE_STYLE | {"alpha": 0.06}  # a drift, which lasts all the time
 
 
-def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, sensed: bool = False) -> Drawing:
+def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, effort: Effort = CURRENT) -> Drawing:
     """Draw a row of panels per quantity, a column per joint.
 
-    dates, changes: health.csv, health_changes.csv; sensed: whether the joints sense torque.
+    dates, changes: health.csv, health_changes.csv; effort: that is measured.
     """
-    labels = PANEL_LABELS | SENSED_TORQUE_LABELS if sensed else PANEL_LABELS
+    labels = PANEL_LABELS | {"noise": f"noise [{effort.unit}]"}
     rows = _with_temperatures(dates)
     if rows.empty:
         return nothing_to_draw()

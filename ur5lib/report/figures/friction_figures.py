@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.identification.currents import CurrentFit, Parameter, predict
 from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
 from ur5lib.report.figures.charts import residual_panels, scatter_panels
@@ -18,7 +19,7 @@ from ur5lib.timeseries.arrays import Array
 
 DRAWN_STEP = 0.1  # s between the samples that are drawn
 BAR_HEIGHT = 0.16  # inches, with the space to the next
-CURRENT_AXIS, TORQUE_AXIS = ("i_{} [A]", "A"), ("sensed τ_{} [Nm]", "Nm")  # label and unit
+CURRENT_AXIS, TORQUE_AXIS = "i_{} [A]", "measured τ_{} [Nm]"
 KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours, darker in turn
     "prior_share": ("other arms and the maker", "#E0E0E0"),
     "arm_share": ("other days", "#E69F00"),
@@ -115,14 +116,14 @@ def _draw_shares(axis: Axes, parameters: pd.DataFrame) -> None:
 
 
 def friction_figures(
-    samples: MovingSamples, constant: Array, known: Array, sensed: bool = False
+    samples: MovingSamples, constant: Array, known: Array, effort: Effort = CURRENT
 ) -> dict[str, Drawing]:
     """Return the four figures by name.
 
-    constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; sensed:
-    whether sensed torques take the currents' place.
+    constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; effort:
+    that is measured.
     """
-    measured_axis, unit = TORQUE_AXIS if sensed else CURRENT_AXIS
+    axis, unit = TORQUE_AXIS if effort == TORQUE else CURRENT_AXIS, effort.unit
     friction = constant * samples.predicted - samples.torque
     needed = samples.torque + friction
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
@@ -137,10 +138,10 @@ def friction_figures(
     }
     return {
         "current_torque": scatter_panels(
-            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", measured_axis), lines
+            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", axis), lines
         ),
         "current_torque_friction": scatter_panels(
-            needed, samples.current, ("τ_{} with friction [Nm]", measured_axis), lines
+            needed, samples.current, ("τ_{} with friction [Nm]", axis), lines
         ),
         "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
         "residuals": residual_panels(samples.current - samples.predicted, against, unit),
@@ -155,12 +156,12 @@ def printed_friction(
     """
     if samples is None:
         return nothing_to_draw(), nothing_to_draw()
-    labels = "τ_{} of rigid links [Nm]", CURRENT_AXIS[0]
+    labels = "τ_{} of rigid links [Nm]", CURRENT_AXIS
     rigid = scatter_panels(samples.rigid, samples.current, labels)
     if constants is None:
         return rigid, nothing_to_draw()
     torque = samples.total
     ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
     lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
-    labels = "τ_{} with friction [Nm]", CURRENT_AXIS[0]
+    labels = "τ_{} with friction [Nm]", CURRENT_AXIS
     return rigid, scatter_panels(torque, samples.current, labels, lines)

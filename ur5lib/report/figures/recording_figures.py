@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.force.estimators import NEW
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.closed_loop import ClosedLoop
@@ -112,17 +113,14 @@ def older_torque_figure(
     return draw_lines(signals, lines, TORQUE_PANELS, {"[21], printed mean": (mean, "second")})
 
 
-def current_figure(
-    signals: Signals, currents: Currents, sensed: bool, lowpass: tuple[int, float]
+def effort_figure(
+    signals: Signals, currents: Currents, effort: Effort, lowpass: tuple[int, float]
 ) -> Drawing:
-    """Return the measured current and that predicted for motion without contact with its band,
+    """Return the measured effort and that predicted for motion without contact with its band,
     low-passed as for the table of their errors.
-
-    sensed: whether they are torques that the joints sense.
     """
-    name = "actual_torque" if sensed else "actual_current"
-    panels = TORQUE_PANELS if sensed else CURRENT_PANELS
-    measured, predicted = signals.actual_current, currents.predicted_current
+    name, panels = effort.channel, CURRENT_PANELS if effort == CURRENT else TORQUE_PANELS
+    measured, predicted = signals.effort, currents.predicted
     lines: OptionalLines = {f"{name}, unfiltered": (measured, "pale")}
     if measured is None or predicted is None:
         return draw_lines(signals, lines, panels)
@@ -131,7 +129,7 @@ def current_figure(
     def smooth(values: Array) -> Array:
         return slowly(np.where(known[:, None], values, np.nan), signals, lowpass)
 
-    slow, half = smooth(predicted), currents.current_band
+    slow, half = smooth(predicted), currents.band
     lines = {
         f"{name} below {lowpass[1]:g} Hz": (smooth(measured), "measured"),
         "predicted without contact": (slow, "joint"),

@@ -31,7 +31,7 @@ from ur5lib.report.page.document import (
     Verdicts,
     contents,
 )
-from ur5lib.report.page.sentences import say, speaking_of_torques, spoken
+from ur5lib.report.page.sentences import say, speaking_of, spoken
 from ur5lib.report.page.tabulated import Body, tabulate
 from ur5lib.report.results import Results
 from ur5lib.report.views import (
@@ -108,7 +108,7 @@ def compose(
     Tables and figures of the first section are not repeated in later ones, nor are those that
     another page shows (`elsewhere`, their labels).
     """
-    with speaking_of_torques(results.sensed):
+    with speaking_of(results.effort):
         return _composed(parts, results, elsewhere).numbered()
 
 

@@ -205,7 +205,7 @@ def _outlook(outlook: Sequence[Bands]) -> TableBlock:
         ]
         for row in outlook
     ]
-    header = ["recording", "force in contact [N]", spoken("{current} [{ampere}]"), "load [kg]"]
+    header = ["recording", "force in contact [N]", spoken("{quantity} [{unit}]"), "load [kg]"]
     caption = (
         "Half of the 95 % bands as they are now and after one more recording, the narrowest force "
         "first."

@@ -15,11 +15,12 @@ import jinja2
 import pandas as pd
 from jinja2.environment import TemplateExpression
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.force.estimators import ESTIMATES, LEADING, PUBLISHED
 from ur5lib.report.page import formats
 from ur5lib.strict import read_yaml
 
-_SPOKEN = ContextVar("_SPOKEN", default="currents")
+_SPOKEN = ContextVar("_SPOKEN", default=CURRENT)
 FORMAT_NAMES = (
     *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joints"),
     *("percent", "power", "rounded", "signed", "significant", "to"),
@@ -27,9 +28,9 @@ FORMAT_NAMES = (
 
 
 @contextmanager
-def speaking_of_torques(sensed: bool) -> Iterator[None]:
-    """Speak of the torques that joints sense, where `sensed`, in place of the motors' currents."""
-    token = _SPOKEN.set("torques" if sensed else "currents")
+def speaking_of(effort: Effort) -> Iterator[None]:
+    """Speak of currents or of torques, by whichever is measured."""
+    token = _SPOKEN.set(effort)
     try:
         yield
     finally:
@@ -37,9 +38,10 @@ def speaking_of_torques(sensed: bool) -> Iterator[None]:
 
 
 def spoken(text: str) -> str:
-    """Return a text of the declarations with its words in braces, such as {current}, filled in."""
-    for word, meant in names(_SPOKEN.get()).items():
+    """Return a text of the declarations with its words in braces, such as {quantity}, filled in."""
+    for word, meant in _SPOKEN.get()._asdict().items():
         text = text.replace(f"{{{word}}}", meant)
+        text = text.replace(f"{{{word.capitalize()}}}", meant.capitalize())
     return text
 
 

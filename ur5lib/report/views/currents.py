@@ -23,9 +23,10 @@ from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
+CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
-CONSTANTS_TOPIC, CURRENTS_TOPIC = "Torque constants", "Friction and {current}s"  # topics
-CONSTANT_ESTIMATE = "a constant {current}"
+CONSTANTS_TOPIC, CURRENTS_TOPIC = "{Constant}s", "Friction and {quantity}s"  # topics
+CONSTANT_ESTIMATE = "a constant {quantity}"
 CONTRADICTION_CODES = ["unlikely constant", "current against constant", "torque against gain"]
 SIGNS = {  # codes of remarks that stop an arm, and what they say of its constants
     "contradicting constants": "contradicted",
@@ -56,7 +57,7 @@ def constants(results: Results) -> pd.DataFrame:
     moved = [robot not in moving or joint in moving[robot] for robot, joint in pairs]
     by_prior = np.where(rows["prior_share"] > MAX_PRIOR_SHARE, "prior", "undetermined")
     return rows.assign(
-        moved=np.array(moved, dtype=bool) | (rows["parameter"] == "torque_constant"),
+        moved=np.array(moved, dtype=bool) | rows["parameter"].isin(CONSTANTS),
         source=np.where(rows["determined"] == "yes", "data", by_prior),
     )
 
@@ -221,11 +222,11 @@ def judge_constants(results: Results) -> Verdict | None:
     """Judge by the constants that the data determine, and by those that contradict the known ones;
     None where no friction was fitted.
     """
-    rows = results.rows("friction", parameter="torque_constant")
+    rows = results.rows("friction", parameter=CONSTANTS)
     signs = results.rows("remarks", step=STOP)
     if len(signs):
         kind = next((SIGNS[code] for code in signs["code"] if code in SIGNS), "not fitted")
-        return Verdict(CONSTANTS_TOPIC, "do not use", say(f"constants.{kind}"))
+        return Verdict(spoken(CONSTANTS_TOPIC), "do not use", say(f"constants.{kind}"))
     if rows.empty:
         return None
     shares = rows.groupby("joint")["prior_share"].max()
@@ -238,7 +239,7 @@ def judge_constants(results: Results) -> Verdict | None:
         state = "do not use" if unlikely else "not determined"
     words = {"known": constants, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
     return Verdict(
-        topic=CONSTANTS_TOPIC,
+        topic=spoken(CONSTANTS_TOPIC),
         state=state,
         sentence=say("constants.verdict", **words),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
@@ -252,7 +253,10 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
     ratio = rows["value"] / rows["known"]
     row = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
     number = Number(
-        "torque constant", float(row["value"]), spoken("Nm/{ampere}"), f"joint {row['joint']}"
+        spoken("{constant}"),
+        float(row["value"]),
+        spoken("{constant_unit}"),
+        f"joint {row['joint']}",
     )
     number = number.within(row["low"], row["high"], "95 %")
     beside = number.beside(row["known"], "the known constant")
@@ -261,7 +265,7 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
 
 def beside_constant(results: Results) -> AgainstBaseline:
     """Return the errors of predicted currents that no fit has seen, beside a constant current's."""
-    rows, unit = unseen(results).query("model == 'fitted'"), spoken("{ampere}")
+    rows, unit = unseen(results).query("model == 'fitted'"), spoken("{unit}")
     zero, floors = spoken(CONSTANT_ESTIMATE), results.floors("current")
     return AgainstBaseline(rows, "rmse_2hz", "zero", unit, 2, zero=zero, floors=floors)
 
