@@ -1,0 +1,514 @@
+// The force on a running arm from its motor currents: live.py for C++17, without dependencies.
+//
+//   live::Live arm = live::Live::load("arm.json");
+//   live::Answer now = arm.step(time, q, qd, current);  // now.wrench, now.std, now.contact
+//
+// `ur5 export --to live` writes arm.json. Equations, units and answers are those of live.py, whose
+// names this file keeps; `step` neither allocates nor throws.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace live {
+
+constexpr int MAX_JOINTS = 8, MAX_PARTS = 4, MAX_SIZES = 8;
+enum Contact { FREE, CONTACT, UNKNOWN };
+enum State { MOVING, REVERSING, SETTLING, RESTING, STILL };
+constexpr const char* STATES[] = {"moving", "reversing", "settling", "resting", "still"};
+using Joints = std::array<double, MAX_JOINTS>;
+using Vector = std::array<double, 3>;
+using Matrix = std::array<Vector, 3>;
+using Wrench = std::array<double, 6>;
+using Square = std::array<Wrench, 6>;
+
+struct Answer {
+  Wrench wrench{}, std{};
+  Contact contact = UNKNOWN;
+};
+
+inline Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline Vector operator+(const Vector& a, const Vector& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+inline Vector operator*(double s, const Vector& a) { return {s * a[0], s * a[1], s * a[2]}; }
+inline Vector operator*(const Matrix& m, const Vector& a) {
+  return {dot(m[0], a), dot(m[1], a), dot(m[2], a)};
+}
+inline Matrix transposed(const Matrix& m) {
+  return {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}}};
+}
+inline Matrix operator*(const Matrix& a, const Matrix& b) {
+  const Matrix c = transposed(b);
+  Matrix product;
+  for (int i = 0; i < 3; ++i) product[i] = {dot(a[i], c[0]), dot(a[i], c[1]), dot(a[i], c[2])};
+  return product;
+}
+inline double sign(double x) { return (x > 0) - (x < 0); }
+
+// The numbers of a JSON file by their place, as "links.0.mass"; counts[place] has the sizes of lists.
+class Numbers {
+ public:
+  explicit Numbers(std::istream& in) : in_(in) { value(""); }
+  double at(const std::string& place) const {
+    const auto found = values_.find(place);
+    if (found == values_.end()) throw std::runtime_error("the arm's file lacks " + place);
+    return found->second;
+  }
+  int count(const std::string& place) const {
+    const auto found = counts_.find(place);
+    return found == counts_.end() ? 0 : found->second;
+  }
+  bool has(const std::string& place) const { return values_.count(place + ".0") > 0; }
+  Joints joints(const std::string& place, int n) const {
+    Joints row{};
+    for (int k = 0; k < n; ++k) row[k] = at(place + "." + std::to_string(k));
+    return row;
+  }
+
+ private:
+  char next() {
+    char c = 0;
+    if (!(in_ >> std::ws >> c)) throw std::runtime_error("the arm's file ends too early");
+    return c;
+  }
+  std::string text() {  // after the opening quote
+    std::string word;
+    for (char c; in_.get(c) && c != '"'; word += c)
+      if (c == '\\') in_.get(c);
+    return word;
+  }
+  void value(const std::string& place) {
+    const char first = next();
+    if (first == '{' || first == '[') {
+      const char end = first == '{' ? '}' : ']';
+      int count = 0;
+      for (char c = next(); c != end; c = next()) {
+        if (c == ',') continue;
+        std::string key = std::to_string(count++);
+        if (end == '}') {
+          key = text();
+          next();  // the colon
+        } else {
+          in_.unget();
+        }
+        value(place.empty() ? key : place + "." + key);
+      }
+      counts_[place] = count;
+    } else if (first == '"') {
+      text();
+    } else {
+      std::string word(1, first);
+      while (in_ && std::string(",]}").find(in_.peek()) == std::string::npos && !std::isspace(in_.peek()))
+        word += static_cast<char>(in_.get());
+      char* end = nullptr;
+      const double number = std::strtod(word.c_str(), &end);
+      if (*end == 0) values_[place] = number;
+    }
+  }
+  std::istream& in_;
+  std::map<std::string, double> values_;
+  std::map<std::string, int> counts_;
+};
+
+struct Sweep {
+  Joints momentum{}, rate{};
+  std::array<Wrench, MAX_JOINTS> jacobian{};  // a column for each joint
+};
+
+class Live {
+ public:
+  int n = 0;
+  double evidence = 0;
+  Joints observed{}, torque{};
+
+  explicit Live(const Numbers& arm) {
+    n = arm.count("links");
+    if (n < 1 || n > MAX_JOINTS) throw std::runtime_error("the arm's file has no 1 to 8 links");
+    for (int k = 0; k < n; ++k) {
+      const std::string link = "links." + std::to_string(k) + ".";
+      mass_[k] = arm.at(link + "mass");
+      for (int i = 0; i < 3; ++i) {
+        const std::string row = "." + std::to_string(i);
+        tail_[k][i] = arm.at(link + "position" + row);
+        center_[k][i] = arm.at(link + "center_of_mass" + row);
+        for (int j = 0; j < 3; ++j) {
+          const std::string entry = row + "." + std::to_string(j);
+          turn_[k][i][j] = arm.at(link + "rotation" + entry);
+          inertia_[k][i][j] = arm.at(link + "inertia" + entry);
+        }
+      }
+    }
+    for (int i = 0; i < 3; ++i) gravity_[i] = arm.at("gravity." + std::to_string(i));
+    rotor_ = arm.joints("rotor_inertia", n);
+    constant_ = arm.joints("torque_constant", n);
+    offset_ = arm.joints("offset", n);
+    breakaway_ = arm.joints("breakaway", n);
+    fastest_ = arm.joints("speed", n);
+    strongest_ = arm.joints("current", n);
+    held_ = arm.joints("friction.held", n);
+    for (int t = 0; t < TERMS; ++t) {
+      const std::string place = std::string("friction.terms.") + TERM_NAMES[t];
+      if (arm.has(place)) terms_[t] = arm.joints(place, n);
+    }
+    parts_ = arm.count("friction.presliding");
+    if (parts_ > MAX_PARTS) throw std::runtime_error("the arm's file has over 4 presliding parts");
+    for (int p = 0; p < parts_; ++p) {
+      const std::string part = "friction.presliding." + std::to_string(p);
+      distance_[p] = arm.at(part + ".distance");
+      share_[p] = arm.at(part + ".share");
+    }
+    for (int s = 0; s < 5; ++s) {
+      noise_[s] = arm.joints(std::string("noise.std.") + STATES[s], n);
+      hidden_[s] = arm.joints(std::string("noise.hidden.") + STATES[s], n);
+    }
+    threshold_ = arm.at("threshold.log_odds");
+    const auto constant = [&arm](const char* name) { return arm.at(std::string("constants.") + name); };
+    period_ = constant("period"), max_gap_ = constant("max_gap"), turns_ = constant("turns");
+    margin_ = constant("margin"), jump_ = constant("jump"), gain_ = constant("gain");
+    acceleration_ = constant("acceleration"), encoder_ = constant("encoder");
+    dead_zone_ = constant("dead_zone"), rest_speed_ = constant("rest_speed");
+    stop_ = constant("stop"), settle_ = constant("settle"), reversal_ = constant("reversal");
+    wide_ = constant("wide"), rare_ = constant("rare"), lever_ = constant("lever");
+    duration_ = constant("duration"), hysteresis_ = constant("hysteresis");
+    freeze_ = constant("freeze"), thaw_ = constant("thaw"), slow_ = constant("slow");
+    quiet_ = arm.at("constants.quiet.0");
+    count_ = arm.count("constants.sizes");
+    if (count_ < 1 || count_ > MAX_SIZES) throw std::runtime_error("the arm's file has no 1 to 8 sizes");
+    for (int s = 0; s < count_; ++s) sizes_[s] = arm.at("constants.sizes." + std::to_string(s));
+    restart();
+  }
+
+  static Live load(const std::string& path) {
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error("cannot read " + path);
+    return Live(Numbers(file));
+  }
+
+  void restart() noexcept {
+    time_ = std::numeric_limits<double>::quiet_NaN();
+    passed_ = run_ = evidence = above_ = quiet_for_ = 0;
+    q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
+    friction_ = drift_ = scale_ = rest_ = torque = slow_for_ = rested_ = Joints{};
+    direction_ = {};
+    slow_ago_.fill(std::numeric_limits<double>::infinity());
+    state_.fill(MOVING);
+    touched_ = false;
+    missed_ = 0;
+    answer_ = Answer{};
+    const double largest = *std::max_element(sizes_.begin(), sizes_.begin() + count_);
+    for (int i = 0; i < 6; ++i) answer_.std[i] = (i < 3 ? 1.0 : lever_) * largest;
+  }
+
+  // q, qd, current: n numbers each; qd: nullptr where the controller states no velocity.
+  const Answer& step(double time, const double* q, const double* qd, const double* current) noexcept {
+    if (usable(time, q, qd, current)) {
+      missed_ = 0;
+      take(time, q, qd, current);
+    } else if (++missed_ * period_ > max_gap_) {
+      restart();
+    }
+    return answer_;
+  }
+
+  Sweep sweep(const double* q, const double* qd) const noexcept {
+    Sweep result;
+    std::array<Vector, MAX_JOINTS> axis, arm, omega, v, angular, linear, pull, weight;
+    Matrix pose{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Vector origin{}, turning{}, moving{};
+    for (int k = 0; k < n; ++k) {
+      const double c = std::cos(q[k]), s = std::sin(q[k]);
+      const Matrix axes = pose * Matrix{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
+      axis[k] = {pose[0][2], pose[1][2], pose[2][2]};
+      arm[k] = cross(origin, axis[k]);
+      omega[k] = turning = turning + qd[k] * axis[k];
+      v[k] = moving = moving + qd[k] * arm[k];
+      const Vector center = origin + axes * center_[k];
+      linear[k] = mass_[k] * (moving + cross(turning, center));
+      angular[k] = axes * (inertia_[k] * (transposed(axes) * turning)) + cross(center, linear[k]);
+      weight[k] = mass_[k] * gravity_;
+      pull[k] = cross(center, weight[k]);
+      origin = origin + axes * tail_[k];
+      pose = axes * turn_[k];
+    }
+    for (int k = n - 1; k >= 0; --k) {
+      if (k + 1 < n) {
+        angular[k] = angular[k] + angular[k + 1];
+        linear[k] = linear[k] + linear[k + 1];
+        pull[k] = pull[k] + pull[k + 1];
+        weight[k] = weight[k] + weight[k + 1];
+      }
+      result.momentum[k] = dot(axis[k], angular[k]) + dot(arm[k], linear[k]) + rotor_[k] * qd[k];
+      result.rate[k] = dot(angular[k], cross(omega[k], axis[k])) +
+                       dot(linear[k], cross(omega[k], arm[k]) + cross(v[k], axis[k])) +
+                       dot(axis[k], pull[k]) + dot(arm[k], weight[k]);
+      const Vector lift = arm[k] + cross(axis[k], origin);
+      for (int i = 0; i < 3; ++i) {
+        result.jacobian[k][i] = lift[i];
+        result.jacobian[k][3 + i] = axis[k][i];
+      }
+    }
+    return result;
+  }
+
+ private:
+  static constexpr int TERMS = 9, LOAD = 8;
+  static constexpr const char* TERM_NAMES[TERMS] = {
+      "coulomb",      "viscous",     "velocity_root", "velocity_square", "periodic_sin",
+      "periodic_cos", "balance_sin", "balance_cos",   "load"};
+  struct Posterior {
+    std::array<double, MAX_SIZES> density{};
+    std::array<Wrench, MAX_SIZES> mean{}, variance{};
+  };
+
+  bool usable(double time, const double* q, const double* qd, const double* current) noexcept {
+    if (!(std::abs(time) < 1e12)) return false;
+    for (int k = 0; k < n; ++k) {
+      if (!(std::abs(q[k]) < turns_) || !(std::abs(current[k]) <= margin_ * strongest_[k])) return false;
+      if (qd != nullptr && !(std::abs(qd[k]) <= margin_ * fastest_[k])) return false;
+    }
+    if (std::isnan(time_)) return true;
+    const double passed = time - time_;
+    if (std::abs(passed) > max_gap_) {
+      restart();
+      return true;
+    }
+    if (!(passed > 0)) return false;
+    for (int k = 0; k < n; ++k)
+      if (!(std::abs(q[k] - q_[k]) <= margin_ * fastest_[k] * passed + jump_)) return false;
+    return true;
+  }
+
+  void take(double time, const double* q, const double* qd, const double* current) noexcept {
+    const bool first = std::isnan(time_);
+    passed_ = first ? 0.0 : time - time_;
+    run_ += passed_;
+    velocity(q, qd, first);
+    time_ = time;
+    std::copy(q, q + n, q_.begin());
+    for (int p = 0; p < parts_; ++p)
+      for (int k = 0; k < n; ++k) {
+        const double kept = std::exp(-std::abs(qd_[k]) * passed_ / distance_[p]);
+        direction_[p][k] = kept * direction_[p][k] + (1 - kept) * sign(qd_[k]);
+      }
+    Joints load, friction;
+    gears(current, load, friction);
+    const Sweep swept = sweep(q_.data(), qd_.data());
+    const double gain = first ? 1.0 : gain_ * passed_ / (1 + gain_ * passed_);
+    for (int k = 0; k < n; ++k) {
+      const double rate = load[k] + swept.rate[k];
+      if (!first) {
+        const double change = (swept.momentum[k] - momentum_[k]) / passed_ - (rate + rate_[k]) / 2;
+        observed[k] += gain * (change - observed[k]);
+      }
+      friction_[k] += gain * (friction[k] - friction_[k]);
+      momentum_[k] = swept.momentum[k];
+      rate_[k] = rate;
+    }
+    move();
+    judge(swept.jacobian);
+    learn();
+  }
+
+  void velocity(const double* q, const double* qd, bool first) noexcept {
+    const double index = passed_ * passed_ * acceleration_ / encoder_;
+    const double root = (4 + index - std::sqrt(index * (8 + index))) / 4;
+    for (int k = 0; k < n; ++k) {
+      if (qd != nullptr) {
+        qd_[k] = qd[k];
+      } else if (first) {
+        qd_[k] = 0;
+      } else {
+        const double innovation = lag_[k] + q[k] - q_[k] - passed_ * qd_[k];
+        lag_[k] = root * root * innovation;
+        qd_[k] += 2 * (1 - root) * (1 - root) / passed_ * innovation;
+      }
+    }
+  }
+
+  void gears(const double* current, Joints& load, Joints& friction) const noexcept {
+    for (int k = 0; k < n; ++k) {
+      const double v = qd_[k], sine = std::sin(q_[k]), cosine = std::cos(q_[k]);
+      double z = 0;
+      for (int p = 0; p < parts_; ++p) z += share_[p] * direction_[p][k];
+      const double columns[LOAD] = {z,    v,      std::sqrt(std::abs(v)) * sign(v), std::abs(v) * v,
+                                    sine, cosine, sine,                             cosine};
+      double own = held_[k] * z * (1 - std::abs(std::tanh(v / dead_zone_)));
+      for (int t = 0; t < LOAD; ++t) own += terms_[t][k] * columns[t];
+      const double motor = constant_[k] * current[k] - offset_[k];
+      load[k] = (motor - own) / (1 + terms_[LOAD][k] * z * sign(motor - own));
+      friction[k] = motor - load[k];
+    }
+  }
+
+  void move() noexcept {
+    bool settled = true;
+    for (int k = 0; k < n; ++k) {
+      const bool slow = std::abs(qd_[k]) < rest_speed_;
+      slow_for_[k] = slow ? slow_for_[k] + passed_ : 0.0;
+      slow_ago_[k] = slow ? 0.0 : slow_ago_[k] + passed_;
+      if (slow_for_[k] < stop_) rested_[k] = 0;
+      settled = settled && rested_[k] >= settle_;
+    }
+    for (int k = 0; k < n; ++k) {
+      if (slow_for_[k] >= stop_)
+        state_[k] = rested_[k] < settle_ ? SETTLING : settled ? STILL : RESTING;
+      else
+        state_[k] = slow_ago_[k] <= reversal_ ? REVERSING : MOVING;
+    }
+  }
+
+  void judge(const std::array<Wrench, MAX_JOINTS>& jacobian) noexcept {
+    Joints variance{}, wider{}, touching{};
+    bool doubtful = run_ < settle_;
+    for (int k = 0; k < n; ++k) {
+      torque[k] = observed[k] - (state_[k] >= RESTING ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
+      const double unseen = std::max(std::abs(qd_[k]) / fastest_[k], 1.0);
+      doubtful = doubtful || unseen > 1;
+      const double own = noise_[state_[k]][k] * unseen * unseen, lost = hidden_[state_[k]][k];
+      variance[k] = own * own;
+      wider[k] = wide_ * wide_ * variance[k];
+      touching[k] = variance[k] + lost * lost;
+    }
+    const double still = std::log(1 - rare_) + posterior(jacobian, variance, &quiet_, 1).density[0];
+    const double wide = std::log(rare_) + posterior(jacobian, wider, &quiet_, 1).density[0];
+    const double free = std::max(still, wide) + std::log1p(std::exp(-std::abs(still - wide)));
+    const Posterior touch = posterior(jacobian, touching, sizes_.data(), count_);
+    const double largest = *std::max_element(touch.density.begin(), touch.density.begin() + count_);
+    double total = 0;
+    Wrench mean{}, square{};
+    for (int s = 0; s < count_; ++s) {
+      const double weight = std::exp(touch.density[s] - largest);
+      total += weight;
+      for (int i = 0; i < 6; ++i) {
+        mean[i] += weight * touch.mean[s][i];
+        square[i] += weight * (touch.variance[s][i] + touch.mean[s][i] * touch.mean[s][i]);
+      }
+    }
+    evidence = largest + std::log(total / count_) - free;
+    for (int i = 0; i < 6; ++i) {
+      answer_.wrench[i] = mean[i] / total;
+      const double spread = square[i] / total - answer_.wrench[i] * answer_.wrench[i];
+      answer_.std[i] = std::sqrt(std::max(spread, 0.0));
+    }
+    contact(doubtful);
+  }
+
+  Posterior posterior(const std::array<Wrench, MAX_JOINTS>& jacobian, const Joints& variance,
+                      const double* sizes, int count) const noexcept {
+    Square told{};
+    Wrench seen{};
+    double alone = 0;
+    for (int k = 0; k < n; ++k) {
+      alone += torque[k] * torque[k] / variance[k] + std::log(variance[k]);
+      for (int i = 0; i < 6; ++i) {
+        const double weighted = jacobian[k][i] / variance[k];
+        seen[i] += weighted * torque[k];
+        for (int j = 0; j < 6; ++j) told[i][j] += weighted * jacobian[k][j];
+      }
+    }
+    Posterior result;
+    for (int s = 0; s < count; ++s) {
+      Square factor = told;  // L of L Lᵀ = P⁻¹ + Λ
+      double misfit = alone;
+      for (int i = 0; i < 6; ++i) {
+        const double size = (i < 3 ? 1.0 : lever_) * sizes[s];
+        factor[i][i] += 1 / (size * size);
+        misfit += 2 * std::log(size);
+      }
+      for (int j = 0; j < 6; ++j) {
+        for (int m = 0; m < j; ++m) factor[j][j] -= factor[j][m] * factor[j][m];
+        factor[j][j] = std::sqrt(factor[j][j]);
+        misfit += 2 * std::log(factor[j][j]);
+        for (int i = j + 1; i < 6; ++i) {
+          for (int m = 0; m < j; ++m) factor[i][j] -= factor[i][m] * factor[j][m];
+          factor[i][j] /= factor[j][j];
+        }
+      }
+      // the inverse of L; the covariance is its square
+      Square inverse{};
+      for (int j = 0; j < 6; ++j)
+        for (int i = j; i < 6; ++i) {
+          double sum = i == j;
+          for (int m = j; m < i; ++m) sum -= factor[i][m] * inverse[m][j];
+          inverse[i][j] = sum / factor[i][i];
+        }
+      Wrench whitened{};
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j <= i; ++j) whitened[i] += inverse[i][j] * seen[j];
+      for (int i = 0; i < 6; ++i) {
+        misfit -= whitened[i] * whitened[i];
+        for (int m = i; m < 6; ++m) {
+          result.mean[s][i] += inverse[m][i] * whitened[m];
+          result.variance[s][i] += inverse[m][i] * inverse[m][i];
+        }
+      }
+      result.density[s] = -misfit / 2;
+    }
+    return result;
+  }
+
+  void contact(bool doubtful) noexcept {
+    above_ = evidence >= threshold_ ? above_ + passed_ : 0.0;
+    if (touched_)
+      touched_ = evidence >= threshold_ - hysteresis_;
+    else
+      touched_ = !doubtful && above_ >= duration_;
+    answer_.contact = touched_ ? CONTACT : doubtful ? UNKNOWN : FREE;
+  }
+
+  void learn() noexcept {
+    quiet_for_ = touched_ || evidence > freeze_ ? 0.0 : quiet_for_ + passed_;
+    if (quiet_for_ < thaw_ || run_ < thaw_) return;
+    const double share = passed_ / slow_;
+    for (int k = 0; k < n; ++k) {
+      if (state_[k] == MOVING) {
+        const double error = share * torque[k];
+        drift_[k] += error;
+        scale_[k] += error * friction_[k] / (friction_[k] * friction_[k] + breakaway_[k] * breakaway_[k]);
+      }
+      rested_[k] = state_[k] >= SETTLING ? rested_[k] + passed_ : 0.0;
+      if (state_[k] >= SETTLING) {
+        const double own = state_[k] == SETTLING ? passed_ / std::max(rested_[k], passed_) : share;
+        rest_[k] += own * (observed[k] - rest_[k]);
+      }
+    }
+  }
+
+  std::array<Matrix, MAX_JOINTS> turn_{}, inertia_{};
+  std::array<Vector, MAX_JOINTS> tail_{}, center_{};
+  Vector gravity_{};
+  Joints mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{}, held_{};
+  std::array<Joints, TERMS> terms_{};
+  std::array<Joints, 5> noise_{}, hidden_{};
+  std::array<double, MAX_PARTS> distance_{}, share_{};
+  std::array<double, MAX_SIZES> sizes_{};
+  int parts_ = 0, count_ = 0;
+  double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
+  double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, rare_, lever_, quiet_;
+  double duration_, hysteresis_, freeze_, thaw_, slow_;
+  // of the run
+  double time_, passed_, run_, above_, quiet_for_;
+  Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
+  Joints slow_for_{}, slow_ago_{}, rested_{};
+  std::array<Joints, MAX_PARTS> direction_{};
+  std::array<int, MAX_JOINTS> state_{};
+  bool touched_ = false;
+  int missed_ = 0;
+  Answer answer_;
+};
+
+}  // namespace live

@@ -1,0 +1,318 @@
+"""The force on a running arm from its motor currents, sample by sample, without any look ahead.
+
+This file needs NumPy alone and may be copied away. `ur5 export --to live` writes what it needs to
+know of an arm, and `--to live.hpp` the same estimator for C++.
+
+    estimator = Live.load("arm.json")
+    wrench, std, contact = estimator.step(time, q, qd, current)
+
+A momentum observer follows the external torque: of p = M q̇ and the torque l that the gears pass on,
+dp/dt = l + Cᵀ q̇ - g + τ_ext. Less the slow errors of this run, τ_ext = Jᵀ F + noise; the noise is
+that of each joint's state of motion, and F has a prior of several sizes. docs/live.md says what
+`step` answers to which sample.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Posterior = tuple[Array, Array, Array]
+STATES = ("moving", "reversing", "settling", "resting", "still")  # of a joint
+MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
+TERMS = {"coulomb", "viscous", "load", "velocity_root", "velocity_square"}  # of friction
+TERMS |= {"periodic_sin", "periodic_cos", "balance_sin", "balance_cos"}
+FREE, CONTACT, UNKNOWN = "free", "contact", "unknown"
+NEXT, LAST = [1, 2, 0], [2, 0, 1]  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
+
+
+class Answer(NamedTuple):
+    """What is known after a sample.
+
+    wrench: [F, n] (6,) [N, Nm], the environment acting on the arm, base axes, at the origin of the
+    last frame; std: its standard deviation (6,); contact: "contact", "free" or "unknown".
+    """
+
+    wrench: Array
+    std: Array
+    contact: str
+
+
+class Sweep(NamedTuple):
+    """p = M q̇ (n,) [Nm s], Cᵀ q̇ - g (n,) [Nm], and the Jacobian (6, n) of the last frame."""
+
+    momentum: Array
+    rate: Array
+    jacobian: Array
+
+
+class Live:
+    """The estimator of one arm of n joints.
+
+    After each step, evidence is log p(τ | contact) / p(τ | free); observed, torque: the external
+    torque (n,) [Nm], and the same less the slow errors of the run; state: (n,), of the joints.
+    """
+
+    def __init__(self, arm: Mapping[str, Any]) -> None:
+        """Take what `ur5 export --to live` wrote."""
+        names = ("rotation", "position", "mass", "center_of_mass", "inertia")
+        turns, tails, self.mass, self.center, self.inertia = (
+            np.array([link[name] for link in arm["links"]], float) for name in names
+        )
+        self.tail = np.tile(np.eye(4), (len(self.mass), 1, 1))
+        self.tail[:, :3, :3], self.tail[:, :3, 3] = turns, tails
+        self.weight = self.mass[:, None] * np.array(arm["gravity"], float)
+        names = ("rotor_inertia", "torque_constant", "offset", "breakaway", "speed", "current")
+        self.rotor, self.constant, self.offset, self.breakaway, self.fastest, self.strongest = (
+            np.array(arm[name], float) for name in names
+        )
+        friction = arm["friction"]
+        self.terms = {name: np.array(values, float) for name, values in friction["terms"].items()}
+        self.held = np.array(friction["held"], float)
+        self.distance, self.share = (
+            np.array([[one[name]] for one in friction["presliding"]], float)
+            for name in ("distance", "share")
+        )
+        self.noise, self.hidden = (
+            np.array([arm["noise"][name][state] for state in STATES], float)
+            for name in ("std", "hidden")
+        )
+        self.threshold, self.set = float(arm["threshold"]["log_odds"]), dict(arm["constants"])
+        self.sizes, self.quiet = (
+            np.outer(self.set[name], [1, 1, 1, *[self.set["lever"]] * 3])
+            for name in ("sizes", "quiet")
+        )
+        self.restart()
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Live":
+        """Return the estimator of a file."""
+        return cls(json.loads(Path(path).read_text(encoding="utf-8")))
+
+    def restart(self) -> None:
+        """Forget the run: where the arm was, its contact, friction and background."""
+        n = len(self.mass)
+        self.time, self.passed, self.run = np.nan, 0.0, 0.0  # [s]
+        self.q, self.qd, self.lag, self.momentum, self.rate, self.observed = np.zeros((6, n))
+        self.friction, self.drift, self.scale, self.rest, self.torque = np.zeros((5, n))
+        self.direction = np.zeros((len(self.share), n))
+        # seconds: for which each joint is slow, since it was, and of its rest
+        self.slow_for, self.slow_ago, self.rested = np.zeros(n), np.full(n, np.inf), np.zeros(n)
+        self.state = np.zeros(n, np.int64)
+        self.evidence, self.above, self.quiet_for = 0.0, 0.0, 0.0
+        self.touched, self.missed = False, 0
+        self.answer = Answer(np.zeros(6), self.sizes.max(axis=0), UNKNOWN)
+
+    def step(self, time: float, q: Any, qd: Any, current: Any) -> Answer:
+        """Return the force after a sample: time [s]; q, qd, current (n,) [rad, rad/s, A].
+
+        qd: None where the controller states no velocity. Never raises, and states no NaN.
+        """
+        try:
+            none = np.zeros(len(self.mass)) if qd is None else qd
+            values = [np.array(one, float) for one in (q, current, none)]
+            usable = self._usable(float(time), *values)
+        except (TypeError, ValueError, OverflowError):
+            usable = False
+        if usable:
+            self.missed = 0
+            self._take(float(time), values[0], None if qd is None else values[2], values[1])
+        else:
+            self.missed += 1
+            if self.missed * self.set["period"] > self.set["max_gap"]:
+                self.restart()
+        return self.answer
+
+    def _usable(self, time: float, q: Array, current: Array, qd: Array) -> bool:
+        """Return whether a sample is new and possible; restart where the clock jumped."""
+        if not all(one.shape == self.mass.shape for one in (q, current, qd)):
+            return False
+        speed, strongest = (self.set["margin"] * most for most in (self.fastest, self.strongest))
+        possible = np.abs(time) < 1e12 and (np.abs(q) < self.set["turns"]).all()
+        possible &= (np.abs(current) <= strongest).all() and (np.abs(qd) <= speed).all()
+        if not possible or np.isnan(self.time):
+            return bool(possible)
+        passed = time - self.time
+        if abs(passed) > self.set["max_gap"]:
+            self.restart()
+            return True
+        return bool(passed > 0 and (np.abs(q - self.q) <= speed * passed + self.set["jump"]).all())
+
+    def _take(self, time: float, q: Array, qd: Array | None, current: Array) -> None:
+        """Take a usable sample."""
+        first = bool(np.isnan(self.time))
+        self.passed = passed = 0.0 if first else time - self.time
+        self.run += passed
+        self.qd = self._velocity(q, first) if qd is None else qd
+        self.time, self.q = time, q
+        # Dahl: dz = |dq| / distance (sign dq - z), solved exactly; dq by q̇, as encoders are coarse
+        kept = np.exp(-np.abs(self.qd) * passed / self.distance)
+        self.direction = kept * self.direction + (1 - kept) * np.sign(self.qd)
+        load, friction = self._gears(current)
+        swept = self.sweep(q, self.qd)
+        rate = load + swept.rate
+        gain = 1.0 if first else self.set["gain"] * passed / (1 + self.set["gain"] * passed)
+        if not first:
+            change = (swept.momentum - self.momentum) / passed - (rate + self.rate) / 2
+            self.observed = self.observed + gain * (change - self.observed)
+        self.friction = self.friction + gain * (friction - self.friction)
+        self.momentum, self.rate = swept.momentum, rate
+        self._move()
+        self._judge(swept.jacobian)
+        self._learn()
+
+    def _velocity(self, q: Array, first: bool) -> Array:
+        """Return q̇ (n,) [rad/s] by the steady Kalman filter of a joint of constant velocity."""
+        if first:
+            return np.zeros(len(q))
+        # of Kalata's index λ = T² σ_a / σ_q, with r² = 1 - α, β = 2 (1 - r)²
+        index = self.passed**2 * self.set["acceleration"] / self.set["encoder"]
+        root = (4 + index - np.sqrt(index * (8 + index))) / 4
+        innovation = self.lag + q - self.q - self.passed * self.qd
+        self.lag = root**2 * innovation
+        return np.asarray(self.qd + 2 * (1 - root) ** 2 / self.passed * innovation)
+
+    def _gears(self, current: Array) -> tuple[Array, Array]:
+        """Return the torque l that the gears pass on to the links, and their friction (n,) [Nm]."""
+        q, qd = self.q, self.qd
+        z = (self.share * self.direction).sum(axis=0)
+        root, square, sin, cos = (
+            np.sqrt(np.abs(qd)) * np.sign(qd),
+            np.abs(qd) * qd,
+            np.sin(q),
+            np.cos(q),
+        )
+        columns = {"coulomb": z, "viscous": qd, "velocity_root": root, "velocity_square": square}
+        columns |= {
+            "periodic_sin": sin,
+            "periodic_cos": cos,
+            "balance_sin": sin,
+            "balance_cos": cos,
+        }
+        friction = self.held * z * (1 - np.abs(np.tanh(qd / self.set["dead_zone"])))
+        for name in self.terms.keys() - {"load"}:
+            friction = friction + self.terms[name] * columns[name]
+        # k i = b + f + l + c z |l|
+        motor = self.constant * current - self.offset
+        loss = self.terms["load"] * z * np.sign(motor - friction)
+        load = (motor - friction) / (1 + loss)
+        return load, motor - load
+
+    def sweep(self, q: Array, qd: Array) -> Sweep:
+        """Return momentum, its rate but for the motors' part, and Jacobian, by one velocity sweep.
+
+        Of the axes S_k of the joints, the twist V_k of link k, and the momentum H_k and weight W_k
+        of the links from k on, about the base's origin: p_k = S_k · H_k,
+        (Cᵀ q̇)_k = H_k · (V_k × S_k), g_k = -S_k · W_k.
+        """
+        n, cos, sin = len(q), np.cos(q), np.sin(q)
+        turn = np.tile(np.eye(4), (n, 1, 1))
+        turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1] = cos, -sin, sin, cos
+        poses = np.empty((n + 1, 4, 4))
+        poses[0] = np.eye(4)
+        for k, joint in enumerate(turn @ self.tail):
+            poses[k + 1] = poses[k] @ joint
+        axis, origin, axes = poses[:n, :3, 2], poses[:n, :3, 3], poses[:n, :3, :3] @ turn[:, :3, :3]
+        arm = cross(origin, axis)
+        omega, v = np.cumsum(axis * qd[:, None], axis=0), np.cumsum(arm * qd[:, None], axis=0)
+        center = origin + (axes @ self.center[..., None])[..., 0]
+        linear = self.mass[:, None] * (v + cross(omega, center))
+        spin = (axes @ (self.inertia @ (axes.mT @ omega[..., None])))[..., 0]
+        spin += cross(center, linear)
+        link = np.concatenate([spin, linear, cross(center, self.weight), self.weight], axis=1)
+        beyond = np.cumsum(link[::-1], axis=0)[::-1]
+        angular, linear = beyond[:, :3], beyond[:, 3:6]
+        momentum = (axis * angular + arm * linear).sum(axis=1) + self.rotor * qd
+        rate = angular * cross(omega, axis) + linear * (cross(omega, arm) + cross(v, axis))
+        rate += axis * beyond[:, 6:9] + arm * beyond[:, 9:]
+        jacobian = np.concatenate([arm + cross(axis, poses[n, :3, 3]), axis], axis=1).T
+        return Sweep(momentum, rate.sum(axis=1), jacobian)
+
+    def _move(self) -> None:
+        """Set each joint's state of motion, as far as past samples show it."""
+        slow = np.abs(self.qd) < self.set["rest_speed"]
+        self.slow_for = np.where(slow, self.slow_for + self.passed, 0.0)
+        self.slow_ago = np.where(slow, 0.0, self.slow_ago + self.passed)
+        stopped = self.slow_for >= self.set["stop"]
+        self.rested = np.where(stopped, self.rested, 0.0)
+        settled = self.rested >= self.set["settle"]
+        rest = np.where(settled, STILL if settled.all() else RESTING, SETTLING)
+        moves = np.where(self.slow_ago <= self.set["reversal"], REVERSING, MOVING)
+        self.state = np.where(stopped, rest, moves)
+
+    def _judge(self, jacobian: Array) -> None:
+        """State the wrench, its deviation, and whether there is a contact."""
+        slow = self.drift + self.scale * self.friction
+        self.torque = self.observed - np.where(self.state >= RESTING, self.rest, slow)
+        unseen = np.maximum(np.abs(self.qd) / self.fastest, 1.0)
+        own = self.state, np.arange(len(unseen))
+        variance = (self.noise[own] * unseen**2) ** 2
+        # a free arm: its noise, and now and then a wider one
+        free, wide = (
+            self._posterior(jacobian, factor**2 * variance, self.quiet)[0][0]
+            for factor in (1.0, self.set["wide"])
+        )
+        rare = self.set["rare"]
+        free = np.logaddexp(np.log(1 - rare) + free, np.log(rare) + wide)
+        touched, mean, spread = self._posterior(
+            jacobian, variance + self.hidden[own] ** 2, self.sizes
+        )
+        weight = np.exp(touched - touched.max())
+        self.evidence = float(touched.max() + np.log(weight.mean()) - free)
+        weight /= weight.sum()
+        wrench, square = weight @ mean, weight @ (spread + mean**2)
+        std = np.sqrt(np.maximum(square - wrench**2, 0.0))
+        self.answer = Answer(wrench, std, self._contact(bool((unseen > 1).any())))
+
+    def _posterior(self, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
+        """Return log-density of the torque, and mean and variance of the wrench, by its size.
+
+        F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (n,) [Nm²]; sizes: (K, 6).
+        """
+        weighted, diagonal = jacobian / variance, np.arange(6)
+        information = np.tile(weighted @ jacobian.T, (len(sizes), 1, 1))
+        information[:, diagonal, diagonal] += sizes**-2.0
+        covariance = np.linalg.inv(information)
+        told = weighted @ self.torque
+        mean = covariance @ told
+        misfit = (self.torque**2 / variance + np.log(variance)).sum() - mean @ told
+        misfit = misfit + np.log(np.linalg.det(information)) + 2 * np.log(sizes).sum(axis=1)
+        return -misfit / 2, mean, covariance[:, diagonal, diagonal]
+
+    def _contact(self, doubtful: bool) -> str:
+        """Return whether there is a contact: evidence above the threshold for a while."""
+        doubtful |= self.run < self.set["settle"]
+        self.above = self.above + self.passed if self.evidence >= self.threshold else 0.0
+        if self.touched:
+            self.touched = self.evidence >= self.threshold - self.set["hysteresis"]
+        else:
+            self.touched = not doubtful and self.above >= self.set["duration"]
+        return CONTACT if self.touched else UNKNOWN if doubtful else FREE
+
+    def _learn(self) -> None:
+        """Follow the run's friction and background where nothing suggests a contact."""
+        suspected = self.touched or self.evidence > self.set["freeze"]
+        self.quiet_for = 0.0 if suspected else self.quiet_for + self.passed
+        if self.quiet_for < self.set["thaw"] or self.run < self.set["thaw"]:
+            return
+        share = self.passed / self.set["slow"]
+        error = np.where(self.state == MOVING, share * self.torque, 0.0)
+        self.drift = self.drift + error
+        usual = self.friction**2 + self.breakaway**2
+        self.scale = self.scale + error * self.friction / usual
+        # at rest: the mean of what settles, then a slow one
+        stopped = self.state >= SETTLING
+        self.rested = np.where(stopped, self.rested + self.passed, 0.0)
+        settling = self.passed / np.maximum(self.rested, self.passed)
+        share_at_rest = np.where(self.state == SETTLING, settling, share)
+        gained = share_at_rest * (self.observed - self.rest)
+        self.rest = np.where(stopped, self.rest + gained, self.rest)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Return a × b of vectors (..., 3)."""
+    return np.asarray(a[..., NEXT] * b[..., LAST] - a[..., LAST] * b[..., NEXT])

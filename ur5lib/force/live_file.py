@@ -1,0 +1,244 @@
+"""What `force/live.py` knows of an arm: its numbers, and the noise of runs without contact."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
+from ur5lib.force.live import CONTACT, SETTLING, STATES, TERMS, UNKNOWN, Live
+from ur5lib.force.residual_model import TorqueStretch, few_paths, fit_residual_model
+from ur5lib.records.friction import Friction
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.friction import PRESLIDING_DISTANCE, coefficient_names
+from ur5lib.robots.inertia import link_tail, rigid_bodies
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import DEAD_ZONE
+from ur5lib.timeseries.trajectories import REST_SPEED
+
+PRIOR = ContactPrior()
+CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/methods.md#live
+    "gain": 30.0,  # 1/s, of the observer
+    "lever": PRIOR.lever,  # m
+    "sizes": [size for size in PRIOR.sizes if size >= PRIOR.force],  # N, of contacts
+    "quiet": [PRIOR.quiet],  # N, of forces that do not count
+    "rare": 0.1,  # share of the samples of a free arm whose noise is `wide` times wider
+    "wide": 2.5,
+    "duration": 0.06,  # s, for which evidence lasts before a contact is stated
+    "hysteresis": 2.0,  # in log-odds, by which it then may fall
+    "freeze": 0.0,  # evidence above which the slow errors of the run are not learnt
+    "thaw": 0.5,  # s, of less evidence before they are again
+    "slow": 100.0,  # s, in which they are learnt: a push of 10 s keeps 80 % of itself
+    "settle": RELAXATION_TIME,  # s, of a start, and of friction after a stop
+    "stop": MIN_STOP_DURATION,  # s
+    "reversal": 0.5,  # s, after a joint was slow
+    "rest_speed": REST_SPEED,  # rad/s
+    "dead_zone": DEAD_ZONE,  # rad/s
+    "max_gap": 0.1,  # s without a sample, after which the run starts anew
+    "margin": 2.0,  # factor on speeds and currents above which a sample is no measurement
+    "jump": 0.02,  # rad, beyond that speed
+    "turns": 100.0,  # rad, of any joint
+    "acceleration": 20.0,  # rad/s² and rad, standard deviations of the filter of positions
+    "encoder": 5e-5,
+}
+MIN_LOG_ODDS = 2.5  # of a contact, likewise
+LEARNING_STEP = 0.008  # s
+LONGEST = 300.0  # s of each recording from which noise is learnt
+MIN_SPEED = 0.1  # rad/s, that counts as seen
+BANDWIDTH = CONSTANTS["gain"] / (2 * np.pi)  # Hz
+
+
+class Measured(NamedTuple):
+    """What a controller states: time (N,) [s], q, qd, current (N, n); qd None where it does not."""
+
+    time: Array
+    segment: Labels
+    period: float
+    q: Array
+    qd: Array | None
+    current: Array
+
+    @classmethod
+    def of(cls, signals: Signals) -> "Measured | None":
+        """Return a recording, None without positions or currents."""
+        if signals.actual_q is None or signals.actual_current is None:
+            return None
+        return cls(
+            signals.time,
+            signals.segment,
+            signals.period,
+            signals.actual_q,
+            signals.actual_qd,
+            signals.actual_current,
+        )
+
+    def at(self, rows: slice) -> Self:
+        """Return some samples."""
+        columns = self.time, self.segment, self.q, self.qd, self.current
+        time, segment, q, qd, current = (v if v is None else v[rows] for v in columns)
+        return type(self)(time, segment, self.period * (rows.step or 1), q, qd, current)
+
+    def pushed(self, torque: Array) -> Self:
+        """Return the same motion with other currents: less by a torque (N, n) [A]."""
+        return self._replace(current=self.current - torque)
+
+
+class Followed(NamedTuple):
+    """The answers to a recording: wrench, std (N, 6), contact (N,), evidence (N,), and of n joints
+    observed, torque [Nm] and state (N, n)."""
+
+    wrench: Array
+    std: Array
+    contact: list[str]
+    evidence: Array
+    torque: Array
+    state: Any
+
+    def alarms(self) -> list[tuple[int, int]]:
+        """Return the stretches in contact."""
+        inside = np.array([False, *(one == CONTACT for one in self.contact), False])
+        edges = np.flatnonzero(inside[1:] != inside[:-1]).tolist()
+        return [*zip(edges[::2], edges[1::2], strict=True)]
+
+    def known(self) -> float:
+        """Return the share of samples in which something is known of contacts."""
+        return 1 - self.contact.count(UNKNOWN) / len(self.contact)
+
+
+def numbers(
+    robot: Robot, friction: Friction, recording: str, payload: Payload | None
+) -> dict[str, Any]:
+    """Return kinematics, links, rotors, gears and constants of an arm with a payload.
+
+    robot: as mounted; recording: whose path the friction's fit left out, "" for that of all. Raises
+    InputError where the friction has a term that is not that of a joint of its own.
+    """
+    arm, fit = robot.carrying(payload), friction.fit_for(recording)
+    bodies, joints = rigid_bodies(arm, arm.fullest_model()), fit.joints
+    constant = 1 / np.array([joint.estimate.coefficients[0] for joint in joints])
+    terms = {"coulomb": np.zeros(len(joints)), "load": np.zeros(len(joints))}
+    for k, joint in enumerate(joints):
+        values = joint.estimate.coefficients[2:] * constant[k]
+        for name, value in zip(coefficient_names(joint.terms), values, strict=True):
+            terms.setdefault(name, np.zeros(len(joints)))[k] = value
+    for k in range(len(joints)):
+        for name in ("balance_sin", "balance_cos"):
+            if name in terms and k + 1 not in robot.balanced_joints:
+                terms[name][k] = 0.0
+    rotor = bodies.rotor_inertia + terms.pop("rotor", 0.0)
+    if unknown := sorted(terms.keys() - TERMS):
+        raise InputError(
+            f"the friction term {unknown[0]} of {robot.name} is unknown to the live estimator; fit "
+            "the study without it"
+        )
+    offset, held = (
+        constant * [value(joint) for joint in joints]
+        for value in (lambda joint: joint.estimate.coefficients[1], lambda joint: joint.held)
+    )
+    links = []
+    for k, pose in enumerate(arm.link_poses()):
+        rotation, position = link_tail(pose)
+        links.append(
+            {
+                "rotation": rotation.tolist(),
+                "position": position.tolist(),
+                "mass": float(bodies.mass[k]),
+                "center_of_mass": (position + rotation @ bodies.center_of_mass[k]).tolist(),
+                "inertia": (rotation @ bodies.inertia[k] @ rotation.T).tolist(),
+            }
+        )
+    presliding = [{"distance": arm.presliding or PRESLIDING_DISTANCE, "share": 1.0}]
+    return {
+        "links": links,
+        "gravity": [*arm.gravity],
+        "rotor_inertia": rotor.tolist(),
+        "torque_constant": constant.tolist(),
+        "offset": offset.tolist(),
+        "breakaway": np.maximum(terms["coulomb"], 0.1).tolist(),
+        "current": (np.array(arm.torque_limits()) / constant).tolist(),
+        "friction": {
+            "terms": {name: value.tolist() for name, value in terms.items()},
+            "held": held.tolist(),
+            "presliding": presliding,
+        },
+    }
+
+
+def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
+    """Return the answers of the estimator of an arm, sample by sample."""
+    estimator, answers, beside = Live(arm), [], []
+    velocities = [None] * len(run.time) if run.qd is None else run.qd
+    for sample in zip(run.time, run.q, velocities, run.current, strict=True):
+        answers.append(estimator.step(*sample))
+        beside.append((estimator.evidence, estimator.torque, estimator.state))
+    wrench, std, contact = zip(*answers, strict=True)
+    evidence, torque, state = map(np.array, zip(*beside, strict=True))
+    return Followed(np.array(wrench), np.array(std), [*contact], evidence, torque, state)
+
+
+def learned(
+    runs: Sequence[tuple[Mapping[str, Any], Measured]], paths: int, false_per_min: float
+) -> dict[str, Any]:
+    """Return speeds seen, noise, threshold and constants by runs without contact.
+
+    runs: numbers of the arm, of fits that left out the run's path, and what was measured; paths:
+    their number; false_per_min: alarms allowed a minute. Raises RefusalError where they are too
+    short, or a joint never moves.
+    """
+    thinned = [(arm, _thinned(run)) for arm, run in runs]
+    speeds = [np.nanquantile(np.abs(velocity(run)), 0.999, axis=0) for _, run in thinned]
+    breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)
+    period = float(np.median([run.period for _, run in runs]))
+    known = {
+        "speed": np.maximum(np.max(speeds, axis=0), MIN_SPEED).tolist(),
+        "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway),
+        "threshold": {"log_odds": MIN_LOG_ODDS},
+        # while noise is learnt, nothing counts as a contact
+        "constants": CONSTANTS | {"period": period, "freeze": np.inf},
+    }
+    stretches = []
+    for arm, run in thinned:
+        own = follow({**arm, **known}, run)
+        started = slice(round(CONSTANTS["settle"] / run.period), None)
+        stretches.append(TorqueStretch(own.torque[started], own.state[started], run.period))
+    model = fit_residual_model(stretches, BANDWIDTH, breakaway).wider(few_paths(paths))
+    known["noise"] = _noise(model.spread, breakaway)
+    known["constants"] = CONSTANTS | {"period": period}
+    followed = [(follow({**arm, **known}, run), run.period) for arm, run in thinned]
+    return known | {"threshold": _threshold(followed, false_per_min)}
+
+
+def velocity(run: Measured) -> Array:
+    """Return q̇ (N, n) [rad/s] as measured, or by differences."""
+    return np.gradient(run.q, run.period, axis=0) if run.qd is None else run.qd
+
+
+def _thinned(run: Measured) -> Measured:
+    """Return the first minutes of a recording, not faster than needed."""
+    stride = max(1, round(LEARNING_STEP / run.period))
+    return run.at(slice(0, round(LONGEST / run.period), stride))
+
+
+def _noise(std: Array, breakaway: Array) -> dict[str, Any]:
+    """Return standard deviations by state (5, n) [Nm], and what dry friction hides of a contact."""
+    hides = [PRIOR.stiction if row >= SETTLING else PRIOR.rubbing for row in range(len(STATES))]
+    hidden = np.outer(hides, breakaway)
+    return {
+        name: {state: values.tolist() for state, values in zip(STATES, rows, strict=True)}
+        for name, rows in {"std": std, "hidden": hidden}.items()
+    }
+
+
+def _threshold(followed: Sequence[tuple[Followed, float]], allowed: float) -> dict[str, float]:
+    """Return the log-odds with few enough alarms, and how many a minute of known time remain."""
+    peaks = sorted(
+        float(own.evidence[first:last].max()) for own, _ in followed for first, last in own.alarms()
+    )
+    minutes = sum(own.known() * len(own.contact) * period for own, period in followed) / 60
+    most = int(allowed * minutes)
+    above = np.nextafter(peaks[-most - 1], np.inf) if len(peaks) > most else MIN_LOG_ODDS
+    remaining = min(len(peaks), most)
+    return {"log_odds": float(above), "false_per_min": remaining / minutes, "minutes": minutes}
