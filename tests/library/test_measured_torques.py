@@ -1,129 +1,126 @@
-"""Arms that measure torques have them in Nm, under their own name, from the file to the tables."""
+"""Links, gears and counterbalances from measured torques: of made-up arms whose truth is known."""
 
-from pathlib import Path
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-import pandas as pd
-import pyarrow.parquet as pq
 import pytest
-from pydantic import ValidationError
 
-from tests.library.test_recordings_of_joints import PERIOD, sensing
-from ur5lib.channels import CURRENT, TORQUE
-from ur5lib.checks.checked import Checked
-from ur5lib.checks.unchecked import unchecked
-from ur5lib.recordings.entries import ENTRY
-from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.records.signals import Signals
-from ur5lib.records.wording import worded
-from ur5lib.robots.description import Robot, load_robot, robot_of, robot_path
-from ur5lib.tables import channel, named, unit
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import RefusalError
+from ur5lib.identification.base_parameters import identified_model
+from ur5lib.identification.consistency import smallest_eigenvalues
+from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.measured_torques import fit_arm
+from ur5lib.identification.samples import CurrentSamples
+from ur5lib.identification.torque_rows import MeasuredRun
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.friction import friction_direction
+from ur5lib.steps.identify_model import with_fitted
+from ur5lib.timeseries.arrays import Array
 
-TIME = np.arange(0, 4, PERIOD)
-Q = np.sin(TIME[:, None] * np.arange(1, 8)) / 2
-TORQUES = 100 * np.cos(TIME[:, None] * np.arange(1, 8))  # beyond what a current may be
-
-
-def read(folder: Path, arm: Robot, *names: str, **stated: Any) -> Intake:
-    """Positions, and channels of efforts under these names, in turn a tenth as large."""
-    joints = len(arm.joints)
-    efforts = {
-        column: values
-        for k, name in enumerate(names)
-        for column, values in named(TORQUES[:, :joints] / 10**k, name).items()
-    }
-    table = {"timestamp": TIME} | named(Q[:, :joints], "actual_q") | efforts
-    pd.DataFrame(table).to_csv(folder / "run.csv", index=False)
-    entry = {"name": "run", "role": "fit", "format": "rtde-csv", "file": "run.csv"}
-    entry |= {"folder": str(folder), **stated}
-    return read_and_repair(ENTRY.validate_python(entry), arm, 0.1)
+SMOOTH = Smoother(4, 2.0)
+PERIOD = 0.02
+TRUE_WEIGHT = 40.0  # kg, a little more than all links of a UR10e, base and all
 
 
-@pytest.mark.parametrize(
-    "names",
-    [
-        ("actual_torque",),
-        ("actual_current",),
-        ("actual_current_as_torque",),
-        ("actual_torque", "actual_current", "target_current"),
-    ],
-)
-def test_torques_have_their_own_name_and_unit(names: tuple[str, ...], tmp_path: Path) -> None:
-    """Under whatever name the file has them; beside them, currents are left out."""
-    found = read(tmp_path, sensing(7), *names)
-    np.testing.assert_allclose(channel(found.robot, "actual_torque"), TORQUES, atol=1e-9)
-    Signals.from_table(found.robot).write(tmp_path / "signals.parquet")
-    columns = [name for name in pq.read_schema(tmp_path / "signals.parquet").names if "_0" in name]
-    assert columns == ["actual_q_0", "actual_torque_0"]
-    assert unit("actual_torque_0") == "Nm"
-    by_another = [one for one in found.quality.findings if one.code == "torques by another name"]
-    noted = [one for one in found.quality.findings if one.finding == "torques by another name"]
-    assert len(by_another or noted) == (names[0] != "actual_torque")
+@pytest.fixture(scope="module")
+def arm() -> Robot:
+    """A UR10e, of which the fit knows axes and weight alone."""
+    return load_robot(robot_path("ur10e")).model_copy(update={"weight": TRUE_WEIGHT})
 
 
-def test_the_older_name_keeps_the_units_that_a_study_gives_it(tmp_path: Path) -> None:
-    signs = [1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0]
-    found = read(tmp_path, sensing(7), "actual_current", units={"actual_current": signs})
-    torque = channel(found.robot, "actual_torque")
-    np.testing.assert_allclose(torque, TORQUES * signs, atol=1e-9)
+def drawn_run(arm: Robot, seed: int, balance: float = 0.0, gears: float = 0.0) -> MeasuredRun:
+    """A motion of 20 s with friction 8 sign(q̇) + 15 q̇ - gears q̇ |q̇| on each joint.
+
+    balance: torque balance · sin q₂ of a spring on joint 2 [Nm].
+    """
+    random = np.random.default_rng(seed)
+    time = PERIOD * np.arange(1000)
+    order = 2 * np.pi / 20 * np.arange(1, 7)[:, None, None]
+    size = 0.5 * random.normal(size=(6, 1, 6)) / np.arange(1, 7)[:, None, None]
+    angle = order * time[:, None] + random.uniform(0, 2 * np.pi, (6, 1, 6))
+    q = (size * np.sin(angle)).sum(axis=0) + random.uniform(-1, 1, 6)
+    qd = (size * order * np.cos(angle)).sum(axis=0)
+    qdd = -(size * order**2 * np.sin(angle)).sum(axis=0)
+    model, segment = LinkModel(arm, arm.chosen_model), np.zeros(len(time), int)
+    direction = np.stack([friction_direction(joint, segment) for joint in q.T], axis=1)
+    friction = 8 * direction + 15 * qd - gears * qd * np.abs(qd)
+    torque = model.inverse_dynamics(q, qd, qdd) + friction
+    torque[:, 1] += balance * np.sin(q[:, 1])
+    torque += random.normal(size=torque.shape)
+    samples = CurrentSamples(f"run {seed}", PERIOD, segment, q, qd, 0 * q, torque)
+    return MeasuredRun(samples, qdd, model.regressor)
 
 
-def test_torques_of_motors_with_currents_are_currents(tmp_path: Path) -> None:
-    """Divided by the makers' constants, without a second effort beside them."""
-    ur5 = load_robot(robot_path("ur5"))
-    signals = Signals.from_table(read(tmp_path, ur5, "actual_torque").robot)
-    assert signals.actual_torque is None
-    assert signals.effort is signals.actual_current
-    np.testing.assert_allclose(
-        signals.effort, TORQUES[:, :6] / ur5.maker_torque_constants(), atol=1e-9
+def runs(arm: Robot, balance: float = 0.0, gears: float = 0.0) -> list[MeasuredRun]:
+    return [drawn_run(arm, seed, balance, gears) for seed in range(6)]
+
+
+def unseen_gravity(arm: Robot, parameters: Array) -> tuple[Array, Array]:
+    """Gravity's torque in drawn postures, by fitted links and by the true ones."""
+    found = arm.with_model("found", identified_model(arm, parameters, ""))
+    q = np.random.default_rng(9).uniform(-1.5, 1.5, (200, 6))
+    return tuple(
+        LinkModel(arm, name).gravity_torque(q)
+        for name, arm in (("found", found), (arm.chosen_model, arm))
     )
 
 
-def test_what_is_missing_is_called_by_its_name(tmp_path: Path) -> None:
-    arm = sensing(7)
-    notes = unchecked(Checked(read(tmp_path, arm).robot, arm, None, None, True))
-    (missing,) = (one for one in notes if one.finding == "no currents")
-    said = worded(missing)["detail"]
-    assert "no actual_torque" in said
-    assert "current" not in said
+def test_links_are_bodies_that_hold_in_other_postures(arm: Robot) -> None:
+    fitted = fit_arm(arm, runs(arm), SMOOTH)
+    assert (fitted.terms, fitted.balanced) == ([], [])
+    assert (smallest_eigenvalues(fitted.parameters) > 0).all()
+    found, true = unseen_gravity(arm, fitted.parameters)
+    assert np.abs(found - true).max() < 0.03 * np.abs(true).max()
 
 
-def described(**changes: Any) -> dict[str, Any]:
-    """A description as by `ur5 describe`, without `effort`."""
-    plain = sensing(2).model_dump(mode="json", exclude_none=True)
-    del plain["effort"]
-    return plain | changes
+def test_links_from_recordings_tell_nothing_against_them(arm: Robot) -> None:
+    """Nor against others: friction, which is in these torques, is not gravity's."""
+    assert arm.tells_gravity()
+    assert not with_fitted(arm, fit_arm(arm, runs(arm), SMOOTH)).tells_gravity()
 
 
-@pytest.mark.parametrize(
-    ("changes", "effort"),
-    [
-        ({}, "current"),
-        ({"drives": {"torques": "motor"}}, "motor_torque"),
-        ({"drives": {"torques": "joint"}}, "joint_torque"),
-        ({"drives": {"torques": "joint"}, "effort": "torque"}, "joint_torque"),
-        ({"effort": "joint_torque"}, "joint_torque"),
-    ],
-)
-def test_older_descriptions_say_what_they_measure(changes: dict[str, Any], effort: str) -> None:
-    arm = described(**changes)
-    for motor in arm["motors"].values():
-        motor["gear_ratio"] = 50.0
-    robot = robot_of(arm)
-    assert robot.effort == effort
-    assert robot.measured == (CURRENT if effort == "current" else TORQUE)
-    assert robot.is_counted() == (effort == "motor_torque")
+def test_a_counterbalance_is_no_link(arm: Robot) -> None:
+    """With it in its place, gravity is still that of the links."""
+    fitted = fit_arm(arm, runs(arm, balance=-250.0), SMOOTH)
+    assert fitted.balanced == [2]
+    unweighed = fit_arm(arm.model_copy(update={"balanced_joints": [2]}), runs(arm, -250.0), SMOOTH)
+    np.testing.assert_allclose(unweighed.parameters, fitted.parameters)
 
 
-def test_a_constant_of_one_of_all_motors_is_a_measured_torque() -> None:
-    arm = described()
-    for motor in arm["motors"].values():
-        motor["torque_constant"] = 1
-    assert robot_of(arm).effort == "torque"
-    assert robot_of(arm | {"effort": "current"}).measured == CURRENT
+def test_terms_of_gears_are_those_that_they_have(arm: Robot) -> None:
+    assert "velocity_square" in fit_arm(arm, runs(arm, gears=12.0), SMOOTH).terms
 
 
-def test_two_sides_of_the_gears_are_refused() -> None:
-    with pytest.raises(ValidationError, match="`torques` of `drives`"):
-        robot_of(described(drives={"torques": "joint"}, effort="motor_torque"))
+def test_one_short_motion_is_too_little(arm: Robot) -> None:
+    """It has no part that the others could predict."""
+    (run,) = runs(arm)[:1]
+    short = {
+        name: getattr(run.samples, name)[:100]
+        for name in ("segment", "q", "qd", "torque", "current")
+    }
+    with pytest.raises(RefusalError):
+        fit_arm(
+            arm, [replace(run, samples=replace(run.samples, **short), qdd=run.qdd[:100])], SMOOTH
+        )
+
+
+def test_recordings_without_torques_are_left_out(arm: Robot) -> None:
+    """They may be all."""
+    one = runs(arm)[0]
+    without = replace(
+        one, samples=replace(one.samples, current=np.full_like(one.samples.q, np.nan))
+    )
+    shown = [fit_arm(arm, some, SMOOTH).parameters for some in (runs(arm), [without, *runs(arm)])]
+    np.testing.assert_allclose(*shown)
+    for none in ([], [without]):
+        with pytest.raises(RefusalError, match="no fit torques"):
+            fit_arm(arm, none, SMOOTH)
+
+
+def test_friction_reverses_over_the_distance_of_the_arm(arm: Robot) -> None:
+    """A described one is kept, and one that does not explain more is a UR's."""
+    fitted = fit_arm(arm, runs(arm), SMOOTH)
+    assert fitted.presliding == 1e-4
+    stiff = arm.model_copy(update={"presliding": 1e-5})
+    assert fit_arm(stiff, [run.over(1e-5) for run in runs(arm)], SMOOTH).presliding == 1e-5
