@@ -63,8 +63,8 @@ class Measured(NamedTuple):
 
     @classmethod
     def of(cls, signals: Signals) -> "Measured | None":
-        """Return a recording, None without positions or currents."""
-        if signals.actual_q is None or signals.actual_current is None:
+        """Return a recording, None without positions or efforts."""
+        if signals.actual_q is None or signals.effort is None:
             return None
         return cls(
             signals.time,
@@ -72,7 +72,7 @@ class Measured(NamedTuple):
             signals.period,
             signals.actual_q,
             signals.actual_qd,
-            signals.actual_current,
+            signals.effort,
         )
 
     def at(self, rows: slice) -> Self:
