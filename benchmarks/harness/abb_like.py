@@ -16,7 +16,7 @@ import pandas as pd
 import pinocchio
 from scipy.interpolate import make_interp_spline
 
-from ur5lib.identification.current_regression import UNSEEN_MOVING_ERROR
+from ur5lib.identification.current_regression import UNSEEN_ERRORS
 from ur5lib.timeseries.arrays import Array
 
 JOINTS, WEIGHT = 6, 250.0  # kg, with the base, which no torque shows
@@ -39,7 +39,7 @@ LOST = 0.03, 0.05  # range of the share of a transmitted torque that its gear ta
 REVERSAL = 3e-4  # rad, over which dry friction reverses
 # Dry friction differs along a turn by as much as it does on real arms along a path that no fit has
 # seen, root mean square, relative.
-UNEVEN, WAVES = UNSEEN_MOVING_ERROR, 3
+UNEVEN, WAVES = UNSEEN_ERRORS[0], 3
 OFFSET, NOISE, RIPPLE = 0.005, 0.02, 0.005  # of the largest torque
 RESOLVER = 1e-3  # rad, noise of a motor's angle
 STEP, EVERY = 1e-3, 4  # s, of the simulation; a sample of the logs is each fourth of its steps

@@ -74,6 +74,19 @@ def test_a_band_that_is_right_when_free_may_be_wrong_in_contact() -> None:
     assert figures["contact"]["interval_score95"][0] > 100
 
 
+def test_a_band_in_missed_contacts_is_judged_apart() -> None:
+    """Of three contacts the first is found; the band holds the second, not the third."""
+    reference = pushed(3)
+    number = np.minimum(np.arange(len(reference)) // 300, 2)
+    estimate = np.where(number[:, None] == 0, reference, 0.0)
+    std = np.where(number == 2, 0.1, 50.0)[:, None] * np.ones(6)
+    figures = figures_by_contact(estimate, std, reference, norm(reference), PERIOD)
+    assert figures["missed"]["coverage95"][0] == pytest.approx(0.5, abs=0.01)
+    assert figures["contact"]["coverage95"][0] == pytest.approx(2 / 3, abs=0.01)
+    found = figures_by_contact(reference, std, reference, norm(reference), PERIOD)
+    assert "missed" not in found
+
+
 def test_without_contact_there_are_no_figures_in_contact() -> None:
     still = np.zeros((100, 6))
     figures = figures_by_contact(still, None, still, norm(still), PERIOD)

@@ -681,8 +681,8 @@ def wander(record: CurrentSamples, seed: int) -> Array:
     return noise / np.sqrt(np.mean(noise**2, axis=0)) * coulomb
 
 
-def test_a_mean_square_over_few_paths_counts_with_a_usual_error() -> None:
-    residual, once = np.full(200, 0.3), np.zeros(200, int)
+def test_errors_along_few_paths_count_with_a_usual_error() -> None:
+    residual, once = np.full(200, 0.3 * NORMAL95), np.zeros(200, int)
     few, many = (unseen_error(residual, np.arange(200) % paths, once, 0.8) for paths in (2, 100))
     assert few == pytest.approx(np.hypot(0.3, 0.8 / np.sqrt(2)))
     assert 0.3 < many < 0.305
@@ -691,11 +691,19 @@ def test_a_mean_square_over_few_paths_counts_with_a_usual_error() -> None:
 
 def test_student_s_t_of_dates_replaces_a_usual_error_that_is_larger() -> None:
     """Of twelve paths on three dates, t is 4.303 / 1.96; of those of one date, 2.201 / 1.96."""
-    residual, path = np.full(240, 0.3), np.arange(240) % 12
+    residual, path = np.full(240, 0.3 * NORMAL95), np.arange(240) % 12
     for days, t in ((3, 4.303), (1, 2.201)):
         known = residual, path, path % days
         assert unseen_error(*known, 9.0) == pytest.approx(0.3 * t / NORMAL95, rel=1e-3)
         assert unseen_error(*known, 0.1) == pytest.approx(np.hypot(0.3, 0.1 / np.sqrt(12)))
+
+
+def test_what_holds_a_joint_to_either_side_is_in_the_band_whole() -> None:
+    """Where one path in eight errs by 1, its root mean square alone would leave it out."""
+    path = np.arange(800) % 80
+    held = np.where(path % 8 == 0, 1.0, 0.1)
+    assert NORMAL95 * unseen_error(held, path, 0 * path, 0.0) == pytest.approx(1.0)
+    assert NORMAL95 * np.sqrt(np.mean(held**2)) < 0.8
 
 
 def test_without_a_recording_no_band_is_narrower_than_with_one(study: list[CurrentSamples]) -> None:

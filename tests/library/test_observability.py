@@ -141,7 +141,7 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     assert least.to_dict() == {1: 0.0, 2: 0.0, 3: 0.2, 4: 0.0, 5: 0.0, 6: 0.0}
     assert (table["quantity"] == "friction_in_band").sum() == 6 * 9
     pushes = table[table["quantity"] == "smallest_push_95"]
-    assert [*pushes["speed_low"]] == [0.0, 0.5]
+    assert [*pushes["speed_low"]] == [0.0, 0.25]
     assert pushes["value"].to_numpy() == pytest.approx(10.0, rel=0.4)
     along = table[table["quantity"].str.startswith("smallest_push_95_")]
     assert [*along["quantity"].str[-1]] == [*"xyzxyz"]

@@ -1,7 +1,7 @@
 """Verdicts and next steps: each rule at its borders, on tables with a known answer."""
 
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from tests.artefacts.documents import stated
+from ur5lib.records.arm_state import Observed
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import Verdict
 from ur5lib.report.page.sentences import say
@@ -18,6 +19,7 @@ from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.baseline import bars, error_bar, state
 from ur5lib.report.views.contacts import (
     claim,
+    false_alarms,
     felt_while_fitted,
     judge_force,
     noticed,
@@ -46,6 +48,7 @@ from ur5lib.tidy import columns
 EVERY_JOINT = "1 2 3 4 5 6"
 COLUMNS = columns() | {  # and of steps
     "next_recordings": ["robot", "after", "force", "current", "mass"],
+    "observability": ["robot", *(one.name for one in fields(Observed))],
     "health": ["robot", "date", "joint", "quantity", "value", "std_error", "group"],
     "health_changes": [
         "robot",
@@ -494,7 +497,8 @@ def test_a_wrench_that_is_not_used_is_named() -> None:
         (
             "seen",
             "False alarms in 1.0 minutes of validate recordings without an undeclared load: 0.5 a "
-            "minute, from past currents alone 3.0.",
+            "minute, from past currents alone 3.0; none is known to be of a date that no fit has "
+            "seen.",
         ),
         ("fitted", "No validate recording without an undeclared load shows how many alarms"),
     ],
@@ -522,6 +526,49 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     evidence = judge_force(judged).evidence
     assert "in 2.0 minutes" in evidence
     assert "3.0 a minute, from past currents alone 1.5" in evidence
+
+
+def test_causal_alarms_are_stated_on_dates_that_no_fit_has_seen() -> None:
+    """Of 4 minutes, that of the fit's own date counts for all alone; the farthest stands apart."""
+    days = {"fitted": "2020-01-17", "same": "2020-01-17", "near": "2020-01-22", "far": "2019-12-23"}
+    lengths = {"fitted": 60.0, "same": 60.0, "near": 120.0, "far": 60.0}
+    entries = [
+        {"name": name, "robot": "ur5", "date": day, "role": "validate" if day else ""}
+        for name, day in days.items()
+    ]
+    entries[0]["role"] = "fit"
+    rates = {"fitted": 0.0, "same": 0.0, "near": 1.0, "far": 4.0}
+    found = [
+        {"recording": name, "estimate": "Fmap", "alarms_per_min": 0.0, "causal_alarms_per_min": own}
+        for name, own in rates.items()
+    ]
+    tables = study(force_mae=touched(4.0)).tables | {
+        "detection": pd.DataFrame(found),
+        "recordings": pd.DataFrame(
+            [{"recording": name, "duration_s": own} for name, own in lengths.items()]
+        ),
+    }
+    (told,) = false_alarms(Results({"recordings": entries}, tables, Path()))
+    assert "from past currents alone 1.5;" in told
+    assert "on dates that no fit has seen 2.0 (95 %: at most 4.4)" in told
+    assert "on the farthest, 25 days from them, 4.0" in told
+
+
+def test_what_the_band_holds_for_while_no_contact_is_found_stands_on_the_card() -> None:
+    missed = [row | {"during": "missed", "coverage95": 0.62} for row in touched(15.0)]
+    missed[1] |= {"coverage95": 0.43}
+    about = {"robot": "ur5", "quantity": "smallest_push_95", "speed_unit": "m/s", "unit": "N"}
+    pushes = [
+        about | {"speed_low": 0.0, "speed_high": 0.01, "value": 68.0, "std_error": 10.0},
+        about | {"speed_low": 0.01, "speed_high": 0.25, "value": 100.0, "bound": ">"},
+        about | {"speed_low": 0.25, "value": 12.0, "std_error": 10.0},
+    ]
+    card = judge_force(study(force_mae=touched(4.0) + missed, observability=pushes)).evidence
+    assert "holds if nothing touches the arm" in card
+    assert "lay in it for 43 % of the time along y on pushed" in card
+    assert "at rest 68 N (95 %: 48 to 88), slow above 100 N, fast 12 N (95 %: 0 to 32)." in (
+        card.replace("\u00a0", " ")
+    )
 
 
 # No recording to fit

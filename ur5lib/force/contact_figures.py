@@ -17,6 +17,7 @@ from ur5lib.timeseries.metrics import (
     slope,
     zero_interval_score,
 )
+from ur5lib.timeseries.segments import inside_spans
 
 NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # of bands
 CONTACT_RESAMPLES = 1000  # of a recording's contacts
@@ -31,19 +32,31 @@ def periods(force: Array, period: float) -> dict[str, Mask]:
     return {"all": everywhere, "contact": in_contact(force), "free": is_free(force, period)}
 
 
+def missed(estimate: Array, force: Array) -> Mask:
+    """Return the samples (N,) in contact of those contacts that no part of an estimate shows.
+
+    estimate: (N, 6), zero while its gate is shut; force: (N,) [N], of the sensor.
+    """
+    unseen = [span for span in contacts(force) if not estimate[slice(*span)].any()]
+    return in_contact(force) & inside_spans(unseen, len(force))
+
+
 def figures_by_contact(
     estimate: Array, std: Array | None, reference: Array, force: Array, period: float
 ) -> dict[str, dict[str, Array]]:
     """Return figures (6,) of a wrench (N, 6) and its band: over all samples, in contact, and free.
 
     reference: the sensor's wrench (N, 6); force: (N,) [N], of the sensor, which defines contacts;
-    period: [s]. Samples without an estimate are excluded; a period without any known sample has no
-    figures.
+    period: [s]. Where a band is stated, also in the contacts that are missed. Samples without an
+    estimate are excluded; a period without any known sample has no figures.
     """
     finite = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
+    parts = periods(force, period)
+    if std is not None:
+        parts["missed"] = missed(estimate, force)
     figures = {
         name: error_figures(estimate[rows], None if std is None else std[rows], reference[rows])
-        for name, within in periods(force, period).items()
+        for name, within in parts.items()
         if (rows := within & finite).any()
     }
     if "contact" in figures:

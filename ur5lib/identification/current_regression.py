@@ -261,19 +261,20 @@ def _unseen_errors(samples: JointSamples, prior: Prior, coulomb: float) -> Array
 def unseen_error(residual: Array, path: Labels, day: Labels, usual: float) -> float:
     """Return the error [A] along one more path, 1.96 of which hold 95 %.
 
-    Of residuals r (n,) along P paths, path: (n,) labels, a mean square m = Σ r² / n says little of
-    another path, of which a usual error u [A] is known: s² = m + u² / P, or t² m by Student's t of
-    the dates, day: (n,) labels, or of the paths of a single one, where that is less. Too few
-    residuals say nothing.
+    Residuals r (n,) along P paths, path: (n,) labels, of which 95 % are below 1.96 m, say little of
+    another path, of which a usual error u [A] is known: s² = m² + u² / P. Or s = m t / 1.96, where
+    that is less, with Student's t of the dates, day: (n,) labels, or of the paths of a single one.
+    Too few residuals say nothing.
     """
     if len(residual) < MIN_SAMPLES:
         return usual
-    mean_square, paths, days = np.mean(residual**2), *(len({*own}) for own in (path, day))
-    with_usual = float(np.sqrt(mean_square + usual**2 / paths))
+    error = np.quantile(np.abs(residual), 0.95) / NORMAL95
+    paths, days = len(np.unique(path)), len(np.unique(day))
+    with_usual = float(np.hypot(error, usual / np.sqrt(paths)))
     groups = days if days > 1 else paths
-    if groups == 1:
-        return with_usual
-    return min(with_usual, float(half_width(np.sqrt(mean_square), groups)) / NORMAL95)
+    return (
+        with_usual if groups == 1 else min(with_usual, float(half_width(error, groups)) / NORMAL95)
+    )
 
 
 def _remarks(

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ur5lib.force.estimators import GATED, NEW, PUBLISHED, Answer
+import numpy as np
+
+from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED, Answer
 from ur5lib.records.motion import Motion
 from ur5lib.records.table import JOINTS, WRENCH, SegmentedTable, channel
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 REFERENCES = ("printed", "corrected", "compensated")
 
@@ -18,7 +20,8 @@ class Forces(SegmentedTable):
 
     wrench and, where it states one, std, its standard deviation, by estimate; log_odds: that there
     is a contact, (N,), given all samples; causal_log_odds: given each sample and those before it;
-    background: (N, 6) [Nm], slow external torque that is no contact.
+    background: (N, 6) [Nm], slow external torque that is no contact; if_untouched: (N,), where no
+    contact is found: there, the leading estimate's band holds only if nothing touches the arm.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH, keys=tuple(NEW))
@@ -26,6 +29,7 @@ class Forces(SegmentedTable):
     log_odds: dict[str, Array] = channel("log_odds_{}", "1", (), keys=tuple(GATED))
     causal_log_odds: Array | None = channel("causal_log_odds", "1", optional=True)
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
+    if_untouched: Mask | None = channel("if_untouched", "1", optional=True, dtype=np.bool_)
 
     @classmethod
     def of(
@@ -38,6 +42,7 @@ class Forces(SegmentedTable):
         """Return estimates by name, at the times of a motion; causal: `causal_log_odds`."""
         known = {name: one for name, one in estimates.items() if one is not None}
         odds = {name: one.log_odds for name, one in known.items()}
+        leading = known.get(LEADING)
         return cls(
             time=motion.time,
             segment=motion.segment,
@@ -46,6 +51,7 @@ class Forces(SegmentedTable):
             log_odds={name: own for name, own in odds.items() if own is not None},
             background=background,
             causal_log_odds=causal,
+            if_untouched=None if leading is None else ~leading.wrench.any(axis=1),
         )
 
 

@@ -17,7 +17,7 @@ import yaml
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
-from ur5lib.records.arm_state import Repeated
+from ur5lib.records.arm_state import Observed, Repeated
 from ur5lib.records.quality import UNREADABLE
 from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
@@ -34,7 +34,10 @@ PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 OPTIONAL = {  # tables that not every study has
     "truth": pd.DataFrame(columns=TRUTH),
     "printed": pd.DataFrame(columns=PRINTED),
-    "repetition": pd.DataFrame(columns=["robot", *(one.name for one in fields(Repeated))]),
+}
+OPTIONAL |= {
+    name: pd.DataFrame(columns=["robot", *(one.name for one in fields(row))])
+    for name, row in (("repetition", Repeated), ("observability", Observed))
 }
 
 

@@ -35,7 +35,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.timeseries.arrays import Array
 
-FLANGE_SPEEDS = (0.0, 0.01, 0.25, 0.5, 1.0, np.inf)  # m/s; below the first step, the arm rests
+FLANGE_SPEEDS = (0.0, 0.01, 0.25, np.inf)  # m/s: at rest, slow, fast
 ROUNDS = 2  # of trial pushes
 FEWEST_TRIALS = 10  # of which some are detected and some are not
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.special import gammainc
+from scipy.special import gammainc, gammaincinv
 
 from ur5lib.force.contact_wrench import (
     BREAKAWAY_SHARE,
@@ -22,7 +22,7 @@ from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.baseline import MIN_GOOD_SKILL, ZERO_ESTIMATE, Rival, error_bar, state
-from ur5lib.report.views.currents import loaded
+from ur5lib.report.views.currents import days_away, loaded
 from ur5lib.report.views.forces import (
     FORCE_COMPONENTS,
     FORCE_STDS,
@@ -98,11 +98,43 @@ def quiet(results: Results) -> pd.DataFrame:
 
 
 def false_alarms(results: Results) -> Iterator[str]:
-    """Report the alarms where nothing touches the arm, of all samples and of past ones."""
+    """Report the alarms where nothing touches the arm, of all samples and of past ones, of these
+    also on dates that no fit has seen and on the farthest of them.
+    """
     if len(results.rows("detection", estimate=LEADING)):
         rows = quiet(results)
-        rate, causal = (a_minute(rows, f"{kind}alarms_per_min") for kind in ("", "causal_"))
-        yield say("force.false alarms", minutes=rows["minutes"].sum(), rate=rate, causal=causal)
+        away = {n: d for own in results.robots() for n, d in days_away(results, own).items()}
+        rows["days"] = rows["recording"].map(away)
+        others = rows[rows["days"] > 0]
+        parts = {"all": rows, "others": others, "far": others[others["days"] == rows["days"].max()]}
+        causal = {name: a_minute(part, "causal_alarms_per_min") for name, part in parts.items()}
+        yield say(
+            "force.false alarms",
+            minutes=rows["minutes"].sum(),
+            rate=a_minute(rows, "alarms_per_min"),
+            causal=causal,
+            most=most_a_minute(others, "causal_alarms_per_min"),
+            days=rows["days"].max(),
+        )
+
+
+def most_a_minute(rows: pd.DataFrame, column: str) -> float:
+    """Return the upper end of the 95 % interval of alarms a minute, by Poisson."""
+    minutes, count = rows["minutes"].sum(), (rows[column] * rows["minutes"]).sum()
+    return float(gammaincinv(count + 1, 0.975) / minutes) if minutes else math.nan
+
+
+def while_shut(results: Results) -> Iterator[str]:
+    """Say what the band holds for while no contact is found, how far missed contacts lay in it, and
+    from which size on a push would have been found, at rest, slow and fast.
+    """
+    missed = errors_in_contact(results, "missed")
+    least = missed.loc[missed["coverage95"].idxmin()] if len(missed) else None
+    pushes = results.rows("observability", quantity="smallest_push_95")
+    half = NORMAL95 * pushes["std_error"].astype(float)
+    ends = {"low": (pushes["value"] - half).clip(lower=0), "high": pushes["value"] + half}
+    for robot, own in pushes.assign(**ends).groupby("robot", sort=False):
+        yield say("force.while shut", robot=robot, least=least, pushes=[*own.itertuples()])
 
 
 def a_minute(rows: pd.DataFrame, column: str) -> float:
@@ -180,11 +212,12 @@ def uncalibrated(results: Results) -> Iterator[str]:
         )
 
 
-def errors_in_contact(results: Results) -> pd.DataFrame:
-    """Return the leading estimate's errors along x, y, z on recordings that no fit has seen."""
-    rows = results.rows(
-        "force_mae", kind="compensated", during="contact", component=FORCE_COMPONENTS
-    )
+def errors_in_contact(results: Results, during: str = "contact") -> pd.DataFrame:
+    """Return the leading estimate's errors along x, y, z on recordings that no fit has seen.
+
+    during: "contact", or "missed", of contacts that it does not show.
+    """
+    rows = results.rows("force_mae", kind="compensated", during=during, component=FORCE_COMPONENTS)
     rows = leading(rows[~rows["recording"].isin(results.with_role("fit"))])
     return rows.assign(axis=rows["component"].str[1:])
 
@@ -279,7 +312,11 @@ def judge_force(results: Results) -> Verdict:
         state=state(error, 1.0, covered, tested=relied),
         sentence=rival.after(sentence, "N", 1),
         evidence=" ".join(
-            [say("force.evidence", row=row, share=share, **about), *false_alarms(results)]
+            [
+                say("force.evidence", row=row, share=share, **about),
+                *while_shut(results),
+                *false_alarms(results),
+            ]
         ),
         drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),
         caption=say("force.caption", known=has_interval, floor=row["floor"]),
@@ -351,7 +388,7 @@ def _unjudged(results: Results) -> Verdict:
         return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
     plausible = [say("force.plausible", counts=counts)] if counts else []
-    evidence = " ".join([*plausible, *false_alarms(results)])
+    evidence = " ".join([*plausible, *while_shut(results), *false_alarms(results)])
     return Verdict(
         FORCE_TOPIC,
         "not determined",

@@ -110,18 +110,23 @@ def next_recordings(results: Results) -> Iterator[str]:
 
 def farthest_in_time(results: Results) -> Iterator[str]:
     """Say which dated recording of each arm is farthest from all those of the fit."""
-    arms, dates, roles = results.arms(), results.dates(), results.roles()
     for robot in results.robots():
-        dated = {name: day for name, day in dates.items() if day and arms[name] == robot}
-        fitted = [day for name, day in dated.items() if roles[name] == "fit"]
-        days_away = {
-            name: min(abs((day - other).days) for other in fitted)
-            for name, day in dated.items()
-            if fitted and roles[name] in ("validate", "contact")
-        }
-        if days_away and (days := max(days_away.values())):
-            name = max(days_away, key=days_away.__getitem__)
+        away = days_away(results, robot)
+        if away and (days := max(away.values())):
+            name = max(away, key=away.__getitem__)
             yield say("currents.farthest in time", robot=robot, name=name, days=days)
+
+
+def days_away(results: Results, robot: str) -> dict[str, int]:
+    """Return the days from each dated recording of an arm to the nearest one of its fit."""
+    arms, dates, roles = results.arms(), results.dates(), results.roles()
+    dated = {name: day for name, day in dates.items() if day and arms[name] == robot}
+    fitted = [day for name, day in dated.items() if roles[name] == "fit"]
+    return {
+        name: min(abs((day - other).days) for other in fitted)
+        for name, day in dated.items()
+        if fitted and roles[name] in ("validate", "contact")
+    }
 
 
 def unseen(results: Results) -> pd.DataFrame:
