@@ -138,7 +138,7 @@ def faults(own: Checked) -> Iterator[Fault]:
 def exchanged(own: Checked, pair: Pair, other: Pair) -> Iterator[Fault]:
     """Yield a log with efforts of two joints exchanged, and with all channels of another two."""
     order, order_of_all = ([*exchanged_order(in_order(own.arm), *two)] for two in (pair, other))
-    words = ("exchanged currents", "exchanged torques")
+    words = ("exchanged currents",)
     efforts = spoilt(own, channel(own.robot, own.arm.measured.channel)[:, order])
     yield Fault("efforts of two joints exchanged", efforts, {j + 1 for j in pair}, words)
     table = own.robot.copy()

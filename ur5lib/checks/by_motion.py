@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import CURRENT, TORQUE
+from ur5lib.channels import CURRENT
 from ur5lib.checks.arm import Cause, Pair, torque_constants
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import moving_joints, rubbing_joints
@@ -127,11 +127,12 @@ class MotionChecks:
 
     def exchanges_of_efforts(self) -> Iterator[Cause]:
         """Yield pairs of joints whose motion explains each other's efforts better."""
-        code = "exchanged torques" if self.arm.measured == TORQUE else "exchanged currents"
         for pair, other in self.exchanged_efforts.items():
             if is_likelier(other, self.declared, pair, OF_EFFORTS):
                 efforts = self.means.effort[:, self._order(pair)]
-                yield self._change(code, other, self.means.with_efforts(efforts), pair)
+                yield self._change(
+                    "exchanged currents", other, self.means.with_efforts(efforts), pair
+                )
 
     def turned_by_links(self) -> Iterator[Cause]:
         """Yield the joints whose turned efforts the declared links explain better, or, where nobody
@@ -240,7 +241,8 @@ class MotionChecks:
         return self.gain(self.turned[joint])
 
     def _change(self, code: str, other: Explained, means: BlockMeans, pair: Pair) -> Cause:
-        finding = contradiction(code, joint=pair[0] + 1, other=pair[1] + 1)
+        joints = {"joint": pair[0] + 1, "other": pair[1] + 1}
+        finding = contradiction(code, **joints, **means.measured._asdict())
         return Cause(finding, self.gain(other), means, self.arm)
 
     def _order(self, pair: Pair) -> list[int]:

@@ -99,7 +99,8 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
     gains = np.triu(ahead + ahead.T, 1)
     j, k = np.argwhere(gains == gains.max())[0].tolist()
     if gains[j, k] > MIN_LEAD_OF_EXCHANGE:
-        yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
+        joints = {"joint": j + 1, "other": k + 1}
+        yield contradiction("exchanged currents", **joints, **CURRENT._asdict())
 
 
 def rubbing_joints(arm: Robot) -> Mask:

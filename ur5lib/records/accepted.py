@@ -18,7 +18,6 @@ CODES = {  # of contradictions, by the kind under which a study accepts them
         "exchanged currents",
         "exchanged joints",
         "exchanged joints at rest",
-        "exchanged torques",
     ],
     "payload": ["undeclared load"],
     "rectified": ["rectified efforts"],

@@ -32,7 +32,7 @@ class Accept(Strict):
     rectified: Reason | None = _kind("currents or torques have their signs")
     robot: Reason | None = _kind("it is this arm")
     sampling: Reason | None = _kind("the samples tell the motion between them")
-    side: Reason | None = _kind("torques are on the side of the gears that the arm's drives say")
+    side: Reason | None = _kind("torques are on the side of the gears that the arm's `effort` says")
     sign: Reason | None = _kind("no current or torque has the opposite sign")
     targets: Reason | None = _kind("measurements may be as smooth as targets, or equal them")
     torques: Reason | None = _kind("torques may stay the same in motion")
